@@ -30,12 +30,7 @@ from synthesis.optimise.branching.bound_task import (
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
-from synthesis.optimise.dual_bound.bound import (
-    Bound,
-    dual_bound,
-    infeasibility_bound,
-    nonnegative_multipliers,
-)
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
 from synthesis.optimise.heuristics.local_search import improve_from
@@ -353,8 +348,7 @@ def solve_relaxation(
         #    there too, and a smoother multiplier gives a better bound over all laws.
         between = node.region.rows_between(model, SPREAD, sparing=True)
         density = MultiplierDensity.of(model, between, SPREAD)
-        z = nonnegative_multipliers(model, solution)
-        ends = boundary_multipliers(model, solution, z, 3)
+        ends = boundary_multipliers(model, solution, 3)
         distributed = replace(
             solution, multipliers=density.distribute_single(solution.multipliers, ends)
         )

@@ -42,6 +42,7 @@ from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.costates import (
     best_costates,
     boundary_multipliers,
+    nonnegative_multipliers,
     project_costates,
 )
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
@@ -65,8 +66,6 @@ WORSE = 2.0
 """Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
 """Factors on an infeasibility certificate: any multiple of it is dual feasible."""
-NOISE = 1e-10
-"""Of the largest multiplier: an interior point gives rows that do not bind about as much."""
 WINDOW_NODES = 33
 """Chebyshev points of a window on which its multipliers are redistributed."""
 WINDOW_SAMPLES = 3
@@ -115,7 +114,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)
     if costates is None:
-        costates = boundary_multipliers(model, solution, z, order)
+        costates = boundary_multipliers(model, solution, order)
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     lagrangian = Lagrangian(model, order)
     vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
@@ -135,21 +134,6 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     add_costates(lagrangian, controls, costates)
     _redistribute_window_multipliers(lagrangian)
     return bound_from_lagrangian(solution, lagrangian, controls)
-
-
-def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
-    """The multipliers (m,) with those of inequalities projected on λ ≥ 0, and noise set to zero.
-
-    An interior point gives every row a multiplier; most are of rows far from binding, and cost time
-    only. Multipliers of cones are brought into the dual cone where they are used.
-    """
-    z, first = solution.multipliers.copy(), model.program.equalities
-    last = first + model.program.inequalities
-    own, conic = z[first:last], z[last:]
-    noise = NOISE * float(own.max(initial=0.0))
-    own[own <= noise] = 0.0
-    conic[np.abs(conic) <= noise] = 0.0
-    return z
 
 
 def infeasibility_bound(model: ConicModel, solution: ConeSolution, ends: Array) -> Bound:

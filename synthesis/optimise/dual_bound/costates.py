@@ -25,6 +25,8 @@ from synthesis.optimise.dual_bound.lagrangian import shared_derivatives
 from synthesis.optimise.dual_bound.switching import NODES, SHARES, Switching
 from synthesis.optimise.problem.boundary import junction_rows
 
+NOISE = 1e-10
+"""Of the largest multiplier: an interior point gives rows that do not bind about as much."""
 STEPS = 30
 """Of Newton's method: one without a cap, a few where the cap is active on a part of the law."""
 GAIN = 1e-14
@@ -35,12 +37,24 @@ LEAST_STEP = 1e-6
 Mask = NDArray[np.bool_]
 
 
-def boundary_multipliers(model: ConicModel, solution: ConeSolution, z: Array, order: int) -> Array:
-    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order).
+def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
+    """The multipliers (m,) with those of inequalities projected on λ ≥ 0, and noise set to zero.
 
-    Args:
-        z: the multipliers, as ``nonnegative_multipliers``.
+    An interior point gives every row a multiplier; most are of rows far from binding, and cost time
+    only. Multipliers of cones are brought into the dual cone where they are used.
     """
+    z, first = solution.multipliers.copy(), model.program.equalities
+    last = first + model.program.inequalities
+    own, conic = z[first:last], z[last:]
+    noise = NOISE * float(own.max(initial=0.0))
+    own[own <= noise] = 0.0
+    conic[np.abs(conic) <= noise] = 0.0
+    return z
+
+
+def boundary_multipliers(model: ConicModel, solution: ConeSolution, order: int) -> Array:
+    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order)."""
+    z = nonnegative_multipliers(model, solution)
     gradients = [np.zeros((1, len(boundary.end))) for boundary in model.boundary_states]
     for vibration, y in model.vibration_multipliers(z):
         for share, rows in zip(vibration.law_terms, vibration.rows, strict=True):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synthesis.optimise.dual_bound.bound import dual_bound, nonnegative_multipliers
+from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
 from synthesis.optimise.dual_bound.row_functionals import row_functionals
@@ -34,9 +34,7 @@ def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
     asked = problem(SCENE)
     answer = direct(asked, uneven(asked, seed))
     between = MultiplierDensity.of(answer.model, [], EACH)
-    ends = boundary_multipliers(
-        answer.model, answer.solution, nonnegative_multipliers(answer.model, answer.solution), 3
-    )
+    ends = boundary_multipliers(answer.model, answer.solution, 3)
     own = between.distribute_single(answer.solution.multipliers, ends)
     shaken = own * np.random.default_rng(seed).uniform(0.5, 1.5, len(own))
     values = [
