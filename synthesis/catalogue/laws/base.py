@@ -13,6 +13,7 @@ from pydantic import Field
 
 from synthesis.catalogue.fields import AnswerModel, FiniteModel
 from synthesis.catalogue.motion import FreeLaw, SegmentKind
+from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array, Piecewise, concatenate
 
 # VDI 2143: R rests (v = a = 0), G has a constant velocity (a = 0), U turns back (v = 0, the
@@ -195,8 +196,6 @@ def mirrored(shape: Piecewise) -> Piecewise:
 
 # -- peak values -----------------------------------------------------------------------------------
 
-SAMPLES = 65  # of a piece: two turning points of a named law are farther apart
-BISECTIONS = 60  # to the last bit; Newton would converge slowly on flat tops
 JUMP_TOLERANCE = 1e-9  # of the peak: rounding leaves 1e-14, the smallest real jump is above 1
 
 
@@ -233,23 +232,9 @@ def characteristics(law: MotionLaw) -> Characteristics:
 
 
 def extremes(curve: Piecewise, order: int) -> tuple[float, float]:
-    """Largest and smallest value of the ``order``-th derivative, one-sided at breaks.
-
-    They lie at ends of pieces or where the next derivative changes sign, found by bisection.
-    """
-    grid = np.linspace(curve.breaks[:-1], curve.breaks[1:], SAMPLES, axis=1)
-    piece = np.repeat(np.arange(curve.count), SAMPLES).reshape(grid.shape)
-    slope = curve.at(grid.ravel(), piece.ravel(), order + 1).reshape(grid.shape)
-    turning = slope[:, :-1] * slope[:, 1:] < 0.0
-    low, high, rising = grid[:, :-1][turning], grid[:, 1:][turning], slope[:, :-1][turning] > 0.0
-    where = piece[:, 1:][turning]
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2.0
-        before = (curve.at(middle, where, order + 1) > 0.0) == rising
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    x, at = np.concatenate([grid.ravel(), low]), np.concatenate([piece.ravel(), where])
-    values = curve.at(x, at, order)
-    return float(values.max()), float(values.min())
+    """Largest and smallest value of the ``order``-th derivative, one-sided at breaks."""
+    up, down = ([*[0.0] * order, sign] for sign in (1.0, -1.0))
+    return maximise(curve, up)[0], -maximise(curve, down)[0]
 
 
 def jumps(curve: Piecewise, order: int, from_rest: bool, to_rest: bool) -> Array:

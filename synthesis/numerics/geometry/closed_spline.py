@@ -25,18 +25,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval, legvander
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, make_interp_spline
 
 from synthesis.errors import InputError
 from synthesis.numerics.geometry.closed_curve import AIM, ClosedCurve, CurvePoints, Mesh
 from synthesis.numerics.piecewise import Array, Indices, Mask
-from synthesis.numerics.quintic_spline import (
-    EndDerivatives,
-    clamped_knots,
-    control_points,
-    solve_inner_nodes,
-    to_polynomials,
-)
 
 DEGREE = 5
 MOST_NODES = 20_000
@@ -164,11 +157,8 @@ def _through(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> tuple[ClosedSp
     ends = _ends(curve, mesh, tolerance)
     same = mesh.span[:-1] == mesh.span[1:]
     inner = same & (mesh.high[:-1] == mesh.low[1:])
-    smooth = np.where(inner, DEGREE - 1, _continuity(ends))
-    table = to_polynomials(lengths, solve_inner_nodes(lengths, ends, inner))
     breaks = np.concatenate([[0.0], np.cumsum(lengths)])
-    knots = clamped_knots(breaks, DEGREE, smooth)
-    points = control_points(breaks, table, knots)
+    knots, points = interpolate(breaks, ends, np.where(inner, DEGREE - 1, _continuity(ends)))
     points[-1] = points[0]
     made = ClosedSpline(knots, points, math.inf, len(lengths))
     departures = np.zeros(len(keep))
@@ -185,32 +175,67 @@ def _lengths(curve: ClosedCurve, mesh: Mesh) -> tuple[Array, Array]:
     return speeds @ TO_END, speeds
 
 
-def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> EndDerivatives:
-    """Points, tangents and curvature vectors at both ends of every piece, neighbours agreeing."""
+def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> Array:
+    """Points, tangents and curvature vectors at both ends of n pieces, neighbours agreeing.
+
+    Returns:
+        (3, 2, n, 2): which of the three, beginning or end, piece, and component.
+    """
     course = curve.at(*mesh.points_at(np.array([0.0, 1.0])))
     bend = np.where(
         np.abs(course.curvature) * tolerance < 1.0, course.curvature, 0.0
     )  # of a cusp: nothing
     tx, ty = course.tangent.T
-    value, slope, second = (
-        each.reshape(-1, 2, 2).swapaxes(0, 1).copy()
-        for each in (course.points, course.tangent, bend[:, None] * np.column_stack([-ty, tx]))
-    )
-    for each, near in ((value, math.inf), (slope, SAME), (second, SAME)):
+    bent = bend[:, None] * np.column_stack([-ty, tx])
+    ends = np.stack([course.points, course.tangent, bent]).reshape(3, -1, 2, 2).swapaxes(1, 2)
+    for each, near in zip(ends, (math.inf, SAME, SAME), strict=True):
         before, behind = each[1], np.roll(each[0], -1, axis=0)
         size = np.maximum(np.hypot(*before.T), np.hypot(*behind.T))
         agree = np.hypot(*(before - behind).T) <= near * size
         mean = np.where(agree[:, None], 0.5 * (before + behind), np.nan)
         each[1] = np.where(agree[:, None], mean, before)
         each[0] = np.where(np.roll(agree, 1)[:, None], np.roll(mean, 1, axis=0), each[0])
-    return EndDerivatives(value, slope, second)
+    return ends
 
 
-def _continuity(ends: EndDerivatives) -> Indices:
+def _continuity(ends: Array) -> Indices:
     """Continuous derivatives at the nodes between neighbouring pieces: 0, 1 or 2."""
-    first = np.all(ends.slope[1, :-1] == ends.slope[0, 1:], axis=1)
-    second = np.all(ends.second[1, :-1] == ends.second[0, 1:], axis=1)
+    first, second = np.all(ends[1:, 1, :-1] == ends[1:, 0, 1:], axis=2)
     return np.where(first, np.where(second, 2, 1), 0)
+
+
+def interpolate(breaks: Array, ends: Array, smooth: Indices) -> tuple[Array, Array]:
+    """Knots and control points (m, k) of the spline of degree 5 through given nodes.
+
+    Args:
+        breaks: (n + 1,) increasing parameters of the nodes.
+        ends: (3, 2, n, k) values, slopes and second derivatives at both ends of every piece; what
+            it says of slopes at nodes with four continuous derivatives is not looked at.
+        smooth: (n − 1,) continuous derivatives at each inner node: 0, 1, 2 or 4.
+    """
+    cuts = [0, *np.flatnonzero(smooth < DEGREE - 1) + 1, len(breaks) - 1]
+    points = list[Array]()
+    for start, first, stop in zip([0, *cuts], cuts, cuts[1:], strict=False):
+        # 1. Between two nodes with given slopes the pieces are an interpolation by themselves.
+        nodes = np.concatenate([ends[0, 0, first:stop], ends[0, 1, stop - 1 : stop]])
+        slopes = [[(k, ends[k, end, i]) for k in (1, 2)] for end, i in ((0, first), (1, stop - 1))]
+        run = make_interp_spline(breaks[first : stop + 1], nodes, k=DEGREE, bc_type=slopes)  # type: ignore[call-overload]
+        # 2. Where it joins the run before, the curve is as smooth as the knots say: with c
+        # continuous derivatives c + 1 of the six equal knots go. A control point is the blossom at the
+        # knots inside its function's support (Ramshaw 1987), which is affine in each of them: so
+        # the point between the runs lies on the line through the last two that the left run keeps.
+        skipped = 0
+        if points:
+            order, left = int(smooth[first - 1]), points[-1]
+            skipped = max(order, 1)
+            points[-1] = left[: len(left) - order]
+            if order == 2:
+                before = breaks[max(start, first - 2)]
+                share = (breaks[first + 1] - before) / (breaks[first] - before)
+                points.append(left[-3:-2] + share * (left[-2:-1] - left[-3:-2]))
+        points.append(run.c[skipped:])
+    knots = np.repeat(breaks, [DEGREE + 1, *(DEGREE - smooth), DEGREE + 1])
+    return knots, np.concatenate(points)
 
 
 def _departures(
