@@ -15,7 +15,6 @@ from synthesis.catalogue.followers.kinematics import (
     Flank,
     TracePoint,
     labelled,
-    profile_radius_measure,
 )
 from synthesis.catalogue.limits.base import scaling, segment_indices
 from synthesis.certify.motion_checks import DERIVATIVES
@@ -170,9 +169,7 @@ class CurveAnalysis:
 
         Under a flat face it does not.
         """
-        follower = self.cam.machine.follower
-        measure = profile_radius_measure(follower.flanks[0], 0.0, follower.always_convex)
-        return measure is None or QUANTITIES[measure.quantity] is CURVATURE
+        return not self.cam.machine.follower.always_convex
 
     @cached_property
     def _bending(self) -> tuple[str, Quantity, str]:

@@ -23,7 +23,7 @@ from synthesis.catalogue.constraints import (
 )
 from synthesis.catalogue.fields import FiniteModel, Range
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
-from synthesis.catalogue.followers.kinematics import Flank, Link, MeasuredBound, TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import Flank, Link, TracePoint, Vector2
 from synthesis.catalogue.motion import Motion, Segments
 from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
@@ -190,8 +190,8 @@ class Follower(FiniteModel, TracePoint, ABC):
         """Dimensions that depend on the finished motion too [mm]."""
         return {}
 
-    def displacement_measure(self, z: Vector) -> MeasuredBound | None:
-        """Bounds of the displacement that the mechanism can reach; None where all are reached."""
+    def displacement_range(self, z: Vector) -> tuple[float, float, Callable[[float], float]] | None:
+        """Ends of the displacements that it can reach, and their map to the wire; None: all."""
         return None
 
     def fixable_dimension(self) -> FixableDimension | None:

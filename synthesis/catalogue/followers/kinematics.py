@@ -26,7 +26,7 @@ rule of a cam touched from outside holds for both.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -219,48 +219,3 @@ def edge_offset(flanks: Iterable[Flank], path: str) -> float:
 def labelled(claim: str, label: str) -> str:
     """Name of a claim about one of several flanks or paths."""
     return f"{claim}_{label}" if label else claim
-
-
-@dataclass(frozen=True)
-class MeasuredBound:
-    """lower ≤ quantity ≤ upper, in core units: what the certificate has to show.
-
-    Attributes:
-        quantity: a name that ``certify.quantities`` knows.
-        lower, upper: the bounds; None where there is none.
-        to_wire: monotone map to ``unit``; None where the wire has no value.
-    """
-
-    quantity: str
-    lower: float | None
-    upper: float | None
-    to_wire: Callable[[float], float | None]
-    unit: str = "mm"
-
-
-def profile_radius_measure(flank: Flank, least: float, always_convex: bool) -> MeasuredBound | None:
-    """Convex radius of a flank ≥ least [mm]; None where every curve satisfies it.
-
-    Under a flat face, whose profile has no hollows, the radius itself is measured. Of a flank at
-    the distance D from its traced curve it is the curvature, σκ ≤ 1/(D + least), which is free of
-    division by what vanishes where the curve turns from convex to hollow.
-    """
-    if always_convex:
-        return MeasuredBound("face_radius", least, None, float)
-    return curvature_measure(flank, least, 1) if flank.distance + least > 0.0 else None
-
-
-def curvature_measure(flank: Flank, least: float, sign: int) -> MeasuredBound:
-    """Radius of a flank ≥ least [mm] where it is convex (sign +1) or hollow (−1).
-
-    With c the sign that is c σκ ≤ 1/(least + c D), and the radius is 1/(c σκ) − c D.
-    """
-    side, distance = sign * flank.side, sign * flank.distance
-    sharpest = side / (least + distance)
-
-    def to_wire(curvature: float) -> float | None:
-        bend = side * curvature
-        return 1.0 / bend - distance if bend > 0.0 else None
-
-    low, high = (None, sharpest) if side > 0 else (sharpest, None)
-    return MeasuredBound("pitch_curvature", low, high, to_wire)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ from pydantic import Field
 from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.kinematics import MeasuredBound, TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
 from synthesis.units import DEGREE, Travel
 
 PivotSense = Literal["opposite", "same"]
@@ -82,13 +83,10 @@ class PivotedFollower(Follower, ABC):
     def size_names(self) -> tuple[str, ...]:
         return self.size_charts[0 if self.distance is not None else 1]
 
-    def displacement_measure(self, z: Vector) -> MeasuredBound:
+    def displacement_range(self, z: Vector) -> tuple[float, float, Callable[[float], float]]:
         l, start, (low, high) = self.reference, self.initial_angle(z), self.swing_range
         lowest = l * (low - start)  # where the wire's value is the range's end without rounding
-        return MeasuredBound(
-            "displacement", lowest, l * (high - start),
-            lambda s: (low + (s - lowest) / l) / DEGREE, "deg",
-        )  # fmt: skip
+        return lowest, l * (high - start), lambda s: (low + (s - lowest) / l) / DEGREE
 
     # -- geometry ----------------------------------------------------------------------------
 

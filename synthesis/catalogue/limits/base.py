@@ -230,14 +230,11 @@ def all_claims(
         size: the follower's size variables [mm].
     """
     claims = [claim for limit in limits for claim in limit.claims(segments, machine)]
-    reach = machine.follower.displacement_measure(size)
+    reach = machine.follower.displacement_range(size)
     if reach is not None:
-        claims.append(
-            Claim(
-                "reach", reach.quantity, segment_indices(segments), reach.lower, reach.upper,
-                reach.unit, reach.to_wire, "follower",
-            )
-        )  # fmt: skip
+        low, high, to_wire = reach
+        moving, unit = segment_indices(segments), machine.follower.travel.unit
+        claims.append(Claim("reach", "displacement", moving, low, high, unit, to_wire, "follower"))
     return claims
 
 

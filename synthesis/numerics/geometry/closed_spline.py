@@ -221,9 +221,9 @@ def interpolate(breaks: Array, ends: Array, smooth: Indices) -> tuple[Array, Arr
         slopes = [[(k, ends[k, end, i]) for k in (1, 2)] for end, i in ((0, first), (1, stop - 1))]
         run = make_interp_spline(breaks[first : stop + 1], nodes, k=DEGREE, bc_type=slopes)  # type: ignore[call-overload]
         # 2. Where it joins the run before, the curve is as smooth as the knots say: with c
-        # continuous derivatives c + 1 of the six equal knots go. A control point is the blossom at the
-        # knots inside its function's support (Ramshaw 1987), which is affine in each of them: so
-        # the point between the runs lies on the line through the last two that the left run keeps.
+        # continuous derivatives c + 1 of the six equal knots go. A control point is the blossom at
+        # the knots inside its function's support (Ramshaw 1987), which is affine in each of them:
+        # so the point between the runs lies on a line through two points of the left run.
         skipped = 0
         if points:
             order, left = int(smooth[first - 1]), points[-1]
