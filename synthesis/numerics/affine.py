@@ -15,7 +15,7 @@ evaluate under ``np.errstate(all="ignore")``.
 
 from __future__ import annotations
 
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class Affine(UfuncDispatch):
     __slots__ = ("c", "g", "rem")
     rules: ClassVar[UfuncRules] = {
         **ARITHMETIC,
+        np.sin: lambda f: f._wave(np.sin(f.c), np.cos(f.c)),
+        np.cos: lambda f: f._wave(np.cos(f.c), -np.sin(f.c)),
         np.maximum: lambda f, g: _maximum(f, g),
         np.minimum: lambda f, g: -_maximum(-f, -g),
     }
@@ -45,15 +47,11 @@ class Affine(UfuncDispatch):
 
     @classmethod
     def variables(cls, lo: Array, hi: Array) -> list[Affine]:
-        """The variables themselves, on boxes from ``lo`` to ``hi``, (n, d) each."""
-        count, size = lo.shape
-        found = []
-        for i in range(size):
-            g = np.zeros((size, count))
-            g[i] = 0.5 * (hi[:, i] - lo[:, i])
-            centre = 0.5 * (lo[:, i] + hi[:, i])
-            found.append(cls(centre, g, ROUNDING * (np.abs(centre) + g[i])))
-        return found
+        """The d variables themselves, on boxes from ``lo`` to ``hi``, (…, d) each."""
+        centre, half = np.moveaxis(0.5 * (lo + hi), -1, 0), np.moveaxis(0.5 * (hi - lo), -1, 0)
+        unit = np.eye(len(half)).reshape(*[len(half)] * 2, *[1] * (half.ndim - 1))
+        rem = ROUNDING * (np.abs(centre) + half)
+        return [cls(centre[i], unit[i] * half, rem[i]) for i in range(len(half))]
 
     @property
     def radius(self) -> Array:
@@ -86,7 +84,7 @@ class Affine(UfuncDispatch):
     def __sub__(self, other: Affine | float) -> Affine:
         return self + (-other)
 
-    def __mul__(self, other: Affine | float) -> Affine:
+    def __mul__(self, other: Any) -> Affine:
         if not isinstance(other, Affine):
             rem = self.rem * abs(other) + ROUNDING * self._size() * abs(other)
             return Affine(self.c * other, self.g * other, rem)
@@ -121,6 +119,11 @@ class Affine(UfuncDispatch):
         step = self.radius / (root + np.sqrt(self.c - self.radius))
         rem = self.rem / (2.0 * root) + step**2 / (2.0 * root)
         return Affine(root, self.g / (2.0 * root), rem + ROUNDING * (root + self.radius / root))
+
+    def _wave(self, here: Array, slope: Array) -> Affine:
+        """w(f) for w'' = −w, of which w(c) and w'(c) are given: w(c + e) = w + w' e − … e²/2."""
+        rem = np.abs(slope) * self.rem + 0.5 * self.radius**2 + ROUNDING * (1.0 + self._size())
+        return Affine(here, slope * self.g, rem)
 
     def __abs__(self) -> Affine:
         """|f|: where f may have either sign, the chord over its range, halfway down to the kink."""

@@ -203,21 +203,6 @@ class Taylor(UfuncDispatch):
         rem = residual / np.where(least * least > residual, least, 0.0)
         return Taylor(c0, c1, c2, rem, size + rem)
 
-    def __pow__(self, exponent: float) -> Taylor:
-        """f^p for p < 3 and f > 0 on the whole box."""
-        p = float(exponent)
-        u1, u2 = self.c1 / self.c0, self.c2 / self.c0
-        step = np.abs(u1) + np.abs(u2) + self.rem / self.c0  # |u|, f = c0 (1 + u)
-        # (1 + u)^p = 1 + p u + p (p − 1)/2 u² and a cubic remainder, largest where 1 + u is least
-        half = 0.5 * p * (p - 1.0)
-        square = 2.0 * np.abs(u1 * u2) + u2 * u2 + 2.0 * step * self.rem / self.c0
-        least = _positive(1.0 - step - ROUNDING * self.mag / self.c0)
-        cubic = abs(half * (p - 2.0)) / 3.0 * step**3 * least ** (p - 3.0)
-        rem = abs(p) * self.rem / self.c0 + abs(half) * square + cubic
-        rem = rem + ROUNDING * (1.0 + abs(p)) * self.mag / self.c0
-        power = np.where(self.c0 > 0.0, self.c0, np.nan) ** p
-        return Taylor.of(power, p * u1 * power, (p * u2 + half * u1 * u1) * power, rem * power)
-
     def sin(self) -> Taylor:
         """The sine of f [rad]."""
         return self._wave(np.sin(self.c0), np.cos(self.c0))

@@ -104,23 +104,6 @@ def test_roots(a):
             assert holds(np.sqrt(f), [p.sqrt() for p in u])
 
 
-@given(models(positive=True), st.sampled_from(["-1.5", "-0.5", "0.5", "2"]))
-def test_powers(a, p):
-    f, u = a
-    with np.errstate(all="ignore"):
-        found = f ** float(p)
-    known = f.c0 - abs(f.c1) - abs(f.c2) - f.rem > 1e-9 * f.c0
-    assert finite(found) == known[0]
-    assert holds(found, [x ** Decimal(p) for x in u])
-
-
-def test_a_power_of_what_may_vanish_says_nothing():
-    one = np.ones(1)
-    with np.errstate(all="ignore"):
-        assert not finite(Taylor.of(one, 1.01 * one, 0.0 * one, 0.0 * one) ** -0.5)
-        assert not finite(Taylor.of(-one, 0.1 * one, 0.0 * one, 0.0 * one) ** -1.5)
-
-
 @given(models())
 def test_sines_and_cosines(a):
     f, u = a

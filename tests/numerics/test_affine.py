@@ -14,13 +14,14 @@ FORMULAS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "product": lambda x, y, z: (x - 1.7 * y) * (z * y - 0.31),
     "quotient": lambda x, y, z: (x * y - 2.3) / (z + 1.9) - 3.1 / (x + 4.0),
     "root": lambda x, y, z: np.sqrt(x * x + y * y + 0.7) / np.sqrt(2.5 + z),
+    "waves": lambda x, y, z: np.sin(x * y) / np.cos(0.4 * z) - np.cos(x + y),
     "largest": lambda x, y, z: np.maximum(x * y, z - 0.2) - np.minimum(y, np.abs(x - z)),
     "NumPy's numbers": lambda x, y, z: (
         np.float64(1.3) * np.negative(x) - np.float64(0.7) / (np.float64(2.9) + y)
         - (np.float64(0.4) - z)
     ),
 }  # fmt: skip
-SMOOTH = ("product", "quotient", "root", "NumPy's numbers")
+SMOOTH = ("product", "quotient", "root", "waves", "NumPy's numbers")
 
 
 def boxes(width: float, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -7,15 +7,14 @@ is at least ρ where
     φ'' ≥ Φ(ψ, w) = k w³ / cosψ − w (2w − 1) tanψ,  k = (f + ρ)/d.
 
 A plane as steep as Φ at the middle of a range of ψ and w lies below it once it is lowered by the
-least of what is left; that is enclosed on small cells, from the middle of each and the range of the
-slopes on it.
+least of what is left; that is enclosed on small cells by affine models.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from synthesis.catalogue.constraints import (
     Vector,
 )
 from synthesis.catalogue.followers.arm_pressure_angle import max_of_cosine_minus_line
+from synthesis.numerics.affine import Affine
 from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * math.pi
@@ -33,7 +33,8 @@ MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at sin
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 CELLS = (16, 6)  # of the enclosure, along ψ and along w; its cost grows with their product
 STEEPEST = 1.45  # rad: beyond 83° tanψ grows so fast that no plane bounds anything
-ROUNDING = 1e-12  # relative: a plane is lowered by it, far above the rounding of its terms
+Ranges = tuple[Array, Array]  # lower and upper ends, (n,) each
+Plane = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -142,41 +143,33 @@ class SwingingFaceConstraint(NonconvexConstraint):
         if not 0.0 <= start[0] <= start[1] < 1.0:
             return ()
         swing = box.s_min / self.reference, box.s_max / self.reference
-        angle = Interval(swing[0] + math.asin(start[0]), swing[1] + math.asin(start[1]))
+        angle = swing[0] + math.asin(start[0]), swing[1] + math.asin(start[1])
         rate = self.sigma * np.stack([box.v_min, box.v_max]) / self.reference
-        below = self._minorant(
-            angle, Interval(1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0))
-        )
+        below = self._minorant(angle, (1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0)))
         if below is None:
             return ()
+        by_angle, by_speed, height = below
         # bend φ'' + by_angle (φ + ψ0) + by_speed (1 + σ φ') + height ≤ known
-        steep, level = _line_below(below.by_angle, start, angle)
-        none, one = np.zeros_like(angle.low), np.ones_like(angle.low)
-        rows = np.stack(
-            [below.by_angle, self.sigma * below.by_speed, self.bend * one, none]
-        ) / self.reference  # fmt: skip
-        upper = -(level + below.by_speed + below.height)
+        steep, level = _line_below(by_angle, start)
+        none = np.zeros_like(height)
+        rows = np.stack([by_angle, self.sigma * by_speed, none + self.bend, none]) / self.reference
+        upper = -(level + by_speed + height)
         size = (steep / self.distance)[None, :]
         return (PointInequalities(rows, size, upper - steep * self.offset / self.distance),)
 
-    def _minorant(self, angle: Interval, speed: Interval) -> MinorantPlane | None:
+    def _minorant(self, angle: Ranges, speed: Ranges) -> Plane | None:
         """A plane below the left side less the right one, over d where there is no bend."""
         assert self.distance is not None
         if self.bend:
             return minorant_plane(-self.cubed / self.distance, angle, speed)
-        middle = 0.5 * (angle.low + angle.high)
         # along d cosψ is −along d cos(ψ + π) where along > 0
-        turn = math.pi if self.along > 0.0 else 0.0
-        reach = abs(self.along)
-        slope = -reach * np.sin(middle + turn)
-        height = max_of_cosine_minus_line(reach, turn, slope, angle.low, angle.high)
-        first = np.full_like(middle, -self.first / self.distance)
-        return MinorantPlane(-slope, first, -height - self.known / self.distance)
+        turn, reach = math.pi if self.along > 0.0 else 0.0, abs(self.along)
+        slope = -reach * np.sin(0.5 * (angle[0] + angle[1]) + turn)
+        height = max_of_cosine_minus_line(reach, turn, slope, *angle) + self.known / self.distance
+        return -slope, np.full_like(slope, -self.first / self.distance), -height
 
 
-def _line_below(
-    by_angle: Array, start: tuple[float, float], angle: Interval
-) -> tuple[Array, Array]:
+def _line_below(by_angle: Array, start: tuple[float, float]) -> tuple[Array, Array]:
     """Slope and height of a line in sinψ0 below by_angle · ψ0, which is convex in it or concave."""
     low, high = (math.asin(end) for end in start)
     middle = 0.5 * (low + high)
@@ -220,79 +213,22 @@ class LeastPivotDistance(NonconvexConstraint):
 # -- planes below Φ over a range of the face's angle and its speed --------------------------------
 
 
-class Interval(NamedTuple):
-    """An interval, elementwise."""
+def minorant_plane(k: float, angle: Ranges, speed: Ranges) -> Plane | None:
+    """A plane below Φ for angles [rad] and speeds in ranges (n,); None where there is none.
 
-    low: Array
-    high: Array
-
-    def times(self, other: Interval) -> Interval:
-        """All products."""
-        each = np.stack([a * b for a in self for b in other])
-        return Interval(np.min(each, axis=0), np.max(each, axis=0))
-
-    def less(self, other: Interval) -> Interval:
-        """All differences."""
-        return Interval(self.low - other.high, self.high - other.low)
-
-    def reach(self) -> Array:
-        """The largest absolute value."""
-        return np.maximum(np.abs(self.low), np.abs(self.high))
-
-
-class MinorantPlane(NamedTuple):
-    """by_angle · ψ + by_speed · w + height at n points, (n,) each."""
-
-    by_angle: Array
-    by_speed: Array
-    height: Array
-
-
-def minorant_plane(k: float, angle: Interval, speed: Interval) -> MinorantPlane | None:
-    """A plane below Φ for angles [rad] and speeds in ranges (n,); None where there is none."""
-    if np.max(angle.reach()) > STEEPEST or not np.all(speed.low > 0.0):
+    Returns:
+        by_angle, by_speed and height of by_angle · ψ + by_speed · w + height, (n,) each.
+    """
+    if np.max(np.abs(angle)) > STEEPEST or not np.all(speed[0] > 0.0):
         return None
-    psi, w = 0.5 * (angle.low + angle.high), 0.5 * (speed.low + speed.high)
-    # The slopes of Φ in the middle of the range.
-    slopes = _slopes(k, Interval(psi, psi), Interval(w, w))
-    by_angle, by_speed = slopes[0].low, slopes[1].low
-    # What stands above a plane of these slopes, at the middle of every cell, less the most that it
-    # can fall from there: the range of its slopes times half the cell's width (mean value theorem).
-    parts, widths = [], []
-    for ends, count in zip((angle, speed), CELLS, strict=True):
-        shares = np.linspace(0.0, 1.0, count + 1)[:, None]
-        edges = ends.low + (ends.high - ends.low) * shares
-        parts.append(Interval(edges[:-1], edges[1:]))
-        widths.append((ends.high - ends.low) / (2.0 * count))
-    cell = Interval(*(np.repeat(edge, CELLS[1], axis=0) for edge in parts[0]))
-    pace = Interval(*(np.tile(edge, (CELLS[0], 1)) for edge in parts[1]))
-    middle, fast = 0.5 * (cell.low + cell.high), 0.5 * (pace.low + pace.high)
-    left = _bend(k, middle, fast) - by_angle * middle - by_speed * fast
-    along, across = _slopes(k, cell, pace)
-    slack = along.less(Interval(by_angle, by_angle)).reach() * widths[0]
-    slack = slack + across.less(Interval(by_speed, by_speed)).reach() * widths[1]
-    height = np.min(left - slack, axis=0)
-    height -= ROUNDING * (1.0 + np.abs(height) + np.abs(by_angle) + np.abs(by_speed))
-    return MinorantPlane(by_angle, by_speed, height)
-
-
-def _bend(k: float, psi: Array, w: Array) -> Array:
-    """Φ."""
-    return np.asarray(k * w**3 / np.cos(psi) - w * (2.0 * w - 1.0) * np.tan(psi))
-
-
-def _slopes(k: float, psi: Interval, w: Interval) -> tuple[Interval, Interval]:
-    """The ranges of ∂Φ/∂ψ and ∂Φ/∂w over cells, |ψ| < 90° and w > 0."""
-    far = psi.reach()
-    near = np.where(psi.low * psi.high < 0.0, 0.0, np.minimum(np.abs(psi.low), np.abs(psi.high)))
-    secant = Interval(1.0 / np.cos(near), 1.0 / np.cos(far))
-    sine, tangent = (
-        Interval(np.sin(psi.low), np.sin(psi.high)),
-        Interval(np.tan(psi.low), np.tan(psi.high)),
-    )
-    factor = Interval(np.full_like(w.low, k), np.full_like(w.low, k))
-    cube, square = Interval(w.low**3, w.high**3), Interval(3.0 * w.low**2, 3.0 * w.high**2)
-    other = w.times(Interval(2.0 * w.low - 1.0, 2.0 * w.high - 1.0))
-    along = factor.times(cube).times(sine).less(other).times(secant.times(secant))
-    across = factor.times(square).times(secant)
-    return along, across.less(Interval(4.0 * w.low - 1.0, 4.0 * w.high - 1.0).times(tangent))
+    # 1. The slopes of Φ in the middle of the ranges.
+    psi, w = 0.5 * (angle[0] + angle[1]), 0.5 * (speed[0] + speed[1])
+    by_angle = (k * w**3 * np.sin(psi) - w * (2.0 * w - 1.0)) / np.cos(psi) ** 2
+    by_speed = 3.0 * k * w**2 / np.cos(psi) - (4.0 * w - 1.0) * np.tan(psi)
+    # 2. What stands above a plane of these slopes, enclosed by affine models on small cells.
+    low, width = np.stack([angle[0], speed[0]], axis=-1), np.ptp([angle, speed], axis=1).T / CELLS
+    nth = np.moveaxis(np.indices(CELLS), 0, -1).reshape(-1, 1, 2)
+    at, pace = Affine.variables(low + width * nth, low + width * (nth + 1))
+    above = (pace * pace * pace * k - pace * (pace * 2.0 - 1.0) * np.sin(at)) / np.cos(at)
+    above = above - at * by_angle - pace * by_speed
+    return by_angle, by_speed, np.min(above.lower, axis=0)

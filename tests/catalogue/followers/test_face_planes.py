@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from synthesis.catalogue.constraints import MotionSizeBox
 from synthesis.catalogue.followers.swinging_face import (
-    Interval,
     SwingingFaceConstraint,
     minorant_plane,
 )
@@ -77,12 +76,11 @@ def test_the_plane_closes_in_with_the_square_of_the_ranges() -> None:
     rng, lost = np.random.default_rng(3), []
     psi, w = rng.uniform(0.0, 0.8, COUNT), rng.uniform(0.6, 1.5, COUNT)
     for reach in (0.04, 0.02):
-        below = minorant_plane(
-            0.11, Interval(psi - reach, psi + reach), Interval(w - reach, w + reach)
-        )
+        below = minorant_plane(0.11, (psi - reach, psi + reach), (w - reach, w + reach))
         assert below is not None
+        by_angle, by_speed, height = below
         there = 0.11 * w**3 / np.cos(psi) - w * (2.0 * w - 1.0) * np.tan(psi)
-        lost.append(there - below.by_angle * psi - below.by_speed * w - below.height)
+        lost.append(there - by_angle * psi - by_speed * w - height)
     assert np.all(lost[1] > 0.0)
     np.testing.assert_allclose(lost[0] / lost[1], 4.0, rtol=0.1)
 
