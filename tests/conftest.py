@@ -4,9 +4,21 @@ A failing run of the first kind says so at once: looking for a simpler example t
 each is a whole cam, and is left to the thorough one.
 """
 
+import gc
 import os
 
 from hypothesis import HealthCheck, Phase, settings
+
+# What collecting the tests creates (modules, classes, syntax trees, test items) lives to the end of
+# the run. The garbage collector walks over all of it again and again, for half of the processor time
+# of a collection, and finds nothing: it waits until then, and leaves these objects out afterwards.
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
+
 
 settings.register_profile(
     "ci",
