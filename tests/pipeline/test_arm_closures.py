@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import pytest
 
 from synthesis import Analysis, Design, DesignSpec, analyse, synthesise
 from synthesis.catalogue.profile import cam_profile
-from synthesis.pipeline import conflict
 from tests.pipeline.breaches import broken
 
 THETA = 2.0 * np.pi * (np.arange(20_000) + 0.5) / 20_000
@@ -104,9 +104,9 @@ def test_the_angle_between_the_arms_is_no_larger_than_a_limit_asks(limit, name, 
 
 
 def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do(
-    monkeypatch: pytest.MonkeyPatch,
+    explain_only: Callable[[str], None],
 ) -> None:
-    monkeypatch.setattr(conflict, "DIAGNOSIS_S", 20.0)  # of the quick numbers, this is one
+    explain_only("follower/closure/angle_deg/max")
     limits = [{"kind": "pressure_angle", "rise_deg": 37.0, "return_deg": 60.0}]
     enough = synthesise(spec(PAIR, "opposite", limits)).dimensions["counter_angle_deg"]
     most = 0.9 * enough

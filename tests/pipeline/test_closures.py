@@ -7,6 +7,7 @@ points, and by the certificate of the analysis.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -179,11 +180,14 @@ def test_a_range_that_ends_too_early_reshapes_the_main_cam() -> None:
     assert extreme(near, "counter_distance").bound == most
 
 
-def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
+def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be(
+    explain_only: Callable[[str], None],
+) -> None:
     limit = {"kind": "pressure_angle", "rise_deg": 29.0, "return_deg": 61.0}
     free = synthesise(spec(PAIR, limit))
     enough = free.dimensions["counter_distance_mm"]
     for place, field in ((0.8 * enough, ""), ({"max": 0.8 * enough}, "/max")):
+        explain_only(f"follower/closure/distance_mm{field}")
         refused = synthesise(spec(PAIR | {"distance_mm": place}, limit))
         assert refused.status == "infeasible"
         told = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
@@ -194,7 +198,10 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be() -> None:
         assert told[0].requested == pytest.approx(0.8 * enough)
 
 
-def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing() -> None:
+def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing(
+    explain_only: Callable[[str], None],
+) -> None:
+    explain_only("follower/closure/distance_mm/max")
     refused = synthesise(spec(PAIR | {"distance_mm": {"max": 21.0}}, base_radius_mm=64.0))
     assert refused.status == "infeasible"
     assert refused.dimensions.get("counter_distance_mm", 21.0) == 21.0
@@ -212,6 +219,7 @@ def test_the_peak_pressure_angle_is_that_of_both_cams() -> None:
     assert design.objectives["peak_pressure_angle_deg"] == pytest.approx(both, rel=1e-6)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_an_outer_radius_brings_the_counter_roller_nearer() -> None:
     loose = synthesise(spec(PAIR, {"kind": "outer_radius", "max_mm": 400.0}))
     assert extreme(loose, "outer_radius_counter").holds
@@ -224,6 +232,7 @@ def test_an_outer_radius_brings_the_counter_roller_nearer() -> None:
     assert tight.conflict is not None
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_undercut_names_its_flank_and_angle() -> None:
     asked = spec(GROOVE, inflection=0.3, base_radius_mm=8.0)
     found = analyse(asked)

@@ -19,6 +19,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.state.solve_state import SolveState
+from synthesis.pipeline import conflict
 from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.conic.reference import optimum
@@ -50,10 +51,6 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
     "jerk": (scene(PLAIN, jerk(31.0, 71.7), base=LEAST), {"limits/0/max_mm_per_s3"}),
     "acceleration": (scene(PLAIN, acceleration(3.7, 71.7), base=LEAST), {"limits/0/max_mm_per_s2"}),
     "velocity": (scene(PLAIN, velocity(0.97, 71.7), base=LEAST), {"limits/0/max_mm_per_s"}),
-    "velocity and acceleration": (
-        scene(PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), base=LEAST),
-        {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
-    ),
     "acceleration and jerk": (
         scene(PLAIN, acceleration(4.9, 71.7), jerk(39.0, 71.7), base=LEAST),
         {"limits/0/max_mm_per_s2", "limits/1/max_mm_per_s3"},
@@ -157,6 +154,12 @@ def why(spec: DesignSpec) -> Conflict:
     return design.conflict
 
 
+def certified(spec: DesignSpec) -> bool:
+    """Whether a cam is found, with no more proof than that takes."""
+    quick = {"proof": "quick", "report_smoothness_cost": False}
+    return synthesise(spec.model_copy(update=quick)).certificate.certified
+
+
 @pytest.fixture(scope="module")
 def conflicts(diagnosis_without_a_clock: None) -> dict[str, Conflict]:
     return {name: why(spec) for name, (spec, _) in CASES.items()}
@@ -183,7 +186,7 @@ def test_what_is_needed_is_enough_and_a_little_less_is_not(
     for r in conflicts[name].relaxations:
         if r.needed is not None:
             step = r.needed - r.requested
-            assert synthesise(changed(spec, r.field, r.needed)).certificate.certified, r
+            assert certified(changed(spec, r.field, r.needed)), r
             less = r.needed - BELOW.get(name, 0.03) * step
             assert name == NOT_LEAST or not possible(changed(spec, r.field, less), 40), r
 
@@ -224,7 +227,7 @@ def test_a_largest_radius_beyond_what_is_searched_by_itself() -> None:
         "limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"
     }  # fmt: skip
     for r in found:
-        assert synthesise(changed(asked, r.field, r.needed)).certificate.certified, r
+        assert certified(changed(asked, r.field, r.needed)), r
 
 
 def test_how_large_a_cam_was_searched_is_stated() -> None:
@@ -232,7 +235,7 @@ def test_how_large_a_cam_was_searched_is_stated() -> None:
     asked = scene(program, angles(1e-3, 45.0))
     assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(asked).evidence
     larger = changed(asked, "base_radius_mm", {"max": 3e6})
-    assert synthesise(larger).certificate.certified
+    assert certified(larger)
 
 
 # -- the set in conflict ---------------------------------------------------------------------
@@ -267,7 +270,7 @@ def states(spec: DesignSpec) -> bool:
 
 @pytest.mark.parametrize(
     "name",
-    ["jerk", "velocity and acceleration", "acceleration and jerk", "size", "fixed size",
+    ["jerk", "acceleration and jerk", "size", "fixed size",
      "offset too large", "angle on dwells", "outer radius", "turning", "named law"],
 )  # fmt: skip
 def test_the_set_in_conflict_is_irreducible(name: str, conflicts: dict[str, Conflict]) -> None:
@@ -298,9 +301,8 @@ def test_like_limits_have_to_be_raised_together() -> None:
     assert all("together" in r.note for r in fields.values())
 
 
-def test_what_is_said_in_words() -> None:
-    spec = scene(PLAIN, angles(20.0, 30.0), jerk(47.0, 71.7), base={"max": 30.0})
-    found = why(spec)
+def test_what_is_said_in_words(conflicts: dict[str, Conflict]) -> None:
+    found = conflicts["size"]
     assert found.limits[0] == "pressure angle rise ≤ 20 deg"
     assert found.limits[-1] == "base radius ≤ 30 mm"
     assert found.evidence.startswith("proven: no cam has a base radius below")
@@ -382,7 +384,8 @@ def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
     ).infeasibility_proof  # it rests above only
 
 
-def test_a_least_radius_is_eased_by_a_smaller_one() -> None:
+def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conflict, "ACCURACY", 0.3)  # each trial takes a second
     radius = {"kind": "profile_radius", "min_mm": 60.4}
     spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
     told = why(spec)

@@ -106,6 +106,7 @@ def test_a_length_in_mm_holds_it_up() -> None:
     assert radius.value >= 14.3 - 1e-6
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_with_laws_free_no_length_beside_it_is_better() -> None:
     asked: dict[str, Any] = {"distance": DISTANCE, "tolerance": 2e-2}
     found = sized(angles(), jerk(1.9), **asked)
@@ -177,6 +178,7 @@ def test_the_answer_survives_the_wire_and_makes_files(pair: Design) -> None:
         assert exporter.write(back, exporter.options()) == exporter.write(pair, exporter.options())
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_where_nothing_fits_the_length_tried_is_named() -> None:
     design = synthesise(spec(angles(1.3, 1.9), law="cycloidal", distance=DISTANCE))
     assert design.status == "infeasible"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -120,7 +121,10 @@ def test_a_maximum_below_the_bound_is_proven_infeasible_and_what_is_needed_suffi
     assert answer(CONVEX, base_radius_mm={"max": own.needed}).status == "optimal"
 
 
-def test_a_maximum_between_bound_and_cam_claims_no_proof() -> None:
+def test_a_maximum_between_bound_and_cam_claims_no_proof(
+    explain_only: Callable[[str], None],
+) -> None:
+    explain_only("base_radius_mm/max")
     proof = answer(OPEN_GAP).certificate
     assert proof.lower_bound is not None
     assert proof.value is not None

@@ -251,6 +251,7 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(sense: str) -> None:
     assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1e-3)
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> None:
     spec = asked(60.0, RADIUS, PRESSURE, FACE, sense=sense, base_radius_mm=37.0)
@@ -282,6 +283,7 @@ def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
     )
 
 
+@pytest.mark.usefixtures("diagnosis_without_a_clock")
 def test_what_cannot_be_says_what_is_in_the_way() -> None:
     design = synthesise(asked(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"
@@ -289,6 +291,7 @@ def test_what_cannot_be_says_what_is_in_the_way() -> None:
     assert any("pressure angle" in name for name in design.conflict.limits)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_the_outer_radius_of_a_given_cam_is_judged() -> None:
     free = synthesise(asked(60.0, RADIUS))
     outer = 60.0 * math.sin(math.radians(free.dimensions["initial_angle_deg"] + SWING)) - OFFSET

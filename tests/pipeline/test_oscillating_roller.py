@@ -82,6 +82,7 @@ def test_given_law_as_small_as_a_global_search_finds(sense: str, distance: float
     assert design.certificate.bound_valid_for == "every size of the given laws"
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize(
     ("sense", "end", "factor"),
     [("opposite", "min", 1.1), ("opposite", "max", 0.93), ("same", "min", 1.1)],
@@ -200,6 +201,7 @@ def everything_free() -> Design:
     return synthesise(scene(angles(), jerk(1.9), tolerance=5e-3))
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_everything_free_is_no_worse_than_any_distance_tried(everything_free: Design) -> None:
     design = everything_free
     at = design.dimensions["centre_distance_mm"]
@@ -287,6 +289,7 @@ INFEASIBLE: dict[str, tuple[dict[str, Any], set[str]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.usefixtures("diagnosis_without_a_clock")
 def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
     asked = body(angles(), jerk(1.9), distance=DISTANCE)
     asked["program"][0]["law"] = {"kind": "modified_sine"}  # 69.47 h/β³, more than 1.9 · 32
@@ -298,6 +301,7 @@ def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
     assert told.needed == pytest.approx(jerk(69.4664 / 32.0)["max_deg_per_s3"], rel=2e-4)
 
 
+@pytest.mark.usefixtures("diagnosis_without_a_clock")
 @pytest.mark.parametrize("name", INFEASIBLE)
 def test_infeasible_with_a_reason(name: str) -> None:
     asked, named = INFEASIBLE[name]

@@ -104,6 +104,7 @@ def test_a_free_law_is_bounded_over_all_laws(free: Design) -> None:
     assert value(given) > 1.02 * value(free)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_what_is_asked_of_the_angle_is_what_came_out_of_it(free: Design) -> None:
     """The smallest cam under the least angle is as large as allowed, below the bound larger."""
 

@@ -58,6 +58,7 @@ def test_what_little_room_there_is_is_found(name: str, room: float) -> None:
     assert design.certificate.gap is not None
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize(("name", "room"), DO_NOT)
 def test_that_no_law_at_all_would_do_is_proven(name: str, room: float) -> None:
     design = designed(*SCENES[name](1.0 + room))
@@ -66,6 +67,7 @@ def test_that_no_law_at_all_would_do_is_proven(name: str, room: float) -> None:
     assert design.conflict.evidence.startswith(NO_LAW)
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("name", ["jerk", "acceleration", "velocity under jerk"])
 def test_limits_that_one_law_touches_are_refused_without_that_claim(name: str) -> None:
     """There is a law, if only one: a certificate has no room, and no proof denies it."""
