@@ -10,8 +10,8 @@ import os
 from hypothesis import HealthCheck, Phase, settings
 
 # What collecting the tests creates (modules, classes, syntax trees, test items) lives to the end of
-# the run. The garbage collector walks over all of it again and again, for half of the processor time
-# of a collection, and finds nothing: it waits until then, and leaves these objects out afterwards.
+# the run. The garbage collector walks over all of it again and again, for half of the processor
+# time of a collection, and finds nothing: it waits until then, and passes over it afterwards.
 gc.disable()
 
 
