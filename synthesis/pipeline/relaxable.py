@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
@@ -19,6 +19,7 @@ from synthesis.catalogue.limits import Claim, Limit
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.spec.program import Return, Rise, Segment
 
+Spec = TypeVar("Spec", bound=BaseModel)  # a spec of any machine
 BEYOND = 10.0  # factor on a maximum of the base radius: how far a search without it has to reach
 
 
@@ -145,7 +146,7 @@ def _without_maximum(spec: DesignSpec) -> Range | None:
     return Range(min=None if opened is None else opened.min, max=largest)
 
 
-def relaxed(spec: DesignSpec, number: Relaxable, value: float) -> DesignSpec:
+def relaxed(spec: Spec, number: Relaxable, value: float) -> Spec:
     """The spec with one number relaxed to a value; what it requests beyond that is unchanged."""
     for path, requested in zip(number.paths, number.requested, strict=True):
         if not number.is_tighter(requested, value):

@@ -191,7 +191,7 @@ def intervals_between_faces(
     """
     if all(math.isinf(face) for face in faces):
         return (span,)
-    rho = np.linspace(swept.roller.inner, swept.roller.outer, PLACES)
+    rho = swept.roller.places(PLACES)
 
     def beyond(theta: Array) -> Array:
         """Distance of the nearest contact beyond the end faces, negative between them, (n,)."""

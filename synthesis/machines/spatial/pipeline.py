@@ -23,7 +23,7 @@ from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
 from synthesis.machines.spatial.design import Arc, SpatialDesign, SpatialWall, spatial_design_id
-from synthesis.machines.spatial.measuring import Bound, measure
+from synthesis.machines.spatial.measuring.measure import measure
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
@@ -120,7 +120,7 @@ def answer(
     certificate: Certificate = GIVEN,
 ) -> SpatialDesign:
     """The answer with a cam, measured; ``started`` is a ``time.perf_counter()``."""
-    extremes = measure(spec, cam, bounds(spec))
+    extremes = measure(spec, cam)
     holds = all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
     walls = [
@@ -139,16 +139,6 @@ def answer(
         extremes=extremes,
         certificate=certificate.model_copy(update={"certified": holds}),
     )
-
-
-def bounds(spec: SpatialCamSpec) -> dict[str, Bound]:
-    """The tightest bound of every limited quantity."""
-    tightest: dict[str, Bound] = {}
-    for position, limit in enumerate(spec.limits):
-        known = tightest.get(limit.quantity)
-        if known is None or (limit.bound < known.value) is limit.upper:
-            tightest[limit.quantity] = Bound(limit.bound, f"limits/{position}/{limit.field}")
-    return tightest
 
 
 def _head(spec: SpatialCamSpec, stages: Sequence[StageReport], started: float) -> dict[str, Any]:

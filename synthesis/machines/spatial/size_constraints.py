@@ -3,8 +3,9 @@
 Every constraint here has the form z ≥ least size(s, s'), with z the minimised dimension, and is not
 linear in the motion. Each gives two kinds of rows:
 
-* outer rows hold for every motion that keeps the constraint (a relaxation, for dual bounds);
-* inner rows, about a given motion, exclude every motion that breaks it (a restriction, for cams).
+* outer rows, about no motion, hold for every motion that keeps it (a relaxation, for dual bounds);
+* inner rows, about a given motion, exclude every motion that breaks it (a restriction, for cams);
+  where the constraint is not concave in the motion they are its linear approximation.
 
 Turret: C centre distance; ρ place on a roller, from the turret's axis; ψ a roller's angle from the
 common perpendicular, ψ' its derivative by the cam angle; t = tan α_max. The normal of a cylindrical
@@ -50,9 +51,9 @@ Angeles, Cam Synthesis, 1993.
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from math import ceil, pi
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -81,12 +82,10 @@ RADIUS_STEP = 1e-5  # relative: forward differences of wall radii
 class SizeConstraint(NonconvexConstraint):
     """z ≥ least size(s, s', …), with z the machine's minimised dimension [mm].
 
-    Attributes:
-        inner: rows about a motion are inner rows; otherwise all rows are outer rows.
+    ``relax`` returns outer rows where it is given no motion, inner rows about a motion.
     """
 
     order: ClassVar[int] = 1
-    inner: bool = field(default=False, kw_only=True)
 
     @property
     @abstractmethod
@@ -104,10 +103,6 @@ class SizeConstraint(NonconvexConstraint):
         Args:
             sense: +1 for motion towards growing s, −1 for the other direction.
         """
-
-    def inner_approximation(self) -> Self:
-        """The same constraint with inner rows."""
-        return replace(self, inner=True)
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         return ((self.least_size(s) - z[0]) / self.scale,)
@@ -153,7 +148,7 @@ class TurretPressureAngle(SizeConstraint):
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        if self.inner and about is not None:
+        if about is not None:
             # A row with the largest ρ and the largest b implies the rows of all places.
             lines = self._tangents(about[0][0])
             place = max(rho for rho, _ in self.places), max(b for _, b in self.places)
@@ -319,7 +314,7 @@ class TurretWallRadius(SizeConstraint):
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        if not self.inner or about is None or len(about[0]) < 3:
+        if about is None or len(about[0]) < 3:
             return ()
         hardest = np.moveaxis(self._hardest(about[0]), 1, 0)
         return tuple(self._tangent(states, about[0]) for states in hardest)

@@ -61,6 +61,10 @@ class Roller:
         """Middle of its width [mm]."""
         return 0.5 * (self.inner + self.outer)
 
+    def places(self, count: int) -> Array:
+        """Places from its inner to its outer end, evenly spaced [mm]."""
+        return np.linspace(self.inner, self.outer, count)
+
     def profile(self, rho: Array) -> tuple[Array, Array, Array]:
         """r, r' and r'' at ρ, of ρ's shape [mm, 1, 1/mm]."""
         if self.crown == 0.0:

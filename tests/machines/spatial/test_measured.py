@@ -15,16 +15,16 @@ from scipy.spatial import KDTree
 from synthesis.errors import Cancelled
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign, SpatialExtreme
-from synthesis.machines.spatial.measuring import enclosure, measure, walls
+from synthesis.machines.spatial.measuring import enclosure, walls
 from synthesis.machines.spatial.measuring.enclosure import Prover
-from synthesis.machines.spatial.measuring.patches import WallPoints, patches
-from synthesis.machines.spatial.measuring.quantities import (
-    Extremum,
+from synthesis.machines.spatial.measuring.measure import (
     contact_counts,
     follower_peaks,
+    measure,
     segment_bound_extremes,
     to_wire,
 )
+from synthesis.machines.spatial.measuring.patches import Extremum, WallPoints, patches
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock

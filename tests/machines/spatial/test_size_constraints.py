@@ -135,7 +135,7 @@ def test_chords_refuse_no_law_and_tangents_none_that_is_broken() -> None:
     about = state + length * np.stack([rng.uniform(-0.2, 0.2, 300), *np.zeros((3, 300))])
     needed = [
         np.sum(cuts.coefficients * state, axis=0) - cuts.upper
-        for cuts in curve.inner_approximation().relax(within, (about, (150.0,)))
+        for cuts in curve.relax(within, (about, (150.0,)))
     ]
     assert np.all(np.max(needed, axis=0) >= exact - 1e-9)
     assert np.min(np.max(needed, axis=0) - exact) < 1.0  # and asks for little more

@@ -101,6 +101,16 @@ def test_rollers_are_as_near_as_ribs_let_them_and_as_large_as_walls(sized: Spati
     assert larger.certificate.certified
 
 
+def test_rollers_grow_only_as_far_as_ribs_in_motion_let_them() -> None:
+    rib = {"kind": "rib_thickness", "min_mm": 6.0}
+    found = designed(globoidal(
+        pressure_angle(45.0), rib, law=CYCLOIDAL,
+        roller_radius_mm=None, roller_inner_mm={"min": 50.0, "max": 90.0},
+    ))  # fmt: skip
+    assert found.status == "optimal"
+    assert 6.0 <= extreme(found, "rib_thickness").value < 6.1
+
+
 def test_what_cannot_be_says_what_is_in_the_way_and_what_would_do(sized: SpatialDesign) -> None:
     least = sized.dimensions["centre_distance_mm"]
     asked = globoidal(

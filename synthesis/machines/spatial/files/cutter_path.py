@@ -105,7 +105,7 @@ def envelope_error(
     """
     roller, swept = cam.swept.roller, cam.swept
     theta = poses[1].theta
-    rho = np.linspace(roller.inner, roller.outer, PLACES)
+    rho = roller.places(PLACES)
     point = swept.on_cam(theta, cam.contacts(which, theta, rho).point)
     before, at, after = (_distance(cam, point, each) for each in poses)
     bend = before + after - 2.0 * at

@@ -116,7 +116,7 @@ def patches(design: SpatialDesign, options: FlankOptions) -> list[Patch]:
         InputError: there is no such flank, or there would be too many points.
     """
     cam = design.cam
-    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, options.depths)
+    rho = cam.swept.roller.places(options.depths)
     walls = chosen(cam, options.flank)
     sampled = sample_angles(walls, options.points_per_degree, options.points, options.depths)
     return [patch(cam, wall, part, theta, rho) for wall, part, theta in sampled]

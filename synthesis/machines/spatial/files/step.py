@@ -112,7 +112,7 @@ def _flank_face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) ->
 
     (n, m), roller = FIRST, cam.swept.roller
     while True:
-        theta, rho = np.linspace(*span, n), np.linspace(roller.inner, roller.outer, m)
+        theta, rho = np.linspace(*span, n), roller.places(m)
         points = np.moveaxis(true(theta, rho).points, 0, -1)
         spline = interpolate_surface(theta, rho, points, DEGREES)
         # The distance from the flank midway between lines of cam angle, and of places.

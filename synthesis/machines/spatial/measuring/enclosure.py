@@ -27,8 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam
-from synthesis.machines.spatial.measuring.patches import Patch
-from synthesis.machines.spatial.measuring.quantities import Extremum
+from synthesis.machines.spatial.measuring.patches import Extremum, Patch
 from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Jets, Taylor

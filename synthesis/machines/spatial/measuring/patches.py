@@ -1,4 +1,4 @@
-"""Patches of walls, their contacts, and the search for an extremum over them by samples.
+"""Quantities and extrema; patches of walls, their contacts, and the search for an extremum on them.
 
 A patch is a part of a wall on one piece of the motion, where every quantity is smooth. All patches
 of a wall are sampled in one vectorised call, as laws may have a hundred pieces. Around the best
@@ -8,7 +8,7 @@ a measurement of how far the true extremum may be away, not a proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -18,9 +18,66 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam, Wall
-from synthesis.machines.spatial.measuring.quantities import Extremum, rounded
 from synthesis.numerics.geometry.swept_roller import Contacts, FollowerState
 from synthesis.numerics.piecewise import Array
+
+
+@dataclass(frozen=True)
+class Bound:
+    """An allowed value.
+
+    Attributes:
+        value: in the quantity's unit on the wire. field: of the spec, that sets it; "": none.
+    """
+
+    value: float
+    field: str = ""
+
+
+Bounds = Mapping[str, Bound]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity and which of its extremes is measured.
+
+    Attributes:
+        name, unit: on the wire. largest: whether its maximum is measured, otherwise its minimum.
+        to_wire: from the core's value to the wire's. from_wire: the inverse.
+        required: bound that every cam must keep, whatever the spec says.
+    """
+
+    name: str
+    unit: str
+    largest: bool
+    to_wire: Callable[[float], float] = float
+    from_wire: Callable[[float], float] = float
+    required: Bound | None = None
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """An extreme value [core units].
+
+    Attributes:
+        value: infinite where there is none.
+        limit: the true extreme does not lie beyond it, as far as the evidence goes.
+        evidence: how that is known.
+        theta: where [rad]. wall, rho: on which wall, and where on the roller's axis [mm]; None: the
+            quantity does not belong to a wall.
+    """
+
+    value: float
+    limit: float
+    evidence: str
+    theta: float | None = None
+    wall: Wall | None = None
+    rho: float | None = None
+
+
+def rounded(value: float) -> float:
+    """A value to twelve digits: of two that differ by rounding only, the first one is chosen."""
+    return float(f"{value:.11e}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,16 +127,17 @@ class WallPoints:
     def state(self) -> FollowerState:
         """Position and derivatives of the rollers, (k n,) each."""
         theta, curve = self.theta.ravel(), self.cam.motion.curve
-        piece = self._repeat([patch.piece for patch in self.patches])
+        piece = self.repeat([patch.piece for patch in self.patches])
         q, q1, q2 = (curve.at(theta, piece, order) for order in range(3))
-        return FollowerState(self._repeat([p.wall.seat.start for p in self.patches]) + q, q1, q2)
+        return FollowerState(self.repeat([p.wall.seat.start for p in self.patches]) + q, q1, q2)
 
     @property
     def side(self) -> NDArray[Any]:
         """(k n, 1) sides of the rollers."""
-        return self._repeat([patch.wall.side for patch in self.patches])[:, None]
+        return self.repeat([patch.wall.side for patch in self.patches])[:, None]
 
-    def _repeat(self, values: Sequence[float]) -> NDArray[Any]:
+    def repeat(self, values: Sequence[float]) -> NDArray[Any]:
+        """Values of the patches (k,) at all angles, (k n,)."""
         return np.repeat(values, self.theta.shape[1])
 
     @cached_property
@@ -117,112 +175,97 @@ def patches(cam: SpatialCam) -> Iterator[Patch]:
                     yield Patch(cam, wall, piece, float(low), float(high))
 
 
-def sample_walls(
-    parts: Sequence[Patch], rho: Array, angles: int, whole: int
-) -> Iterator[WallPoints]:
-    """Sample points of every wall, all its patches together, in the order of the patches.
-
-    Args:
-        parts: the patches, by wall. rho: (m,) places on the roller's axis [mm].
-        angles: at most on a patch. whole: about, on a wall with many patches.
-    """
-    for _, group in groupby(parts, key=lambda patch: patch.wall):
-        own = list(group)
-        each = int(np.clip(whole // len(own), 1, angles))
-        low, high = np.array([(patch.low, patch.high) for patch in own]).T[:, :, None]
-        share = np.linspace(0.0, 1.0, each) if each > 1 else np.array([0.5])
-        yield WallPoints(own, low + (high - low) * share, rho)
-
-
 @dataclass(frozen=True)
-class Refinement:
-    """How the best samples are refined.
+class Sampling:
+    """How an extremum is sought.
 
     Attributes:
-        kept: patches. points: in each direction around a sample. rounds: of ever finer grids.
-        shrink: of the steps from round to round. evidence: how the extremum is known.
+        angles: samples of a patch in cam angle at most. whole: about, of a wall with many patches.
+        kept: patches whose best samples are refined. points: of a grid around such a sample, in
+            each direction. rounds: of ever finer grids. shrink: of the steps from round to round.
+        evidence: how the extremum is known.
     """
 
+    angles: int
+    whole: int
     kept: int
     points: int
     rounds: int
     shrink: float
     evidence: str
 
+    def walls(self, parts: Sequence[Patch], rho: Array) -> Iterator[WallPoints]:
+        """Sample points of every wall, all its patches together, in the order of the patches.
 
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """The largest sampled value on a patch.
-
-    Attributes:
-        value: of the maximised function. patch: where.
-        at: (d,) coordinates, the last two of them θ [rad] and ρ [mm]. step: (d,) between samples.
-    """
-
-    value: float
-    patch: Patch
-    at: Array
-    step: Array
+        Args:
+            parts: the patches, by wall. rho: (m,) places on the roller's axis [mm].
+        """
+        for _, group in groupby(parts, key=lambda patch: patch.wall):
+            own = list(group)
+            each = int(np.clip(self.whole // len(own), 1, self.angles))
+            low, high = np.array([(patch.low, patch.high) for patch in own]).T[:, :, None]
+            share = np.linspace(0.0, 1.0, each) if each > 1 else np.array([0.5])
+            yield WallPoints(own, low + (high - low) * share, rho)
 
 
-def best_samples(points: WallPoints, values: Array, *others: Array) -> Iterator[Sample]:
-    """The best sample of every patch.
-
-    Args:
-        values: (…, k n, m) of the function that is maximised, at ``points``.
-        others: evenly spaced coordinates of the axes of ``values`` before those of the points.
-    """
-    count, each = points.theta.shape
-    split = values.reshape(*values.shape[:-2], count, each, values.shape[-1])
-    for patch, theta, own in zip(
-        points.patches, points.theta, np.moveaxis(split, -3, 0), strict=True
-    ):
-        where = np.unravel_index(int(np.argmax(own)), own.shape)
-        axes = (*others, theta, points.rho)
-        # One sample stands for the whole patch.
-        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) for axis in (*others, points.rho)]
-        steps.insert(-1, (patch.high - patch.low) / max(each - 1, 1))
-        at = [axis[i] for axis, i in zip(axes, where, strict=True)]
-        yield Sample(float(own[where]), patch, np.array(at), np.array(steps))
-
-
-def refine(
-    values: Callable[[Sequence[Patch], Array], Array],
-    samples: Iterable[Sample],
-    rho: Array,
-    how: Refinement,
+def find_extremum(
+    values: Callable[..., Array],
+    walls: Iterable[WallPoints],
+    how: Sampling,
     sign: float,
+    *others: Array,
 ) -> Extremum:
-    """Maximise a function around the best samples, all of them in one vectorised call a round.
+    """Maximise a function over walls by samples, then on ever finer grids around the best of them.
 
     Args:
-        values: from b patches and coordinates (b, d, g) to the function on their grids,
-            (b, g, …, g).
-        samples: of all patches. rho: (m,) sampled places, whose ends bound ρ [mm].
+        values: of points and other coordinates, (j, 1) or (j, k n) each, to (…, k n, m).
+        walls: sample points, at places (m,) on the roller's axis, whose ends bound ρ.
+        others: evenly spaced values (j,) of the coordinates besides θ and ρ, which are not bounded.
         sign: of the measured quantity in the function.
     """
-    # The best patches; coordinates other than θ and ρ are not bounded.
-    best = sorted(samples, key=lambda each: -rounded(each.value))[: how.kept]
-    parts = [sample.patch for sample in best]
-    at, step = (np.stack([getattr(each, name) for each in best]) for name in ("at", "step"))
-    value = np.array([sample.value for sample in best])
+
+    def best(points: WallPoints, *others: Array) -> tuple[Array, NDArray[np.intp]]:
+        """The largest value on each patch (k,), and its place on the axes (k, d)."""
+        (count, each), every = points.theta.shape, values(points, *others)
+        every = np.moveaxis(every.reshape(*every.shape[:-2], count, each, every.shape[-1]), -3, 0)
+        top = every.reshape(count, -1).argmax(axis=1)
+        where = np.unravel_index(top, every.shape[1:])
+        return every[(np.arange(count), *where)], np.stack(where, axis=1)
+
+    # 1. The best sample of every patch: value, coordinates (…, θ, ρ), and steps between samples.
+    parts, rows = list[Patch](), list[Array]()
+    for points in walls:
+        count, each = points.theta.shape
+        value, where = best(points, *(axis[:, None] for axis in others))
+        axes = [np.broadcast_to(axis, (count, axis.shape[-1]))
+                for axis in (*others, points.theta, points.rho)]  # fmt: skip
+        spots = [axis[np.arange(count), i] for axis, i in zip(axes, where.T, strict=True)]
+        steps = [(axis[:, -1] - axis[:, 0]) / max(axis.shape[1] - 1, 1) for axis in axes]
+        if each == 1:  # one sample stands for the whole patch
+            steps[-2] = np.array([patch.high - patch.low for patch in points.patches])
+        parts += points.patches
+        rows.append(np.column_stack([value, *spots, *steps]))
+        ends = points.rho[0], points.rho[-1]
+    table = np.concatenate(rows)
+    kept = sorted(range(len(parts)), key=lambda i: -rounded(table[i, 0]))[: how.kept]
+    parts, table = [parts[i] for i in kept], table[kept]
+    value, (at, step) = table[:, 0], np.split(table[:, 1:], 2, axis=1)
+    # 2. Around each of the best a grid, of steps that shrink from round to round.
     low, high = np.full_like(at, -np.inf), np.full_like(at, np.inf)
-    low[:, -2:] = [(part.low, rho[0]) for part in parts]
-    high[:, -2:] = [(part.high, rho[-1]) for part in parts]
-    spots, share = np.arange(len(best)), np.linspace(-1.0, 1.0, how.points)
+    low[:, -2:] = [(part.low, ends[0]) for part in parts]
+    high[:, -2:] = [(part.high, ends[1]) for part in parts]
+    share = np.linspace(-1.0, 1.0, how.points)
     for _ in range(how.rounds):
-        # A grid around each best place yet, of steps that shrink from round to round.
         around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
-        grids = values(parts, around).reshape(len(best), -1)
-        top = np.argmax(grids, axis=1)
-        where = np.stack(np.unravel_index(top, (how.points,) * at.shape[1]), axis=1)
-        before, better = value, grids[spots, top] > value
-        value = np.where(better, grids[spots, top], value)
+        *more, theta, rho = np.moveaxis(around, 1, 0)
+        points = WallPoints(parts, theta, np.repeat(rho, how.points, axis=0))
+        top, where = best(points, *(np.repeat(axis.T, how.points, axis=1) for axis in more))
+        before, better = value, top > value
+        value = np.where(better, top, value)
         moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
         at, step = np.where(better[:, None], moved, at), how.shrink * step
-    # The first of those that are equal but for rounding, and twice what its last round gained.
-    first = max(range(len(best)), key=lambda i: rounded(float(value[i])))
-    *_, theta, place = at[first].tolist()
-    most = float(value[first])
+    # 3. The first of those that are equal but for rounding, and twice what its last round gained.
+    first = max(range(len(parts)), key=lambda i: rounded(float(value[i])))
+    most, (*_, angle, place) = float(value[first]), at[first].tolist()
     limit = most + 2.0 * (most - float(before[first]))
-    return Extremum(sign * most, sign * limit, how.evidence, theta, parts[first].wall, place)
+    return Extremum(sign * most, sign * limit, how.evidence, angle, parts[first].wall, place)

@@ -12,7 +12,7 @@ as a solid of revolution about its axis; it uses no formula of contacts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import mul
 
@@ -29,53 +29,53 @@ from synthesis.machines.spatial.measuring.enclosure import (
     prove_regular,
 )
 from synthesis.machines.spatial.measuring.patches import (
-    Patch,
-    Refinement,
-    Sample,
-    WallPoints,
-    best_samples,
-    refine,
-    sample_walls,
-)
-from synthesis.machines.spatial.measuring.quantities import (
     Bound,
     Bounds,
     Extremum,
+    Patch,
     Quantity,
-    first_jump,
+    Sampling,
+    WallPoints,
+    find_extremum,
 )
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm, rotate
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE, FULL_TURN
 
-ANGLES, PLACES = 49, 5  # samples of a patch: cam angles, places
-WHOLE = 240  # about so many angles on a wall with many patches
 # The last steps are 6e-5 of those between samples.
-CLOSER = Refinement(
-    2, 11, 8, 0.25, "measured on a grid of every smooth part of a wall, then closer"
+CONTACTS = Sampling(
+    49, 240, 2, 11, 8, 0.25, "measured on a grid of every smooth part of a wall, then closer"
 )
-
-RIB_ANGLES, RIB_PLACES, RIB_TURNS = 25, 3, 73  # samples; turns: angles of the other roller
-RIB_WHOLE = 72  # as WHOLE
-RIB_CLOSER = Refinement(
-    3, 7, 13, 0.4,
+RIBS = Sampling(
+    25, 72, 3, 7, 13, 0.4,
     "measured from points of each wall to the next roller, at every cam angle, then closer",
 )  # fmt: skip
+PLACES, RIB_PLACES, RIB_TURNS = 5, 3, 73  # samples on the roller; of the other roller's cam angle
 RIB = Quantity("rib_thickness", "mm", largest=False, required=Bound(0.0))
+JUMP = 1e-9  # of a derivative's largest value: smaller jumps are rounding
 
 
 @dataclass(frozen=True)
-class ContactQuantity:
+class ContactQuantity(Quantity):
     """A quantity of contacts.
 
     Attributes:
-        kind: what is measured. of: its values at n angles by m places, (n, m).
+        of: its values at n angles by m places, (n, m).
         proof: how its extremum is proven; None: it is measured only.
     """
 
-    kind: Quantity
-    of: Callable[[WallPoints], Array]
+    of: Callable[[WallPoints], Array] = field(kw_only=True)
     proof: Prover | None = None
+
+    def extremum(self, walls: Sequence[WallPoints], how: Sampling) -> Extremum:
+        """The extremum over all walls by samples."""
+        sign = 1.0 if self.largest else -1.0
+
+        def values(at: WallPoints) -> Array:
+            """To be maximised; −∞ beyond the end faces."""
+            return at.between_faces(sign * self.of(at), -np.inf)
+
+        return find_extremum(values, walls, how, sign)
 
 
 def _sliding(at: WallPoints) -> Array:
@@ -113,140 +113,120 @@ def _radius(curvature: float) -> float:
 
 
 PRESSURE_ANGLE = ContactQuantity(
-    Quantity("pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE),
-    lambda at: at.contacts.pressure_angle,
-    prove_pressure_angle,
-)
+    "pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE,
+    of=lambda at: at.contacts.pressure_angle, proof=prove_pressure_angle,
+)  # fmt: skip
 UNDERCUT = ContactQuantity(
-    Quantity("undercut", "1", False, required=Bound(0.0)),
-    lambda at: at.contacts.regular,
-    prove_regular,
-)
+    "undercut", "1", False, required=Bound(0.0),
+    of=lambda at: at.contacts.regular, proof=prove_regular,
+)  # fmt: skip
 # Measured as negated curvatures, which are finite where a wall is flat.
 RADII = (
     ContactQuantity(
-        Quantity("convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
-        lambda at: -at.curvatures[0],
-        prove_convex_radius,
+        "convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
+        of=lambda at: -at.curvatures[0], proof=prove_convex_radius,
     ),
     ContactQuantity(
-        Quantity("hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius),
-        lambda at: at.curvatures[1],
-        prove_hollow_radius,
+        "hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
+        of=lambda at: at.curvatures[1], proof=prove_hollow_radius,
     ),
-)
+)  # fmt: skip
 CORNER = "the velocity jumps there: walls cross on one side and leave a gap on the other"
 NO_RADIUS = Extremum(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
-
-
-def _speeds(omega: float) -> Sequence[ContactQuantity]:
-    """Speeds of a cam that turns at ω [rad/s]."""
-    per_second, rpm = partial(mul, omega), partial(mul, omega * 60.0 / (2.0 * np.pi))
-    return (
-        ContactQuantity(
-            Quantity("contact_speed", "mm/s", True, per_second), lambda at: norm(at.contacts.slip)
-        ),
-        ContactQuantity(Quantity("sliding_speed", "mm/s", True, per_second), _sliding),
-        ContactQuantity(Quantity("roller_speed", "rpm", True, rpm), _spin),
-    )
 
 
 def contact_extrema(
     cam: SpatialCam, parts: Sequence[Patch], omega: float, bounds: Bounds
 ) -> Iterator[tuple[Quantity, Extremum]]:
-    """The extremum of every quantity of contacts over all patches."""
+    """The extremum of every quantity of contacts over all patches; ω of the cam [rad/s]."""
     if not parts:
         return
-    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, PLACES)
-    walls = list(sample_walls(parts, rho, ANGLES, WHOLE))
+    walls = list(CONTACTS.walls(parts, cam.swept.roller.places(PLACES)))
     # The proof is for ruled surfaces: the contacts of a crowned roller are not offsets of one.
     models = None if cam.swept.roller.crown > 0.0 else Models(cam, parts)
 
     def over(quantity: ContactQuantity) -> Extremum:
-        bound = bounds.get(quantity.kind.name, quantity.kind.required)
-        allowed = None if bound is None else quantity.kind.from_wire(bound.value)
-        sampled = _extremum(quantity, walls, rho)
+        bound = bounds.get(quantity.name, quantity.required)
+        allowed = None if bound is None else quantity.from_wire(bound.value)
+        sampled = quantity.extremum(walls, CONTACTS)
         if models is None or quantity.proof is None or not np.isfinite(sampled.value):
             return sampled
         return quantity.proof(models, sampled, allowed)
 
-    yield PRESSURE_ANGLE.kind, over(PRESSURE_ANGLE)
+    yield PRESSURE_ANGLE, over(PRESSURE_ANGLE)
     corner = first_jump(cam.motion.curve, 1)
     area = over(UNDERCUT) if corner is None else Extremum(-np.inf, -np.inf, CORNER, corner)
-    yield UNDERCUT.kind, area
+    yield UNDERCUT, area
     for radius in RADII:
-        yield radius.kind, over(radius) if area.value > 0.0 else NO_RADIUS
-    for speed in _speeds(omega):
-        yield speed.kind, over(speed)
+        yield radius, over(radius) if area.value > 0.0 else NO_RADIUS
+    per_second, rpm = partial(mul, omega), partial(mul, omega * 60.0 / FULL_TURN)
+    for name, unit, to_wire, of in (
+        ("contact_speed", "mm/s", per_second, lambda at: norm(at.contacts.slip)),
+        ("sliding_speed", "mm/s", per_second, _sliding),
+        ("roller_speed", "rpm", rpm, _spin),
+    ):
+        speed = ContactQuantity(name, unit, True, to_wire, of=of)
+        yield speed, over(speed)
 
 
-def _extremum(quantity: ContactQuantity, walls: Sequence[WallPoints], rho: Array) -> Extremum:
-    """The extremum over all patches, sampled wall by wall."""
-    sign = 1.0 if quantity.kind.largest else -1.0
-
-    def values(at: WallPoints) -> Array:
-        """To be maximised; −∞ beyond the end faces."""
-        return at.between_faces(sign * quantity.of(at), -np.inf)
-
-    def on_grids(parts: Sequence[Patch], at: Array) -> Array:
-        return values(WallPoints(parts, at[:, 0], np.repeat(at[:, 1], at.shape[2], axis=0)))
-
-    samples = (sample for wall in walls for sample in best_samples(wall, values(wall)))
-    return refine(on_grids, samples, rho, CLOSER, sign)
+def first_jump(curve: Piecewise, order: int) -> float | None:
+    """The first cam angle where a derivative jumps, the end of the turn included [rad]."""
+    ends, pieces = curve.breaks, np.arange(curve.count)
+    after = curve.at(ends[:-1], pieces, order)
+    before = np.roll(curve.at(ends[1:], pieces, order), 1)
+    size = max(float(np.abs(after).max()), float(np.abs(before).max()))
+    jumps = np.flatnonzero(np.abs(after - before) > JUMP * size)
+    return float(ends[jumps[0]]) if len(jumps) else None
 
 
 def thinnest_rib(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> Extremum | None:
     """The least rib thickness; None where the cam has no ribs."""
-    rho = np.linspace(cam.swept.roller.inner, cam.swept.roller.outer, RIB_PLACES)
-    offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, RIB_TURNS)
     others = {wall: _behind(wall, seats, cam.period) for wall in cam.walls}
-    samples: list[Sample] = []
-    for wall in sample_walls(parts, rho, RIB_ANGLES, RIB_WHOLE):
-        other = others[wall.patches[0].wall]
-        if other is not None:
-            samples += best_samples(wall, -_rib_thickness(wall, other, offset), offset)
+    bounded = [part for part in parts if others[part.wall] is not None]
+    if not bounded:
+        return None
 
-    def on_grids(parts: Sequence[Patch], at: Array) -> Array:
-        return np.stack(
-            [
-                -_rib_thickness(part.at(theta, rho), other, offset)
-                for part, (offset, theta, rho) in zip(parts, at, strict=True)
-                if (other := others[part.wall]) is not None
-            ]
-        )
+    def thickness(points: WallPoints, offset: Array) -> Array:
+        start = points.repeat([others[patch.wall] or 0.0 for patch in points.patches])
+        return -_rib_thickness(points, start, offset)
 
-    return refine(on_grids, samples, rho, RIB_CLOSER, -1.0) if samples else None
+    walls = RIBS.walls(bounded, cam.swept.roller.places(RIB_PLACES))
+    offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, RIB_TURNS)
+    return find_extremum(thickness, walls, RIBS, -1.0, offset)
 
 
-def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> Seat | None:
-    """The roller on the other side of the rib behind a wall; None where no roller bounds it."""
+def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> float | None:
+    """Position at q = 0 of the roller beyond the rib behind a wall; None where there is none."""
     ordered = sorted(seats, key=lambda seat: seat.start)
     step = -1 if wall.side == LEFT else 1
     periods, at = divmod(ordered.index(wall.seat) + step, len(ordered))
     if len(ordered) < 2 or (periods and np.isinf(period)):
         return None
-    lag = periods * period if periods else 0.0
-    return replace(ordered[at], start=ordered[at].start + lag)
+    return ordered[at].start + (periods * period if periods else 0.0)
 
 
-def _rib_thickness(wall: WallPoints, other: Seat, offset: Array) -> Array:
-    """Distance of a wall's points from another roller, ``offset`` (k,) later: (k, n, m) [mm].
+def _rib_thickness(wall: WallPoints, start: Array, offset: Array) -> Array:
+    """Distance of a wall's points from other rollers later in the turn: (j, k n, m) [mm].
 
     Negative inside the roller; infinite where the wall is beyond the end faces.
+
+    Args:
+        start: (k n,) positions at q = 0 of the rollers. offset: (j, 1) or (j, k n) of cam angle.
     """
     cam, swept, points = wall.cam, wall.cam.swept, wall.points
-    centre = swept.centre.reshape(3, 1, 1)
+    centre, shape = swept.centre.reshape(3, 1, 1), (len(offset), *points.shape[1:])
+    turned = np.broadcast_to(offset, shape[:2]).ravel()
     # The wall's points as the cam carries them on, seen along the other roller's axis.
-    away = points.reshape(3, 1, -1) - centre
-    moved = rotate(away, swept.hand * offset, swept.axis) + centre
-    theta = (np.repeat(wall.theta.ravel(), points.shape[2]) + offset[:, None]).ravel()
-    turns = np.floor(theta / FULL_TURN)
-    q = other.start + cam.motion.derivatives(theta, 0)[0] + cam.gain * turns
+    away = np.broadcast_to((points - centre)[:, None], (3, *shape)).reshape(3, -1, shape[2])
+    moved = rotate(away, swept.hand * turned, swept.axis) + centre
+    theta = np.tile(wall.theta.ravel(), shape[0]) + turned
+    q = np.tile(start, shape[0]) + cam.motion.derivatives(theta, 0)[0]
+    q = q + cam.gain * np.floor(theta / FULL_TURN)
     u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)
-    foot = moved.reshape(3, -1, 1) - swept.joint.move_points(swept.origin.reshape(3, 1, 1), q)
+    foot = moved - swept.joint.move_points(swept.origin.reshape(3, 1, 1), q)
     roller, along = swept.roller, dot(u, foot)
     within = np.clip(along, roller.inner, roller.outer)
     beyond = np.abs(along - within)
     over = norm(foot - along * u) - roller.profile(within)[0]
     distance = np.where(beyond > 0.0, np.hypot(beyond, np.maximum(over, 0.0)), over)
-    return wall.between_faces(distance.reshape(-1, *points.shape[1:]), np.inf)
+    return wall.between_faces(distance.reshape(shape), np.inf)

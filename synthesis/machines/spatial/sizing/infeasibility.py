@@ -1,23 +1,24 @@
 """Why no spatial cam fits: the least change of each single number of the spec that would do.
 
-Each number is relaxed by itself, and the spec is sized anew with bisection on its value, as
-``pipeline.conflict`` does for planar cams.
+Each number alone is relaxed as in ``pipeline.relaxable``, the spec is sized anew, and the value
+that suffices is found by bisection. There is no deletion filter as in ``pipeline.conflict``: its
+trials leave numbers out, and without its limit on the pressure angle a spec has no smallest cam.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from math import isfinite
-from typing import Any
 
-from synthesis.catalogue.fields import Range, ends
+from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.machines.spatial.machine import ROLLER_RADIUS
 from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables
+from synthesis.pipeline.conflict import ALONE, LATE
+from synthesis.pipeline.relaxable import Relaxable, relaxed
 
 DIAGNOSIS_S = 6.0  # s: time for all of it
 COARSE_TOLERANCE = 1e-2  # relative: of cams that only show that there is one
@@ -26,24 +27,6 @@ FIRST_STEP = 0.02  # relative: of a value, tripled until a cam is found
 ACCURACY = 1e-3  # relative: of the value needed
 WIDEST_DEG = 89.0  # largest pressure angle that is tried
 FOUND = "a cam was found with this value; that it is the least is not proven"
-ALONE = "relaxing this alone was not seen to help"
-LATE = "the time budget ended before this was known"
-
-
-@dataclass(frozen=True)
-class _Relaxable:
-    """One number of the spec that may be in the way.
-
-    Attributes:
-        relaxation: what is reported of it. text: the bound, for people.
-        upper: whether a larger value is easier.
-        changed: the spec with another value, not validated again.
-    """
-
-    relaxation: Relaxation
-    text: str
-    upper: bool
-    changed: Callable[[float], SpatialCamSpec]
 
 
 def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: float) -> Conflict:
@@ -54,114 +37,95 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
         stop: ``clock.now()`` after which nothing more is tried.
     """
     until = min(stop, clock.now() + DIAGNOSIS_S)
-    # Cams that only show that there is one need no small gap.
     coarse = spec.model_copy(update={"tolerance": max(spec.tolerance, COARSE_TOLERANCE)})
-    minimised = spec.machine.size_field
-    names = sorted(spec.machine.sizes(), key=lambda name: name != minimised)
-    numbers = [number for name in names for number in _dimension(coarse, name)]
-    numbers += [_limit(coarse, position) for position in range(len(spec.limits))]
 
-    def sized(changed: SpatialCamSpec) -> Sizes | None:
+    def sizes_with(number: Relaxable, value: float) -> Sizes | None:
         # Where walls failed, sizing must include them; otherwise laws and size alone decide.
         existence_only = not result.walls_failed
+        changed = relaxed(coarse, number, value)
         return size_cam(changed, tables, until, existence_only=existence_only).sizes
 
-    relaxations = [_relax(number, sized, minimised, until) for number in numbers]
+    numbers = list(_numbers(spec))
+    relaxations = [
+        _relax(number, far, sizes_with, spec.machine.size_field, until) for number, far in numbers
+    ]
     binding = [
-        number.text
-        for number, each in zip(numbers, relaxations, strict=True)
+        str(number)
+        for (number, _), each in zip(numbers, relaxations, strict=True)
         if each.needed is not None
     ]
     known = "proven" if result.proven else "that there is none is not proven"
     return Conflict(
-        limits=binding or [number.text for number in numbers],
+        limits=binding or [str(number) for number, _ in numbers],
         relaxations=relaxations,
         evidence=f"{result.why}; {known}"
         + ("; changing any one of those named would do" if binding else ""),
     )
 
 
-def _dimension(spec: SpatialCamSpec, name: str) -> Iterator[_Relaxable]:
-    """The end of a dimension's range that may be in the way, if it has that end."""
-    low, high = ends(spec.machine.sizes()[name])
-    upper = name != ROLLER_RADIUS
-    end = high if upper else low
-    if not isfinite(end) or end <= 0.0:
-        return
-
-    def changed(value: float) -> SpatialCamSpec:
-        least, most = (low, value) if upper else (value, high)
-        wider: Any = Range(
-            min=least if isfinite(low) else None, max=most if isfinite(high) else None
+def _numbers(spec: SpatialCamSpec) -> Iterator[tuple[Relaxable, float]]:
+    """The numbers that may be in the way, the minimised dimension first, and how far to relax."""
+    sizes, minimised = spec.machine.sizes(), spec.machine.size_field
+    for field in sorted(sizes, key=lambda name: name != minimised):
+        # Cams may be too large and rollers too thick; the other end of a range is in no way.
+        low, high = ends(sizes[field])
+        end, far, sense, tail = (
+            (low, low / FARTHEST, "≥", "/min")
+            if field == ROLLER_RADIUS
+            else (high, high * FARTHEST, "≤", "/max")
         )
-        return spec.model_copy(update={"machine": spec.machine.model_copy(update={name: wider})})
-
-    tail, sign = ("", "=") if low == high else ("/max", "≤") if upper else ("/min", "≥")
-    title = name.removesuffix("_mm")
-    text = f"{title.replace('_', ' ')} {sign} {end:.6g} mm"
-    yield _Relaxable(_request(title, f"machine/{name}{tail}", "mm", end), text, upper, changed)
-
-
-def _limit(spec: SpatialCamSpec, position: int) -> _Relaxable:
-    """The bound of a limit."""
-    limit = spec.limits[position]
-
-    def changed(value: float) -> SpatialCamSpec:
-        limits = list(spec.limits)
-        limits[position] = limit.model_copy(update={limit.field: value})
-        return spec.model_copy(update={"limits": limits})
-
-    unit = limit.field.partition("_")[2].replace("_per_", "/")
-    unit = unit.replace("s2", "s²").replace("s3", "s³")
-    sign = "≤" if limit.upper else "≥"
-    text = f"{limit.kind.replace('_', ' ')} {sign} {limit.bound:.6g} {unit}"
-    field = f"limits/{position}/{limit.field}"
-    return _Relaxable(_request(limit.kind, field, unit, limit.bound), text, limit.upper, changed)
-
-
-def _request(name: str, field: str, unit: str, value: float) -> Relaxation:
-    return Relaxation(limit=name, field=field, unit=unit, requested=value, needed=None, note=ALONE)
+        if low == high:
+            sense, tail = "=", ""
+        if isfinite(end) and end > 0.0:
+            name = field.removesuffix("_mm").replace("_", " ")
+            yield Relaxable(name, (f"machine/{field}{tail}",), (end,), "mm", sense), far
+    for position, limit in enumerate(spec.limits):
+        name, bound = limit.kind.replace("_", " "), limit.bound
+        unit = limit.field.partition("_")[2].replace("_per_", "/")
+        unit = unit.replace("s2", "s²").replace("s3", "s³")
+        sense, far = ("≤", bound * FARTHEST) if limit.upper else ("≥", bound / FARTHEST)
+        if limit.upper and unit == "deg":
+            far = WIDEST_DEG
+        yield Relaxable(name, (f"limits/{position}/{limit.field}",), (bound,), unit, sense), far
 
 
 def _relax(
-    number: _Relaxable,
-    sized: Callable[[SpatialCamSpec], Sizes | None],
+    number: Relaxable,
+    far: float,
+    sizes_with: Callable[[Relaxable, float], Sizes | None],
     minimised: str,
     until: float,
 ) -> Relaxation:
     """What one number alone would have to be, as far as time allows.
 
     Args:
-        sized: dimensions of a cam, or None. minimised: field of the dimension that is minimised.
+        far: the farthest value. sizes_with: dimensions of a cam with a number at a value, or None.
+        minimised: field of the dimension that is minimised.
     """
-    request = number.relaxation
-    value = request.requested
-    far = value * FARTHEST if number.upper else value / FARTHEST
-    if request.unit == "deg" and number.upper:
-        far = WIDEST_DEG
+    (path,), (value,) = number.paths, number.requested
+
+    def relaxation(needed: float | None, note: str) -> Relaxation:
+        return Relaxation(
+            limit=number.limit, field=path, unit=number.unit, requested=value, needed=needed,
+            note=note,
+        )  # fmt: skip
+
     if clock.now() >= until:
-        return request.model_copy(update={"note": LATE})
-    widest = sized(number.changed(far))
+        return relaxation(None, LATE)
+    widest = sizes_with(number, far)
     if widest is None:
-        return request
+        return relaxation(None, ALONE)
     # The minimised dimension is its own answer.
-    if request.field.startswith(f"machine/{minimised}"):
-        needed = {"needed": widest[minimised] * (1.0 + ACCURACY), "note": FOUND}
-        return request.model_copy(update=needed)
-    # Any other number: larger and larger changes until one is enough, then bisection.
+    if path.startswith(f"machine/{minimised}"):
+        return relaxation(widest[minimised] * (1.0 + ACCURACY), FOUND)
+    # Any other: changes that grow threefold until one is enough, then bisection.
     bad, good, step = value, far, FIRST_STEP
-    while clock.now() < until:
-        at = value * (1.0 + step) if far > value else value / (1.0 + step)
-        if (at - far) * (value - far) <= 0.0:
-            break
-        if sized(number.changed(at)) is not None:
-            good = at
-            break
-        bad, step = at, 3.0 * step
     while clock.now() < until and abs(good - bad) > ACCURACY * abs(good):
-        middle = 0.5 * (bad + good)
-        if sized(number.changed(middle)) is not None:
-            good = middle
+        at = value * (1.0 + step) if far > value else value / (1.0 + step)
+        if good != far or (at - far) * (value - far) <= 0.0:
+            at = 0.5 * (bad + good)
+        if sizes_with(number, at) is None:
+            bad, step = at, 3.0 * step
         else:
-            bad = middle
-    return request.model_copy(update={"needed": good, "note": FOUND})
+            good = at
+    return relaxation(good, FOUND)

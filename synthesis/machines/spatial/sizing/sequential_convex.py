@@ -78,15 +78,13 @@ class SpatialFollower:
         machine: the machine. sizes: its other dimensions [mm].
         scale: length that stands for one unit of q [mm]. largest: upper end of the size [mm].
         rotation: +1 where the cam turns ccw, −1 where it turns cw.
-        inner: rows of constraints that are not linear are inner rows, see ``SizeConstraint``.
     """
 
     machine: SpatialMachine
     sizes: Mapping[str, float]
     scale: float
     largest: float
-    rotation: int = 1
-    inner: bool = False
+    rotation: int
 
     active_closure: ClassVar[Closure] = SINGLE_FLANK
 
@@ -123,14 +121,11 @@ class SpatialFollower:
 
     def pressure_angle_constraints(self, slope: float) -> tuple[SizeConstraint, ...]:
         """|tan α| ≤ slope where it is not linear."""
-        return self._as_inner(self.machine.pressure_angle_curves(self.sizes, slope, self.rotation))
+        return self.machine.pressure_angle_curves(self.sizes, slope, self.rotation)
 
     def profile_radius_constraints(self, least: float) -> tuple[SizeConstraint, ...]:
         """Radius of convex wall parts ≥ least [mm]."""
-        return self._as_inner(self.machine.wall_radius_curves(self.sizes, least))
-
-    def _as_inner(self, curves: tuple[SizeConstraint, ...]) -> tuple[SizeConstraint, ...]:
-        return tuple(curve.inner_approximation() for curve in curves) if self.inner else curves
+        return self.machine.wall_radius_curves(self.sizes, least)
 
 
 def formulate_problem(
@@ -155,12 +150,6 @@ def formulate_problem(
         placed, Machine(cast(Follower, follower), spec.omega), tuple(limits),
         follower.size_domain((0.0, inf)), objective_of(machine.size_field), stroke,
     )  # fmt: skip
-
-
-def inner_approximation(problem: Problem) -> Problem:
-    """The same problem with inner rows: every point of its programs keeps the limits."""
-    follower = replace(cast(SpatialFollower, problem.machine.follower), inner=True)
-    return replace(problem, machine=replace(problem.machine, follower=cast(Follower, follower)))
 
 
 def _as_length(segment: PlacedSegment, scale: float) -> PlacedSegment:
@@ -190,7 +179,6 @@ def minimise_size(
     """
     grids = tuple(uniform_grid(segment, FIRST_INTERVALS) for segment in problem.free)
     state = SolveState(problem, tolerance, deadline, tighten, grids=grids)
-    restricted = inner_approximation(problem)
     # Bound over all laws, before any cam is known.
     state, last = _bound_in_phase_plane(state), None
     # Where accelerations are limited the fastest laws are a bad start, and a smooth one is good.
@@ -201,7 +189,7 @@ def minimise_size(
     before, little = inf, False
     for number in range(1, (MAX_ROUNDS_CURVATURE if curvature else MAX_ROUNDS) + 1):
         # Primal: relinearise about the last laws until they no longer improve.
-        state, last, lower, missed = _relinearise(state, restricted, last, number)
+        state, last, lower, missed = _relinearise(state, last, number)
         if lower is None:
             # No point of the program: try knots on which the limits on the motion can be kept.
             if number > 1:
@@ -245,12 +233,12 @@ def _bound_in_phase_plane(state: SolveState) -> SolveState:
 
 
 def _relinearise(
-    state: SolveState, restricted: Problem, last: Candidate | None, number: int
+    state: SolveState, last: Candidate | None, number: int
 ) -> tuple[SolveState, Candidate | None, Bound | None, list[Array]]:
     """Convex programs with inner rows about one law after the other, until they gain no more.
 
     Args:
-        restricted: the problem with inner rows. last: the cam to start about, if there is one.
+        last: the cam to start about, if there is one.
 
     Returns:
         the state; the last cam; the bound from the last program's multipliers, which holds for
@@ -265,7 +253,7 @@ def _relinearise(
         if last is not None:
             about = TangentPoint(tuple(law.curve() for law in last.laws), last.size)
             region = replace(region, tangent_points=(about,))
-        plan = formulate(restricted, state.grids, 0.0, state.tightening, region)
+        plan = formulate(state.problem, state.grids, 0.0, state.tightening, region)
         solution = solve(plan.program, state.time_left)
         iterations += solution.iterations
         if solution.stopped not in USABLE:

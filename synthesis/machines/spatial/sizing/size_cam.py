@@ -18,6 +18,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from math import inf
 
 import numpy as np
@@ -28,8 +29,8 @@ from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.machines.spatial.cam import build_cam
 from synthesis.machines.spatial.limits import AnySpatialLimit, WallRadius
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
-from synthesis.machines.spatial.measuring.patches import patches, sample_walls
-from synthesis.machines.spatial.measuring.walls import thinnest_rib
+from synthesis.machines.spatial.measuring.patches import Sampling, patches
+from synthesis.machines.spatial.measuring.walls import UNDERCUT, thinnest_rib
 from synthesis.machines.spatial.sizing.sequential_convex import formulate_problem, minimise_size
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.optimise import driver
@@ -48,13 +49,15 @@ RIB_MARGIN = 2e-5  # relative: ribs at rest keep this for what samples of ribs i
 SLACK = 0.02  # of the tolerance: the size gives it up, so that the judge resolves less
 ROUNDING = 1e-12  # relative: accuracy of the size of given laws
 WALL_QUANTITY, RIB_QUANTITY = "convex_radius", "rib_thickness"  # quantities of limits on walls
-ANGLES, PLACES = 240, 3  # samples of a wall: cam angles, and places along the roller
-NEIGHBOURS, REFINEMENTS = 9, 5  # around the lowest sample; each refinement quarters the interval
+SAMPLES = Sampling(240, 240, 1, 9, 5, 0.25, "sampled")
+PLACES = 3  # samples along the roller
 WALL_ACCURACY, RIB_ACCURACY = 1e-7, 1e-4  # relative, of a size that is enlarged for walls, for ribs
 FIRST_STEP = 0.02  # relative, of a size that is enlarged; doubled until it is enough
 ROLLER_MARGIN = 1e-3  # of the ratio of areas: what larger rollers leave for what samples miss
 
 Sizes = Mapping[str, float]
+Margin = Callable[[float], float]  # of one dimension; negative where something is broken
+Requirement = Callable[[SpatialCamSpec, Motion, Sizes], float]  # the same of all dimensions
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -223,20 +226,17 @@ def smallest_rollers(machine: SpatialMachine, ranges: Ranges, rib: float) -> Siz
         if name != machine.size_field
     }
     place = machine.inner_end_field
-    if not place:
-        return rollers if machine.dwell_rib(rollers) >= rib * (1.0 - ROUNDING) else None
+    start, high = (rollers[place], min(ranges[place][1], LARGEST)) if place else (0.0, 0.0)
 
-    def missing(at: float) -> float:
-        return rib + RIB_MARGIN * at - machine.dwell_rib({**rollers, place: at})
+    def margin(at: float) -> float:
+        moved = {**rollers, place: at} if place else rollers
+        return machine.dwell_rib(moved) - rib * (1.0 - ROUNDING) - RIB_MARGIN * at
 
     # Ribs become thicker away from the turret's axis: move the rollers out as little as needed.
-    if missing(rollers[place]) <= 0.0:
-        return rollers
-    high = min(ranges[place][1], LARGEST)
-    if missing(high) > ROUNDING * high:
+    least = _boundary(margin, start, high, ROUNDING)
+    if least is None:
         return None
-    root = float(brentq(missing, rollers[place], high)) if missing(high) < 0.0 else high
-    return {**rollers, place: min(root * (1.0 + CLEAR), high)}
+    return rollers if least == start else {**rollers, place: min(least * (1.0 + CLEAR), high)}
 
 
 def _enlarge_for_walls(
@@ -248,147 +248,96 @@ def _enlarge_for_walls(
     *,
     ribs: bool,
 ) -> None:
-    """Enlarge the cam as little as walls, and ribs, need, then the rollers."""
-    began, machine = time.perf_counter(), spec.machine
-    rib = strictest_minimum(spec.limits, RIB_QUANTITY)
-    radius = strictest_minimum(spec.limits, WALL_QUANTITY)
-    required = WallRequirements(spec, result.motion, radius, rib, SAMPLING_MARGIN * tighten)
-    name, enlarged = machine.size_field, sizes
-    high = min(ranges[name][1], LARGEST)
-    wanted = [(required.wall_margin, WALL_ACCURACY), (required.rib_margin, RIB_ACCURACY)]
-    for margin_of, accuracy in wanted if ribs else wanted[:1]:
-        larger = _enlarge(margin_of, enlarged, name, high, accuracy)
-        if larger is None:
+    """Enlarge the cam as little as walls, and ribs, need, then the rollers as far as they allow."""
+    began, machine, sizes = time.perf_counter(), spec.machine, dict(sizes)
+    spare = SAMPLING_MARGIN * tighten
+    # Each requirement, the accuracy of its roots, and what it keeps where rollers are enlarged.
+    required = [(_wall_margin, WALL_ACCURACY, max(ROLLER_MARGIN, spare))]
+    required += [(_rib_margin, RIB_ACCURACY, spare)] if ribs else []
+
+    def margin(of: Requirement, name: str, kept: float) -> Margin:
+        return cache(lambda value: of(spec, result.motion, {**sizes, name: value}) - kept)
+
+    # 3. The cam: growing steps until one is enough, then the root within the last of them.
+    name = machine.size_field
+    first, high = sizes[name], min(ranges[name][1], LARGEST)
+    for of, accuracy, _ in required:
+        fits, step = margin(of, name, spare), FIRST_STEP * sizes[name]
+        low = at = sizes[name]
+        while fits(at) < 0.0 and at < high:
+            low, at, step = at, min(sizes[name] + step, high), 2.0 * step
+        least = _boundary(fits, low, at, accuracy)
+        if least is None:
             result.why, result.walls_failed = "no cam so small has sound walls and ribs", True
             return
-        enlarged = larger
-    growth = enlarged[name] / sizes[name] - 1.0
-    largest = _largest_radius(machine, enlarged, ranges, rib)
-    result.sizes = _enlarge_rollers(required, enlarged, largest)
+        sizes[name] = least
+    growth = sizes[name] / first - 1.0
+    # 4. The rollers: the largest that ribs at rest allow, then walls, and ribs in motion.
+    name, rib = ROLLER_RADIUS, strictest_minimum(spec.limits, RIB_QUANTITY)
+    smallest, largest = sizes[name], min(ranges[name][1], LARGEST)
+
+    def rest(radius: float) -> float:
+        return machine.dwell_rib({**sizes, name: radius}) - rib - RIB_MARGIN * radius
+
+    radius = _boundary(rest, largest, smallest, ROUNDING) or smallest
+    radius *= 1.0 if radius in (smallest, largest) else 1.0 - CLEAR
+    if radius > smallest * (1.0 + ROLLER_MARGIN):
+        for of, accuracy, kept in required:
+            radius = _boundary(margin(of, name, kept), radius, smallest, accuracy) or smallest
+        sizes[name] = radius
+    result.sizes = sizes
     note = f"grown by {growth:.3g} for walls and ribs" if growth > 0.0 else ""
     seconds = time.perf_counter() - began
     result.stages.append(Stage("walls", "sampled", "none", 1, 0, 0, seconds, "solved", note))
 
 
-@dataclass(frozen=True, eq=False)
-class WallRequirements:
-    """What walls and ribs have to keep, for one motion.
+def _wall_margin(spec: SpatialCamSpec, motion: Motion, sizes: Sizes) -> float:
+    """The least clearance, relative, if one is negative, else the least ratio of areas.
 
-    Walls are neither undercut nor rounder than allowed where a roller larger by the least convex
-    radius would not undercut them.
-
-    Attributes:
-        radius: least convex radius of walls [mm]. rib: least thickness of ribs [mm].
-        margin: kept in all of it, relative, for what samples may miss.
+    The ratio is that of walls to the surface which the axis of a larger roller sweeps: walls are
+    neither undercut nor rounder than allowed where a roller larger by the least convex radius
+    would not undercut them.
     """
-
-    spec: SpatialCamSpec
-    motion: Motion
-    radius: float
-    rib: float
-    margin: float
-
-    def wall_margin(self, sizes: Sizes) -> float:
-        """The least clearance if one is negative, else the least ratio of areas; less ``margin``.
-
-        The ratio is that of walls to the surface which the axis of a larger roller sweeps.
-        """
-        machine = self.spec.machine
-        unit, clearances = sizes[machine.size_field], machine.clearances(sizes).values()
-        least = min((clearance / unit for clearance in clearances), default=inf)
-        if least <= 0.0:
-            return least - self.margin
-        cam = build_cam(self.spec, sizes, self.motion)
-        roller = cam.swept.roller
-        crown = roller.crown + self.radius if roller.crown else 0.0
-        larger = replace(roller, radius=roller.radius + self.radius, crown=crown)
-        offset = replace(cam, swept=replace(cam.swept, roller=larger))
-        rho = np.linspace(roller.inner, roller.outer, PLACES)
-        least, lowest = inf, None
-        for wall in sample_walls(list(patches(offset)), rho, ANGLES, ANGLES):
-            values = wall.between_faces(wall.contacts.regular, inf)
-            at, k = np.unravel_index(int(np.argmin(values)), values.shape)
-            if values[at, k] < least:
-                least, lowest = float(values[at, k]), (wall, int(at), rho[[k]])
-        if lowest is None:
-            return inf
-        # Between the neighbours of the lowest sample the least value is found by ever finer ones.
-        wall, sample, place = lowest
-        each = wall.theta.shape[1]
-        patch, theta = wall.patches[sample // each], wall.theta.flat[sample]
-        step = (patch.high - patch.low) / max(each - 1, 1)
-        for _ in range(REFINEMENTS):
-            around = np.clip(
-                theta + step * np.linspace(-1.0, 1.0, NEIGHBOURS), patch.low, patch.high
-            )
-            values = patch.at(around, place).contacts.regular[:, 0]
-            theta, step = around[np.argmin(values)], 0.25 * step
-        return min(least, float(np.min(values))) - self.margin
-
-    def rib_margin(self, sizes: Sizes) -> float:
-        """Thickness of the thinnest rib beyond the least one, relative, less ``margin``; slow."""
-        cam = build_cam(self.spec, sizes, self.motion)
-        thinnest = thinnest_rib(cam, list(patches(cam)), self.spec.machine.seats())
-        if thinnest is None:
-            return inf
-        return (thinnest.limit - self.rib) / sizes[self.spec.machine.size_field] - self.margin
+    machine, radius = spec.machine, strictest_minimum(spec.limits, WALL_QUANTITY)
+    unit, clearances = sizes[machine.size_field], machine.clearances(sizes).values()
+    least = min((clearance / unit for clearance in clearances), default=inf)
+    if least <= 0.0:
+        return least
+    cam = build_cam(spec, sizes, motion)
+    roller = cam.swept.roller
+    crown = roller.crown + radius if roller.crown else 0.0
+    larger = replace(roller, radius=roller.radius + radius, crown=crown)
+    parts = list(patches(replace(cam, swept=replace(cam.swept, roller=larger))))
+    if not parts:
+        return inf
+    walls = list(SAMPLES.walls(parts, roller.places(PLACES)))
+    return UNDERCUT.extremum(walls, SAMPLES).value
 
 
-def _enlarge(
-    margin_of: Callable[[Sizes], float], sizes: Sizes, name: str, largest: float, accuracy: float
-) -> Sizes | None:
-    """The sizes with one enlarged until a margin is ≥ 0; None where none up to the largest does."""
-
-    def margin(size: float) -> float:
-        return margin_of({**sizes, name: size})
-
-    at = low = sizes[name]
-    step = FIRST_STEP * low
-    if margin(low) >= 0.0:
-        return sizes
-    while at < largest:
-        at, before = min(low + step, largest), at
-        if margin(at) >= 0.0:
-            return {**sizes, name: _feasible_root(margin, before, at, accuracy)}
-        step *= 2.0
-    return None
+def _rib_margin(spec: SpatialCamSpec, motion: Motion, sizes: Sizes) -> float:
+    """Thickness of the thinnest rib beyond the least one allowed, relative; slow."""
+    cam = build_cam(spec, sizes, motion)
+    thinnest = thinnest_rib(cam, list(patches(cam)), spec.machine.seats())
+    least = strictest_minimum(spec.limits, RIB_QUANTITY)
+    unit = sizes[spec.machine.size_field]
+    return inf if thinnest is None else (thinnest.limit - least) / unit
 
 
-def _largest_radius(machine: SpatialMachine, sizes: Sizes, ranges: Ranges, rib: float) -> float:
-    """The largest radius of the rollers that leaves ribs at rest [mm]."""
-    name = ROLLER_RADIUS
-    low, high = sizes[name], min(ranges[name][1], LARGEST)
+def _boundary(margin: Margin, bad: float, good: float, accuracy: float) -> float | None:
+    """Where a monotone margin becomes nonnegative from one end to the other, on the latter's side.
 
-    def margin(radius: float) -> float:
-        return machine.dwell_rib({**sizes, name: radius}) - rib - RIB_MARGIN * radius
+    Args:
+        accuracy: of the boundary, relative.
 
-    if high <= low or margin(high) >= 0.0:
-        return max(low, high)
-    return float(brentq(margin, low, high)) * (1.0 - CLEAR) if margin(low) > 0.0 else low
-
-
-def _enlarge_rollers(required: WallRequirements, sizes: Sizes, largest: float) -> Sizes:
-    """The sizes with rollers enlarged as far as walls allow, up to a largest radius [mm]."""
-    name = ROLLER_RADIUS
-    low, more = sizes[name], max(ROLLER_MARGIN - required.margin, 0.0)
-
-    def margin(less: float) -> float:
-        return required.wall_margin({**sizes, name: largest - less}) - more
-
-    if largest <= low * (1.0 + ROLLER_MARGIN) or margin(largest - low) < 0.0:
-        return sizes
-    less = 0.0
-    if margin(0.0) < 0.0:
-        less = _feasible_root(margin, 0.0, largest - low, WALL_ACCURACY)
-    return {**sizes, name: largest - less}
-
-
-def _feasible_root(
-    margin: Callable[[float], float], low: float, high: float, accuracy: float
-) -> float:
-    """Where the margin becomes positive, on the positive side."""
-    step = accuracy * high
-    root = float(brentq(margin, low, high, xtol=step, rtol=1e-12))
-    while margin(root) < 0.0 and root < high:
-        root = min(root + step, high)
+    Returns:
+        ``bad`` where the margin is nonnegative there already; None where it is negative at both.
+    """
+    if margin(bad) >= 0.0:
+        return bad
+    if margin(good) < 0.0:
+        return None
+    root = float(brentq(margin, bad, good, rtol=accuracy))
+    step = accuracy * root
+    while margin(root) < 0.0:
+        root = max(root - step, good) if good < bad else min(root + step, good)
     return root

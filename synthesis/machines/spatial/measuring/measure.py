@@ -1,10 +1,9 @@
-"""Quantities, their extrema and bounds; the extrema of the motion, and contacts that hold it."""
+"""Measuring a finished cam: the extremum of every quantity, on the wire, against its bound."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import partial
 from operator import mul
 
@@ -12,76 +11,66 @@ import numpy as np
 
 from synthesis.catalogue.limits.motion import EXACT, TRAVEL, SegmentBound
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.machines.spatial.cam import SpatialCam, Wall
+from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialExtreme
 from synthesis.machines.spatial.machine import LEFT, RIGHT
+from synthesis.machines.spatial.measuring.patches import (
+    Bound,
+    Bounds,
+    Extremum,
+    Quantity,
+    patches,
+    rounded,
+)
+from synthesis.machines.spatial.measuring.walls import (
+    RIB,
+    contact_extrema,
+    first_jump,
+    thinnest_rib,
+)
 from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.numerics import clock
 from synthesis.numerics.maxima import maximise
-from synthesis.numerics.piecewise import Piecewise
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
 NAMES = ("velocity", "acceleration", "jerk")
 STATIONARY = "stationary points of every piece"
-JUMP = 1e-9  # of a derivative's largest value: smaller jumps are rounding
 SHORT = 1e-9  # rad: shorter intervals between ends of walls are rounding
 
 
-@dataclass(frozen=True)
-class Bound:
-    """An allowed value.
+def measure(spec: SpatialCamSpec, cam: SpatialCam) -> list[SpatialExtreme]:
+    """Measure every quantity of a cam against what its spec allows.
 
-    Attributes:
-        value: in the quantity's unit on the wire. field: of the spec, that sets it; "": none.
+    Raises:
+        Cancelled: the caller has gone.
     """
-
-    value: float
-    field: str = ""
-
-
-Bounds = Mapping[str, Bound]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A quantity and which of its extremes is measured.
-
-    Attributes:
-        name, unit: on the wire. largest: whether its maximum is measured, otherwise its minimum.
-        to_wire: from the core's value to the wire's. from_wire: the inverse.
-        required: bound that every cam must keep, whatever the spec says.
-    """
-
-    name: str
-    unit: str
-    largest: bool
-    to_wire: Callable[[float], float] = float
-    from_wire: Callable[[float], float] = float
-    required: Bound | None = None
+    # The tightest bound of every limited quantity.
+    bounds: dict[str, Bound] = {}
+    for position, limit in enumerate(spec.limits):
+        known = bounds.get(limit.quantity)
+        if known is None or (limit.bound < known.value) is limit.upper:
+            bounds[limit.quantity] = Bound(limit.bound, f"limits/{position}/{limit.field}")
+    extremes = []
+    for quantity, extremum in _extrema(spec, cam, bounds):
+        extremes.append(to_wire(quantity, extremum, bounds))
+        clock.now()  # raises Cancelled between two quantities
+    return extremes
 
 
-@dataclass(frozen=True)
-class Extremum:
-    """An extreme value [core units].
-
-    Attributes:
-        value: infinite where there is none.
-        limit: the true extreme does not lie beyond it, as far as the evidence goes.
-        evidence: how that is known.
-        theta: where [rad]. wall, rho: on which wall, and where on the roller's axis [mm]; None: the
-            quantity does not belong to a wall.
-    """
-
-    value: float
-    limit: float
-    evidence: str
-    theta: float | None = None
-    wall: Wall | None = None
-    rho: float | None = None
-
-
-def rounded(value: float) -> float:
-    """A value to twelve digits: of two that differ by rounding only, the first one is chosen."""
-    return float(f"{value:.11e}")
+def _extrema(
+    spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds
+) -> Iterator[tuple[Quantity, Extremum]]:
+    parts = list(patches(cam))
+    yield from contact_extrema(cam, parts, spec.omega, bounds)
+    thinnest = thinnest_rib(cam, parts, spec.machine.seats())
+    if thinnest is not None:
+        yield RIB, thinnest
+    for name, clearance in spec.machine.clearances(cam.sizes).items():
+        positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
+        yield positive, Extremum(clearance, clearance, "closed form")
+    yield from contact_counts(cam)
+    yield from follower_peaks(cam, spec.machine.travel, spec.omega)
+    yield from segment_bound_extremes(spec, cam)
 
 
 def to_wire(quantity: Quantity, extremum: Extremum, bounds: Bounds) -> SpatialExtreme:
@@ -131,16 +120,6 @@ def follower_peaks(
         both = [maximise(curve, [0.0] * order + [sign]) for sign in (1.0, -1.0)]
         value, theta = max(both, key=lambda each: rounded(each[0]))
         yield quantity, Extremum(value, value, STATIONARY, theta)
-
-
-def first_jump(curve: Piecewise, order: int) -> float | None:
-    """The first cam angle where a derivative jumps, the end of the turn included [rad]."""
-    ends, pieces = curve.breaks, np.arange(curve.count)
-    after = curve.at(ends[:-1], pieces, order)
-    before = np.roll(curve.at(ends[1:], pieces, order), 1)
-    size = max(float(np.abs(after).max()), float(np.abs(before).max()))
-    jumps = np.flatnonzero(np.abs(after - before) > JUMP * size)
-    return float(ends[jumps[0]]) if len(jumps) else None
 
 
 def contact_counts(cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
