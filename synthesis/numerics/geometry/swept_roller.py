@@ -240,9 +240,7 @@ class SweptRoller:
         area = np.where(edge, np.inf, area)
         mean, gauss = (l * g - 2.0 * m * f + n * e) / (2.0 * area), (l * n - m**2) / area
         half = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
-        return np.stack([
-            np.where(edge, np.inf, mean + half), np.where(edge, -np.inf, mean - half)
-        ])  # fmt: skip
+        return np.where(edge, [[[np.inf]], [[-np.inf]]], [mean + half, mean - half])
 
     def contact_points(
         self, place: FollowerState, rho: Array, side: int | Array
