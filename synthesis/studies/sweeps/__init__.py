@@ -2,7 +2,7 @@
 
 In: a SweepSpec: base, axes (which fields take which values) and a plan (how the axes combine). Out:
 the design spec of every item; nothing is solved here, the service does. Open ``spec`` first;
-``axes`` has the kinds of axes and plans, ``pareto`` the non-dominated designs.
+``pareto`` finds the non-dominated designs.
 """
 
 from __future__ import annotations
