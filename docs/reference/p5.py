@@ -12,7 +12,7 @@ import numpy as np
 from docs.reference.tables import number, table
 from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse_or_size_shaper
 from synthesis.machines.linkages.shaper.mechanism import Motion
-from synthesis.machines.linkages.shaper.turn_analysis import QUANTITIES, Quantity
+from synthesis.machines.linkages.shaper.report import QUANTITIES, Quantity
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "openapi/examples/linkages/six-bar-shapers/p5.json"
 BODY = json.loads(EXAMPLE.read_text(encoding="utf-8"))["value"]

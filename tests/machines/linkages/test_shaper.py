@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from synthesis.errors import InputError
-from synthesis.machines.linkages.shaper import turn_analysis
+from synthesis.machines.linkages.shaper import report
 from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, Side, angle
 from tests.forty_digits import cos, sin
 
@@ -75,7 +75,7 @@ def test_branches_are_mirror_images() -> None:
 def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float, side: Side) -> None:
     shaper = replace(shaper, side=side)
     drive = Drive(0.3, sense, 1.0)
-    found = turn_analysis.dead_centres(shaper, drive)
+    found = report.dead_centres(shaper, drive)
     for one in found:
         phi = math.radians(one.crank_deg)
         assert abs(shaper.motion(np.float64(phi)).ram[1]) < 1e-12 * shaper.guide
@@ -93,9 +93,7 @@ def test_dead_centres_are_all_turns_of_the_ram(shaper: Shaper, sense: float, sid
 def test_p5() -> None:
     """Closed forms: stroke 2 L r/a, ratio (π + 2β)/(π − 2β), dead centres at −β and π + β."""
     beta = math.asin(125.0 / 275.0)
-    right, left = sorted(
-        turn_analysis.dead_centres(P5, Drive(0.0, 1.0, 1.0)), key=lambda one: -one.ram_mm
-    )
+    right, left = sorted(report.dead_centres(P5, Drive(0.0, 1.0, 1.0)), key=lambda one: -one.ram_mm)
     assert right.ram_mm - left.ram_mm == pytest.approx(2.0 * 600.0 * 125.0 / 275.0, rel=1e-14)
     assert right.crank_travel_deg == pytest.approx(360.0 - math.degrees(beta), rel=1e-14)
     assert left.crank_travel_deg == pytest.approx(180.0 + math.degrees(beta), rel=1e-14)
@@ -103,10 +101,10 @@ def test_p5() -> None:
 
 def test_extremes_enclose_what_is_found_by_sampling() -> None:
     drive = Drive(1.2, -1.0, 2.3, 0.31)
-    found = turn_analysis.extremes(IN_LINE, drive)
+    found = report.extremes(IN_LINE, drive)
     turned = np.linspace(0.0, 2.0 * math.pi, 100_001)
     motion = IN_LINE.motion(drive.phi(turned))
-    for quantity, peaks in zip(turn_analysis.QUANTITIES, found, strict=True):
+    for quantity, peaks in zip(report.QUANTITIES, found, strict=True):
         largest, smallest = peaks.largest, peaks.smallest
         values = quantity.of(motion, drive, turned) / quantity.per_unit
         for peak, sampled in ((largest, values.max()), (smallest, values.min())):
@@ -122,7 +120,7 @@ def test_what_is_not_proven_is_not_claimed() -> None:
     """A coupler that all but stands upright: values that are reached, without an enclosure."""
     coupler = P5.ram_line - P5.guide * math.cos(P5.swing)
     nearly = replace(P5, coupler=coupler * (1.0 + 2.0**-50))
-    found = turn_analysis.extremes(nearly, Drive(0.0, 1.0, 1.0))
+    found = report.extremes(nearly, Drive(0.0, 1.0, 1.0))
     widths = {peaks.quantity: peaks.largest.width for peaks in found}
     assert widths["coupler_velocity"] is None
     assert widths["guide_velocity"] is not None
@@ -170,7 +168,7 @@ def test_a_turning_guide_turns_once() -> None:
 )
 def test_what_cannot_turn_is_refused(change: dict[str, float], field: str, words: str) -> None:
     with pytest.raises(InputError) as refused:
-        turn_analysis.check_assembly(replace(P5, **change))
+        report.check_assembly(replace(P5, **change))
     assert refused.value.field == field
     assert words in refused.value.remedy
 

@@ -118,7 +118,7 @@ class DesignSpace:
             low = high
         return low, high
 
-    def at(self, u: Sequence[Value]) -> ShaperBatch:
+    def at(self, u: Sequence[Value] | Array) -> ShaperBatch:
         """The shapers at points of the unit box: five coordinates, (n,) or models."""
         k = self.steep
         (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (
@@ -146,7 +146,7 @@ class DesignSpace:
 
     def lengths_at(self, u: Array) -> dict[str, float] | None:
         """The lengths [mm] at one point (5,) of the unit box; None: the coupler is too short."""
-        one = self.at([np.array([each]) for each in u])
+        one = self.at(u[:, None])
         if float(one.short[0]) > EXACT * float(one.coupler[0]):
             return None
         found = {

@@ -1,30 +1,61 @@
-"""Choose a shaper's free lengths for its requirements, or say why there are none."""
+"""Choose a shaper's free lengths for its requirements, or say why there are none.
+
+The best lengths are a global minimum over a unit box: a bundle method from some random points finds
+the point, branch and bound the lower bound, which is the least of all boxes that are pruned or left
+open. Boxes are taken best first, many at a time, until time or boxes run out.
+``numerics.box_search`` goes level by level, which here would need many times the boxes, as bounds
+of affine models improve slowly in five dimensions.
+"""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Final
+
+import numpy as np
 
 from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Proof, Relaxation, Status
 from synthesis.errors import InputError, TimeBudgetExceeded
-from synthesis.machines.linkages.shaper.answer import SixBarShaper
 from synthesis.machines.linkages.shaper.design_space import (
     CLEAR,
+    DENSE,
+    EXACT,
     OBJECTIVES,
     SHORTEST_COUPLER,
     DesignSpace,
     ShaperObjective,
+    Span,
     quick_return_ratio_of,
 )
-from synthesis.machines.linkages.shaper.global_search import global_minimum
+from synthesis.machines.linkages.shaper.report import (
+    SixBarShaper,
+    analyse_shaper,
+    report_infeasible,
+)
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
-from synthesis.machines.linkages.shaper.turn_analysis import analyse_shaper, report_infeasible
-from synthesis.units import rad_per_s
+from synthesis.numerics.affine import Affine
+from synthesis.numerics.bundle_method import BundlePoint, minimise
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import Polytope
+from synthesis.units import FULL_TURN, rad_per_s
 
+SIZE: Final = 5  # dimensions of the unit box
+SAMPLES: Final = 24  # crank angles of a turn at which a bound takes the acceleration
+# Preferred coordinates where the objective does not decide: guide, pivots and coupler short, the
+# ram's line in the middle.
+PREFERRED: Final = ((1, 0.0), (2, 0.0), (3, 0.0), (4, 0.5))
+SAMPLES_OF_BOX: Final = 1024  # random points before the descent
+STARTS: Final = 4  # of these points, starts of a descent
+ROUNDS: Final = 60  # of a descent
+RADIUS: Final = 0.2  # of its first trust region, in the unit box
+BATCH: Final = 1500  # boxes of a round
+MAX_BOXES: Final = 60_000  # in all
+MIDDLES: Final = 32  # boxes of a round whose middles are evaluated
+WIDE: Final = 0.05  # weight of a box's width beside its slopes in the choice of the split
 ROUNDING: Final = 1e-9  # relative: a value may be better than its bound by so much
 SHARE: Final = 0.9  # of the tolerance; the rest is for the measured value
 GAP: Final = 1e-3  # relative: of what would be needed
@@ -33,7 +64,6 @@ VALID_FOR: Final = (
     "all six-bar shapers with a rocking guide and these ranges, whose ram turns back where the "
     "guide does"
 )
-NOWHERE: Final = (1.0, 0.0)  # a span that holds nothing
 CLOSED: Final = (
     "Closed form: S = 2 L r/a and Q = (π + 2β)/(π − 2β) with sin β = r/a. Proven. Each "
     "change was tried."
@@ -105,40 +135,34 @@ def _explain_closed_form(spec: ShaperSpec, space: DesignSpace, deadline: float |
 def _closed_form_relaxations(
     spec: ShaperSpec, space: DesignSpace, deadline: float | None
 ) -> Iterator[Relaxation]:
-    """What stroke, ratio and each length would have to be with the others as they are.
-
-    From s = r/a, S = 2 L s and the ratio's own formula, over the range of s that the others leave.
-    """
-    stroke, low, high = space.stroke, *space.span("quick_return_ratio")
-    guide, crank, pivots = (
-        space.lengths[name] for name in ("guide_mm", "crank_mm", "pivot_distance_mm")
-    )
-    ratios = (low, high) if low > high else tuple(map(quick_return_ratio_of, (low, high)))
-    possible = [("quick_return_ratio", "", (low, high), ratios)]
-    low, high = s = space.span("stroke_mm")
-    possible += [
-        ("stroke_mm", "mm", s, (2.0 * guide[0] * low, 2.0 * guide[1] * high)),
-        ("guide_mm", "mm", s, (0.5 * stroke[0] / high, 0.5 * stroke[1] / low)),
-    ]
-    low, high = s = space.span("crank_mm")
-    possible += [
-        ("crank_mm", "mm", s, (low * pivots[0], high * pivots[1])),
-        ("pivot_distance_mm", "mm", s, (crank[0] / high, crank[1] / low)),
-    ]
-    for name, unit, (low, high), span in possible:
+    """What stroke, ratio and each length would have to be with the others as they are."""
+    stroke, lengths = space.stroke, space.lengths
+    guide, crank, pivots = (lengths[f"{name}_mm"] for name in ("guide", "crank", "pivot_distance"))
+    # Each field's range over the range of s that the others leave, from s = r/a, S = 2 L s and the
+    # ratio's own formula.
+    ranges: tuple[tuple[str, str, Callable[[float, float], Span]], ...] = (
+        ("quick_return_ratio", "quick_return_ratio",
+         lambda low, high: (quick_return_ratio_of(low), quick_return_ratio_of(high))),
+        ("stroke_mm", "stroke_mm", lambda low, high: (2.0 * guide[0] * low, 2.0 * guide[1] * high)),
+        ("guide_mm", "stroke_mm", lambda low, high: (stroke[0] / high / 2.0, stroke[1] / low / 2.0)),
+        ("crank_mm", "crank_mm", lambda low, high: (low * pivots[0], high * pivots[1])),
+        ("pivot_distance_mm", "crank_mm", lambda low, high: (crank[0] / high, crank[1] / low)),
+    )  # fmt: skip
+    for name, field, range_of in ranges:
+        low, high = space.span(field)
         first, last = ends(getattr(spec, name))
-        least, most = span if low <= high else NOWHERE
+        least, most = range_of(low, high) if low <= high else (1.0, 0.0)
         requested, needed = (last, least) if last < least else (first, most)
         helps, note = least <= most, "Changing this alone cannot help."
         if helps:
             # Stroke, ratio and lengths agree then; a search says whether some coupler reaches.
             wider = {name: {"min": min(first, needed), "max": max(last, needed)}}
-            space = DesignSpace.of(ShaperSpec.model_validate(spec.model_dump() | wider))
-            helps = global_minimum(space, SHORTEST_COUPLER, 1.0, deadline).u is not None
+            changed = DesignSpace.of(ShaperSpec.model_validate(spec.model_dump() | wider))
+            helps = global_minimum(changed, SHORTEST_COUPLER, 1.0, deadline).u is not None
             note = f"With {needed:.6g} stroke, ratio and lengths agree, but no coupler reaches."
         yield Relaxation(
-            limit=name, field=f"/{name}", unit=unit, requested=requested,
-            needed=needed if helps else None, note="" if helps else note,
+            limit=name, field=f"/{name}", unit="mm" if name.endswith("_mm") else "",
+            requested=requested, needed=needed if helps else None, note="" if helps else note,
         )  # fmt: skip
 
 
@@ -178,3 +202,143 @@ def _explain_coupler(
     if not proven:
         evidence = f"No lengths were found that keep {' and '.join(limits)}. Not proven."
     return Conflict(limits=limits, relaxations=relaxations, evidence=evidence)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """The best point and the bound.
+
+    Attributes:
+        u: the point, (5,); None: none was found. value: of the objective there.
+        bound: no feasible shaper has a smaller value; inf: there is no feasible shaper.
+    """
+
+    u: Array | None
+    value: float
+    bound: float
+
+
+def global_minimum(
+    space: DesignSpace, objective: ShaperObjective, tolerance: float, deadline: float | None
+) -> SearchResult:
+    """The best shaper, to a relative gap where time allows (``deadline``: ``time.monotonic()``)."""
+    low, high = space.span()
+    if low > high:
+        return SearchResult(None, np.inf, np.inf)
+    with np.errstate(all="ignore"):
+        found = _branch_and_bound(space, objective, _descend(space, objective), tolerance, deadline)
+        if found.u is None:
+            return found
+        # Preferred coordinates wherever they do not cost anything.
+        u, value = found.u, _values(space, objective, found.u[None])[0]
+        for k, preferred in PREFERRED:
+            other = u.copy()
+            other[k] = preferred
+            if _values(space, objective, other[None])[0] <= value * (1.0 + EXACT):
+                u = other
+        return replace(found, u=u)
+
+
+def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
+    """The objective at points (n, 5); inf where the coupler is too short."""
+    one = space.at(u.T)
+    values = objective.values(one)
+    possible = (one.short <= EXACT * np.abs(one.coupler)) & np.isfinite(values)
+    return np.asarray(np.where(possible, values, np.inf))
+
+
+def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | None:
+    """The best of some random points, improved by a bundle method (``numerics.bundle_method``)."""
+    rng = np.random.default_rng(3)
+    u = np.vstack(
+        [rng.random((SAMPLES_OF_BOX, SIZE)), rng.integers(0, 2, (SAMPLES_OF_BOX // 8, SIZE))]
+    )
+    values = np.concatenate([_values(space, objective, part) for part in np.array_split(u, 32)])
+    order = np.argsort(values)[:STARTS]
+    starts = [BundlePoint(u[k], float(values[k])) for k in order if np.isfinite(values[k])]
+    if not starts:
+        return None
+
+    def function(at: Array) -> float | None:
+        value = float(_values(space, objective, np.clip(at, 0.0, 1.0)[None])[0])
+        return value if np.isfinite(value) else None
+
+    box = Polytope(np.zeros((0, SIZE)), np.zeros(0))
+    ends = [minimise(function, box, start, RADIUS, ROUNDS) for start in starts]
+    reached = min(ends, key=lambda one: one.value)
+    return BundlePoint(np.clip(reached.u, 0.0, 1.0), reached.value)
+
+
+def _branch_and_bound(
+    space: DesignSpace,
+    objective: ShaperObjective,
+    found: BundlePoint | None,
+    tolerance: float,
+    deadline: float | None,
+) -> SearchResult:
+    """The bound, and better points at the middles of boxes."""
+    u, value = (None, np.inf) if found is None else (found.u, found.value)
+    phi = _angles(objective, space, u)
+    # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
+    boxes = [np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf])]
+    pruned, count, stop = np.inf, 0, math.inf if deadline is None else deadline
+    while len(boxes[0]) and count < MAX_BOXES and time.monotonic() < stop:
+        # Best first: the boxes with the least bounds.
+        order = np.argsort(boxes[2])
+        lo, hi, known = (each[order[:BATCH]] for each in boxes)
+        count += len(lo)
+        lower, split = _bounds(space, objective, lo, hi, phi)
+        lower = np.maximum(lower, known)
+        # Incumbent: the middles of the most promising boxes.
+        middle = 0.5 * (lo + hi)[np.argsort(lower)[:MIDDLES]]
+        values = _values(space, objective, middle)
+        if values.min() < value:
+            u, value = middle[values.argmin()], float(values.min())
+        # Prune boxes that cannot improve the incumbent by more than the tolerance; their bound
+        # counts.
+        enough = value - tolerance * abs(value) if np.isfinite(value) else np.inf
+        done = lower >= enough
+        pruned = min(pruned, float(np.min(lower, where=done, initial=np.inf)))
+        # Cut every other box in half at its coordinate.
+        lo, hi, split, lower = (each[~done] for each in (lo, hi, split, lower))
+        side = np.arange(SIZE) == split[:, None]
+        middle = 0.5 * (lo + hi)
+        halves = ((lo, np.where(side, middle, hi), lower), (np.where(side, middle, lo), hi, lower))
+        boxes = [np.concatenate([each[order[BATCH:]], *cut])
+                 for each, *cut in zip(boxes, *halves, strict=True)]  # fmt: skip
+    return SearchResult(u, value, min(pruned, float(np.min(boxes[2], initial=np.inf))))
+
+
+def _angles(objective: ShaperObjective, space: DesignSpace, u: Array | None) -> list[float]:
+    """Crank angles for the bound: evenly over the turn, more where the best point has peaks."""
+    if not objective.angles:
+        return [0.0]
+    phi = FULL_TURN * np.arange(SAMPLES) / SAMPLES
+    if u is not None:
+        for part in objective.over_turn(space.at(u[:, None]))[:, 0]:
+            phi = np.append(phi, DENSE[np.argmax(part)] + 0.05 * np.arange(-3, 4))
+    return [float(each) for each in phi]
+
+
+def _bounds(
+    space: DesignSpace, objective: ShaperObjective, lo: Array, hi: Array, phi: list[float]
+) -> tuple[Array, Array]:
+    """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
+    # Affine models of the shapers on the boxes; |sin γ| ≤ k narrows them.
+    k = space.steep
+    one = replace(space.at(Affine.variables(lo, hi)), narrow=lambda sine: sine.restrict(-k, k))
+    parts = objective.lower_bounds(one, phi, space.lengths["ram_line_mm"])
+    lows = np.stack([part.lower for part in parts])
+    lows = np.where(np.isfinite(lows), lows, -np.inf)
+    which = np.argmax(lows, axis=0)
+    lower, rows = np.max(lows, axis=0), np.arange(len(lo))
+    slopes = np.abs(np.stack([part.g for part in parts]))[which, :, rows]
+    rem = np.stack([part.rem for part in parts])[which, rows]
+    # Where nothing is known yet, split what makes the coupler's angle uncertain.
+    steep = np.abs(one.level.g.T) + np.abs(one.level_at_ends.g.T)
+    known = np.isfinite(lower)[:, None]
+    slopes, rem = np.where(known, slopes, steep), np.where(known[:, 0], rem, 0.0)
+    spread = (rem + np.sum(slopes, axis=1))[:, None]
+    split = np.argmax(slopes + WIDE * spread * (hi - lo), axis=1)
+    # Objectives are not negative.
+    return np.where(one.short.lower > 0.0, np.inf, np.maximum(lower, 0.0)), split

@@ -1,28 +1,22 @@
-"""A shaper over one turn: assembly, dead centres in closed form, extremes by enclosures."""
+"""SixBarShaper, the response body, and the analysis over one turn that fills it.
+
+Dead centres follow in closed form, extremes of velocities and accelerations by enclosures.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
+from pydantic import Field
 
-from synthesis.catalogue.fields import ends
-from synthesis.design.design import Conflict
+from synthesis.catalogue.fields import AnswerModel, doc, ends
+from synthesis.design.design import Conflict, Proof, Status
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.shaper.answer import (
-    AngleInterval,
-    Cause,
-    QuickReturn,
-    RamDeadCentre,
-    ShaperExtremes,
-    ShaperLimit,
-    ShaperPeak,
-    SixBarShaper,
-)
 from synthesis.machines.linkages.shaper.mechanism import SIGN, Drive, Motion, Shaper
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery, enclose
@@ -30,7 +24,8 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 from synthesis.units import DEGREE, FULL_TURN
 
-Value = Any
+Value = Any  # an array, or Taylor models of the same
+Cause = Literal["guide_turns_back", "in_line"]
 KIND: Final = "six-bar shaper"
 BOXES: Final = 64  # crank-angle intervals of the first level of an enclosure
 RELATIVE: Final = 1e-10  # width of an enclosure that is good enough
@@ -39,6 +34,109 @@ SHORTEST: Final = 1e-6  # of the longest length: shorter ones drown in rounding
 CHANGE_POINT: Final = 1e-9  # of the pivot distance: a crank this near to it has a change point
 ROUNDING: Final = 1e-9  # relative: by so much a requirement may be missed
 HALF_TURN_ROUNDING: Final = 1e-10  # deg: strokes this nearly equal go slowly to the right
+
+
+class RamDeadCentre(AnswerModel):
+    """A dead centre: a position where the ram's velocity is zero, in closed form."""
+
+    crank_deg: float = doc("Crank angle, from 0 to 360.")
+    crank_travel_deg: float = doc(
+        "The same, measured from the start of the turn in the crank's sense."
+    )
+    time_s: float = doc("Time from the start of the turn.")
+    ram_mm: float = doc("Position of the ram's pin.")
+    cause: Cause = doc(
+        "guide_turns_back: the crank is perpendicular to the guide; in_line: guide and coupler are "
+        "in line."
+    )
+
+
+class QuickReturn(AnswerModel):
+    """The two strokes between the outermost positions of the ram."""
+
+    ratio: float = doc("Crank angle of the slow stroke over that of the quick one.")
+    time_ratio: float | None = doc(
+        "Time of the slow stroke over that of the quick one; null where the crank accelerates: the "
+        "strokes then differ from turn to turn."
+    )
+    slow_deg: float = doc("Crank angle of the slow stroke.")
+    quick_deg: float = doc("Crank angle of the quick stroke.")
+    slow_towards: Literal["left", "right"] = doc("Direction of the ram during the slow stroke.")
+
+
+class ShaperPeak(AnswerModel):
+    """A largest or smallest value and where it is reached."""
+
+    value: float = doc("The value, in the quantity's unit.")
+    crank_deg: float = doc("Crank angle there, from 0 to 360.")
+    crank_travel_deg: float = doc("The same, measured from the start of the turn.")
+    width: float | None = doc(
+        "Width of the proven enclosure of the value; null: near a singular position (coupler "
+        "upright, or guide free to turn either way) nothing is proven, and the value is one that "
+        "is reached."
+    )
+
+
+class ShaperExtremes(AnswerModel):
+    """The extremes of one quantity over the turn."""
+
+    quantity: str = doc("Its name.")
+    unit: str = doc("Its unit.")
+    largest: ShaperPeak = doc("Largest value.")
+    smallest: ShaperPeak = doc("Smallest value.")
+
+
+class AngleInterval(AnswerModel):
+    """Range of an angle [deg]."""
+
+    min_deg: float = doc("Smallest angle [deg].")
+    max_deg: float = doc("Largest angle [deg].")
+
+
+class ShaperLimit(AnswerModel):
+    """A requirement of the spec and the value reached."""
+
+    limit: str = doc("The field of the spec.")
+    value: float = doc("The value, measured on the finished linkage.")
+    unit: str = doc("Unit of value and bounds.")
+    lower: float | None = doc("Least value required; null: none.")
+    upper: float | None = doc("Largest value required; null: none.")
+    margin: float = doc("Distance to the nearer bound, negative where it is violated.")
+    holds: bool = doc("Whether it is kept, to within 1e-9 of the value.")
+
+
+class SixBarShaper(AnswerModel):
+    """A six-bar shaper: what it does over a turn."""
+
+    id: str = doc("Hash of the spec and the engine's version.")
+    name: str = doc("Name from the spec.")
+    engine_version: str = doc("Version of Camwright that made it.")
+    status: Status = doc(
+        "optimal: every requirement is met and the gap is within the tolerance; feasible: every "
+        "requirement is met; infeasible: see conflict, or limits where all lengths are given."
+    )
+    spec: ShaperSpec = doc("The request.")
+    dimensions: dict[str, float] = doc("Every length [mm]; empty where nothing fits.")
+    guide: Literal["rocks", "turns"] | None = doc(
+        "rocks: the crank is shorter than the pivot distance; turns: it is longer, and the guide "
+        "makes full turns."
+    )
+    guide_angle: AngleInterval | None = doc("Range of the guide's angle; null where it turns.")
+    coupler_angle: AngleInterval | None = doc("Range of the coupler's angle to the ram's line.")
+    stroke_mm: float | None = doc("Distance between the outermost positions of the ram.")
+    quick_return: QuickReturn | None = doc("The two strokes.")
+    dead_centres: list[RamDeadCentre] = doc(
+        "Dead centres of the ram, in the order in which the crank passes them."
+    )
+    least_transmission_angle_deg: float | None = doc(
+        "Least angle between the coupler and the perpendicular to the ram's line. At the crank's "
+        "pin it is always 90°: the sliding block pushes at a right angle to the guide."
+    )
+    extremes: list[ShaperExtremes] = doc("Extremes of velocities and accelerations over the turn.")
+    limits: list[ShaperLimit] = doc("The requirements, measured on the finished linkage.")
+    certificate: Proof | None = doc("Value, bound and gap; null where all lengths are given.")
+    conflict: Conflict | None = doc("Why nothing fits, and what would help.")
+    links: dict[str, str] = Field({}, description="Links to it and its files.")
 
 
 @dataclass(frozen=True)
@@ -81,21 +179,24 @@ def analyse_shaper(spec: ShaperSpec, lengths: dict[str, float]) -> SixBarShaper:
     check_assembly(shaper)
     centres = dead_centres(shaper, drive)
     left, right = (pick(centres, key=lambda c: c.ram_mm) for pick in (min, max))
-    stroke, strokes = right.ram_mm - left.ram_mm, _strokes(left, right, drive)
+    stroke = right.ram_mm - left.ram_mm
+    # The strokes between the outermost positions: the slow one takes at least half a turn.
+    rightwards = (right.crank_travel_deg - left.crank_travel_deg) % 360.0
+    slow = max(rightwards, 360.0 - rightwards)
+    ratio = slow / (360.0 - slow)
     # The coupler's angle is monotone in sin ψ: its extremes are where that is extreme.
     sines = [shaper.coupler_sine(sine) for sine in shaper.guide_sine_range()]
     coupler = _interval(math.asin(min(sines)), math.asin(max(sines)))
     transmission = 90.0 - max(abs(coupler.min_deg), abs(coupler.max_deg))
-    values = {
-        "stroke_mm": (stroke, "mm"),
-        "quick_return_ratio": (strokes.ratio, ""),
-        "least_transmission_angle_deg": (transmission, "deg"),
-    }
-    limits = [
-        _limit(spec, name, *value) for name, value in values.items()
-        if getattr(spec, name) is not None
-    ]  # fmt: skip
-    upright = 0.5 * math.pi
+    values = (
+        ("stroke_mm", stroke, "mm"),
+        ("quick_return_ratio", ratio, ""),
+        ("least_transmission_angle_deg", transmission, "deg"),
+    )
+    limits = [_limit(spec, *each) for each in values if getattr(spec, each[0]) is not None]
+    guide = None
+    if not shaper.guide_rotates:
+        guide = _interval(0.5 * math.pi - shaper.swing, 0.5 * math.pi + shaper.swing)
     return SixBarShaper(
         id=question_id(spec, KIND),
         name=spec.name,
@@ -104,12 +205,16 @@ def analyse_shaper(spec: ShaperSpec, lengths: dict[str, float]) -> SixBarShaper:
         spec=spec,
         dimensions={name: lengths[name] for name in LENGTHS},
         guide="turns" if shaper.guide_rotates else "rocks",
-        guide_angle=None
-        if shaper.guide_rotates
-        else _interval(upright - shaper.swing, upright + shaper.swing),
+        guide_angle=guide,
         coupler_angle=coupler,
         stroke_mm=stroke,
-        quick_return=strokes,
+        quick_return=QuickReturn(
+            ratio=ratio,
+            time_ratio=None if drive.acceleration else ratio,
+            slow_deg=slow,
+            quick_deg=360.0 - slow,
+            slow_towards="right" if rightwards >= 180.0 - HALF_TURN_ROUNDING else "left",
+        ),
         dead_centres=centres,
         least_transmission_angle_deg=transmission,
         extremes=extremes(shaper, drive),
@@ -138,20 +243,6 @@ def _limit(spec: ShaperSpec, name: str, value: float, unit: str) -> ShaperLimit:
         limit=name, value=value, unit=unit, lower=low, upper=None if math.isinf(high) else high,
         margin=margin, holds=margin >= -ROUNDING * abs(value),
     )  # fmt: skip
-
-
-def _strokes(left: RamDeadCentre, right: RamDeadCentre, drive: Drive) -> QuickReturn:
-    """The strokes from one outermost position of the ram to the other and back."""
-    rightwards = (right.crank_travel_deg - left.crank_travel_deg) % 360.0
-    slow = max(rightwards, 360.0 - rightwards)
-    ratio = slow / (360.0 - slow)
-    return QuickReturn(
-        ratio=ratio,
-        time_ratio=None if drive.acceleration else ratio,
-        slow_deg=slow,
-        quick_deg=360.0 - slow,
-        slow_towards="right" if rightwards >= 180.0 - HALF_TURN_ROUNDING else "left",
-    )
 
 
 def _interval(low: float, high: float) -> AngleInterval:
@@ -242,12 +333,12 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
 
     Taylor models of the loop equations over intervals of the crank angle.
     """
-    numbers = range(len(QUANTITIES))
     # How far a quantity exceeds 0, and how far it falls below 0, are its extremes.
+    count = len(QUANTITIES)
     queries = [
         ExtremumQuery(np.array([0]), low, high, function=k, relative=RELATIVE)
         for low, high in ((-np.inf, 0.0), (0.0, np.inf))
-        for k in numbers
+        for k in range(count)
     ]
 
     def models(_: Any, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
@@ -261,23 +352,24 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
     found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
     return [
         ShaperExtremes(
-            quantity=QUANTITIES[k].name,
-            unit=QUANTITIES[k].unit,
-            largest=_peak(shaper, drive, QUANTITIES[k], found[k]),
-            smallest=_peak(shaper, drive, QUANTITIES[k], found[k + len(QUANTITIES)]),
+            quantity=quantity.name,
+            unit=quantity.unit,
+            largest=_peak(shaper, drive, quantity, most),
+            smallest=_peak(shaper, drive, quantity, least),
         )
-        for k in numbers
+        for quantity, most, least in zip(QUANTITIES, found[:count], found[count:], strict=True)
     ]
 
 
 def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, extremum: Extremum) -> ShaperPeak:
     """An enclosure in the wire's unit; where nothing was proven, the value at its angle."""
-    found, value = extremum.enclosure, extremum.enclosure.value
+    found, unit, phi = extremum.enclosure, quantity.per_unit, drive.phi(extremum.enclosure.angle)
+    value = found.value
     if not math.isfinite(value):
-        value = float(quantity.of(shaper.motion(drive.phi(found.angle)), drive, found.angle))
+        value = float(quantity.of(shaper.motion(phi), drive, found.angle))
     return ShaperPeak(
-        value=value / quantity.per_unit,
-        crank_deg=(drive.phi(found.angle) / DEGREE) % 360.0,
+        value=value / unit,
+        crank_deg=(phi / DEGREE) % 360.0,
         crank_travel_deg=found.angle / DEGREE,
-        width=found.width / quantity.per_unit if math.isfinite(found.width) else None,
+        width=found.width / unit if math.isfinite(found.width) else None,
     )
