@@ -5,7 +5,6 @@ In: a TrainResponse and the options of a format. Out: bytes. ``TRAIN_FILES`` lis
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -23,7 +22,7 @@ from synthesis.exporters.options import Options, Theme
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.dynamics.polydyne import polydyne
-from synthesis.machines.dynamics.report import TrainResponse, output_acceleration
+from synthesis.machines.dynamics.report import TrainResponse
 from synthesis.machines.dynamics.response import (
     Response,
     Steps,
@@ -104,7 +103,7 @@ def _columns(number: int, turn: Response) -> list[Column]:
           for i, y in enumerate(deflection, start=1)),
         Column("output_error_mm", "mm", "output minus cam", deflection[-1]),
         Column("output_acceleration_mm_per_s2", "mm/s²", "of the last mass",
-               output_acceleration(turn)),
+               turn.output_acceleration),
         Column("contact_force_n", "N", "between cam and train; negative: the train pulls",
                turn.contact_force),
     ]  # fmt: skip
@@ -136,7 +135,7 @@ def _response_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
         for title, unit, values in (
             ("Output", "mm", error + turn.steps.s[0]),
             ("Output less cam", "mm", error),
-            ("Acceleration of the output", "mm/s²", output_acceleration(turn)),
+            ("Acceleration of the output", "mm/s²", turn.output_acceleration),
             ("Contact force", "N", turn.contact_force),
         )
     ]
@@ -159,21 +158,8 @@ def _spectrum_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
     first = rates[int(np.argmax(np.abs(rates.imag) > 0.0))]
     damping = float(np.clip(-first.real / abs(first), 0.0, 0.99))
     curves = [residual_spectrum(motion, run, ratios, damping) for run in runs]
-    about = f"Residual spectrum at {svg.figure(speed)} rpm, damping ratio {svg.figure(damping)}"
-    hertz = ratios * rad_per_s(speed) / FULL_TURN
-    return _drawn_spectrum(found, hertz, curves, [run[-1] for run in runs], about, options.theme)
-
-
-def _drawn_spectrum(
-    found: TrainResponse,
-    hertz: Array,
-    curves: Sequence[Array],
-    ends: Sequence[int],
-    about: str,
-    theme: Theme,
-) -> bytes:
-    """Amplitudes on a logarithmic axis; ``ends``: the last segment of each run."""
-    wide = WIDTH - LEFT - RIGHT
+    # Amplitudes on a logarithmic axis, down from the power of ten above the largest.
+    hertz, wide = ratios * rad_per_s(speed) / FULL_TURN, WIDTH - LEFT - RIGHT
     top = int(np.ceil(np.log10(max((float(curve.max()) for curve in curves), default=1.0))))
     across, bottom = linear(0.0, float(hertz[-1])), TOP + TALL
 
@@ -185,6 +171,7 @@ def _drawn_spectrum(
         return np.asarray(TOP + TALL * np.clip(down, 0.0, 1.0))
 
     name = found.name.strip() or "Follower train"
+    about = f"Residual spectrum at {svg.figure(speed)} rpm, damping ratio {svg.figure(damping)}"
     body = [
         svg.text("title", 8.0, 8.0, svg.shorten(name, WIDTH - 16.0, BOLD * svg.TITLE)),
         svg.text("quiet", 8.0, 13.5, f"{about}: amplitude where a dwell begins"),
@@ -203,43 +190,37 @@ def _drawn_spectrum(
             at = float(x(mode.natural_frequency_hz))
             body.append(svg.line("normal", at, TOP, at, bottom))
             body.append(svg.text("tick halo", at + 1.0, TOP + 3.4, "mode"))
-    for k, curve in enumerate(curves):
+    for k, (run, curve) in enumerate(zip(runs, curves, strict=True)):
         body.append(svg.path(DASHES[k % len(DASHES)], svg.steps(x(hertz), y(curve), 3)))
+        if k < len(DASHES):  # the legend
+            left, low = LEFT + 42.0 * k, bottom + 17.0
+            body.append(svg.line(DASHES[k], left, low - 0.9, left + 9.0, low - 0.9))
+            body.append(svg.text("tick", left + 11.0, low, f"after segment {run[-1]}"))
     axis = f"Natural frequency, {across.factor}Hz"
     body.append(svg.text("label", LEFT + 0.5 * wide, bottom + 9.4, axis, "middle"))
     body.append(svg.text("label", LEFT, TOP - 2.4, "Amplitude, mm"))
-    for k, end in enumerate(ends[: len(DASHES)]):
-        left, low = LEFT + 42.0 * k, bottom + 17.0
-        body.append(svg.line(DASHES[k], left, low - 0.9, left + 9.0, low - 0.9))
-        body.append(svg.text("tick", left + 11.0, low, f"after segment {end}"))
     text = "What an oscillator of every natural frequency is left swinging with by each run."
     return svg.document(WIDTH, bottom + BELOW - 10.0, 1.0, f"Residual spectrum of {name}",
-                        text, body, theme=theme)  # fmt: skip
+                        text, body, theme=options.theme)  # fmt: skip
 
 
-def _file(
-    name: str, write: Any, options: type[Options], title: str, purpose: str, **more: Any
-) -> FileFormat[TrainResponse, Any]:
-    extension = f".{name.partition('.')[2]}"
-    media = {".csv": "text/csv; charset=utf-8; header=present", ".svg": "image/svg+xml"}[extension]
-    return FileFormat(name, title, media, extension, write, options, purpose, **more)
-
-
+CSV, SVG = ("text/csv; charset=utf-8; header=present", ".csv"), ("image/svg+xml", ".svg")
 TRAIN_FILES: tuple[FileFormat[TrainResponse, Any], ...] = (
-    _file(
-        "response.csv", _response_csv, ResponseOptions, "The response as a table",
+    FileFormat(
+        "response.csv", "The response as a table", *CSV, _response_csv, ResponseOptions,
         "Motion of the cam and of every mass, contact force; a cam angle twice where it hits.",
     ),
-    _file(
-        "response.svg", _response_svg, TrainPictureOptions, "The response as diagrams",
+    FileFormat(
+        "response.svg", "The response as diagrams", *SVG, _response_svg, TrainPictureOptions,
         "Output, its error and acceleration, and the contact force over the cam angle.",
     ),
-    _file(
-        "spectrum.svg", _spectrum_svg, TrainPictureOptions, "Residual spectrum of the cam's moves",
+    FileFormat(
+        "spectrum.svg", "Residual spectrum of the cam's moves", *SVG, _spectrum_svg,
+        TrainPictureOptions,
         "What every natural frequency would be left swinging with, and the train's own ones.",
     ),
-    _file(
-        "polydyne.csv", _polydyne_csv, RowOptions, "The cam motion for a given output motion",
+    FileFormat(
+        "polydyne.csv", "The cam motion for a given output motion", *CSV, _polydyne_csv, RowOptions,
         "A polydyne cam: its motion makes the last mass move as the spec's cam would have it, "
         "exactly, at one speed. It takes 2n + 1 continuous derivatives of that motion for n "
         "masses, and no dampers in the links; 422 says what is missing.", by_default=False,

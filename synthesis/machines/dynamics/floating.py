@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 from synthesis.catalogue.fields import FiniteModel, doc
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.dynamics.chain import Chain
-from synthesis.machines.dynamics.response import velocity_jumps
+from synthesis.machines.dynamics.response import IMPACT, derivative_jumps
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE, FULL_TURN
@@ -85,8 +85,8 @@ class _Simulation:
         for low, high, jump in self._stages():
             state[n:] -= jump * self.omega
             at = low
-            while at < high:
-                clock.now()
+            while at < high and len(losses) <= MAX_LOSSES:
+                clock.now()  # so that a cancelled task ends here
                 begin = at
                 at, state, z, changed, peak = self._phase(begin, high, state, z, flying=flying)
                 peaks[flying] = max(peaks[flying], peak)
@@ -95,10 +95,8 @@ class _Simulation:
                 flying = flying != changed
                 if changed and flying:
                     losses.append(at)
-                if not changed or len(losses) > MAX_LOSSES:
+                if not changed:
                     break
-            if len(losses) > MAX_LOSSES:
-                break
         turn, angle = divmod(losses[0], FULL_TURN) if losses else (None, None)
         return Flight(
             first_separation_turn=None if turn is None else int(turn),
@@ -114,9 +112,10 @@ class _Simulation:
 
     def _stages(self) -> Iterator[tuple[float, float, float]]:
         """Intervals of cam angle between jumps of the velocity, and the jump at their start."""
-        breaks, jumps = self.motion.curve.breaks, velocity_jumps(self.motion.curve)
+        curve = self.motion.curve
+        jumps = derivative_jumps(curve, 1, IMPACT)
         places = {0.0: 0.0}
-        places |= {float(breaks[k]): float(jumps[k]) for k in np.flatnonzero(jumps)}
+        places |= {float(curve.breaks[k]): float(jumps[k]) for k in np.flatnonzero(jumps)}
         ends = [*places, FULL_TURN]
         for turn in range(self.turns):
             for low, high in pairwise(ends):

@@ -13,7 +13,8 @@ import numpy as np
 from synthesis.catalogue.motion import Motion
 from synthesis.errors import InputError
 from synthesis.machines.dynamics.chain import Chain
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.machines.dynamics.response import derivative_jumps
+from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 JUMP = 1e-7  # of the largest value of a derivative: smaller jumps are rounding
@@ -54,27 +55,18 @@ def polydyne(chain: Chain, output: Motion, omega: float, theta: Array) -> Array:
             "Leave the damper out, or give it as ground_damping_n_s_per_mm.",
         )  # fmt: skip
     orders = 2 * chain.count + 1
-    _check_continuity(output.curve, orders)
-    by_angle = factors(chain) * omega ** np.arange(orders)
-    known = output.derivatives(theta, orders + 1)
-    return np.stack([by_angle @ known[k : k + orders] for k in range(3)])
-
-
-def _check_continuity(curve: Piecewise, needed: int) -> None:
-    """Refuse an output one of whose derivatives up to ``needed`` jumps."""
-    pieces = np.arange(curve.count)
-    after = np.roll(pieces, -1)
-    for order in range(1, needed + 1):
-        left = curve.at(curve.breaks[1:], pieces, order)
-        right = curve.at(curve.breaks[after], after, order)
-        jump, size = np.abs(right - left), float(np.max(np.abs(np.append(left, right))))
-        if np.any(jump > JUMP * size):
-            at = float(curve.breaks[1 + int(np.argmax(jump))]) / DEGREE
+    for order in range(1, orders + 1):
+        jumps = derivative_jumps(output.curve, order, JUMP)
+        if jumps.any():
+            at = float(output.curve.breaks[int(np.argmax(np.abs(jumps)))]) / DEGREE
             name = NAMES[order] if order < len(NAMES) else f"derivative {order}"
             raise InputError(
                 "/cam/program", round(at, 6),
                 f"The {name} of the output jumps at {at:.6g}°, so the cam's motion would not be "
-                f"smooth: {needed} derivatives of the output must be continuous.",
+                f"smooth: {orders} derivatives of the output must be continuous.",
                 "Choose smoother laws (polynomial_4_5_6_7 has 3 continuous derivatives, "
                 "polynomial_6_7_8_9_10_11 has 5) or fewer masses.",
             )  # fmt: skip
+    by_angle = factors(chain) * omega ** np.arange(orders)
+    known = output.derivatives(theta, orders + 1)
+    return np.stack([by_angle @ known[k : k + orders] for k in range(3)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from math import pi
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -192,39 +193,30 @@ def _at_speed(
 ) -> AtSpeed:
     modes, found = chain.modes, _steady(chain, motion, speed_rpm)
     error, force = found.deflection[-1], found.contact_force
-    pulls = output_acceleration(found)
+    peaks: dict[str, Any] = {
+        name.format(end): _peak(found, sign * values, sign)
+        for name, values in (
+            ("output_error_{}", error), ("output_acceleration_{}", found.output_acceleration),
+            ("contact_force_{}_n", force),
+        )
+        for end, sign in (("max", 1.0), ("min", -1.0))
+    }  # fmt: skip
     starts = from_rest(chain, found.steps, found.omega, turns)
     floats = not form_closed and bool(np.min(force) <= 0.0)
-    flies = floats and turns > 0
     return AtSpeed(
         speed_rpm=speed_rpm,
-        output_error_max=_peak(found, error),
-        output_error_min=_peak(found, -error, -1.0),
-        output_acceleration_max=_peak(found, pulls),
-        output_acceleration_min=_peak(found, -pulls, -1.0),
-        contact_force_max_n=_peak(found, force),
-        contact_force_min_n=_peak(found, -force, -1.0),
+        **peaks,
         floats=floats,
         dwells=list(_dwells(motion, found)),
         remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
-        flight=simulate_flights(chain, motion, found.omega, turns) if flies else None,
+        flight=simulate_flights(chain, motion, found.omega, turns) if floats and turns else None,
         steps=len(found.theta) - 1,
         rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
     )
 
 
-def output_acceleration(found: Response) -> Array:
-    """Acceleration of the last mass, from the forces on it: (k+1,) [mm/s²]."""
-    chain, s = found.chain, found.steps.s
-    ground = (
-        chain.ground_springs[:, None] * s[0] + chain.ground_dampers[:, None] * s[1] * found.omega
-    )
-    forces = -(chain.stiffness @ found.deflection + chain.damping @ found.speed) - ground
-    return np.asarray(forces[-1] / chain.masses[-1])
-
-
-def _peak(found: Response, values: Array, sign: float = 1.0) -> ResponsePeak:
+def _peak(found: Response, values: Array, sign: float) -> ResponsePeak:
     at = int(np.argmax(values))
     return ResponsePeak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
 

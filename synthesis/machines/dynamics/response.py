@@ -26,7 +26,7 @@ from synthesis.units import FULL_TURN
 TERMS = 22  # of the series of φ in the unit disc, where the last is below rounding
 WAVE = 0.5  # rad: largest phase of a law's own sinusoids in one step
 SERIES = 18  # terms of their Taylor series: 0.5^18/18! is below rounding
-IMPACT = 1e-9  # of the largest velocity: smaller jumps are rounding
+IMPACT = 1e-9  # of the largest velocity: smaller jumps of it are rounding
 
 
 def phi(z: Complex, highest: int) -> Complex:
@@ -96,7 +96,7 @@ class Steps:
         step = np.diff(np.append(start, curve.breaks[-1]))
         taylor = curve.jet(start, piece, degree) * step ** np.arange(degree + 1)[:, None]
         # An impact is a step of length 0 before the first one of its piece.
-        jumps = velocity_jumps(curve)
+        jumps = derivative_jumps(curve, 1, IMPACT)
         hits = (np.cumsum(count) - count)[jumps != 0.0]
         start, taylor = np.insert(start, hits, start[hits]), np.insert(taylor, hits, 0.0, axis=1)
         impacts = hits + np.arange(len(hits))
@@ -108,13 +108,16 @@ class Steps:
         return cls(theta, taylor, jump, s)
 
 
-def velocity_jumps(curve: Piecewise) -> Array:
-    """By how much s' jumps where each piece begins, 0 where that is rounding: (pieces,)."""
+def derivative_jumps(curve: Piecewise, order: int, rounding: float) -> Array:
+    """By how much a derivative jumps where each piece begins: (pieces,).
+
+    Jumps of less than ``rounding`` of its largest value at the pieces' ends are 0.
+    """
     pieces = np.arange(curve.count)
-    after = curve.jet(curve.breaks[:-1], pieces, 1)[1]
-    before = np.roll(curve.jet(curve.breaks[1:], pieces, 1)[1], 1)
-    rounding = IMPACT * float(np.max(np.abs(after)))
-    return np.where(np.abs(after - before) > rounding, after - before, 0.0)
+    after = curve.at(curve.breaks[:-1], pieces, order)
+    before = np.roll(curve.at(curve.breaks[1:], pieces, order), 1)
+    least = rounding * max(float(np.max(np.abs(each))) for each in (after, before))
+    return np.where(np.abs(after - before) > least, after - before, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,6 +154,14 @@ class Response:
         chain = self.chain
         link = chain.springs[0] * self.deflection[0] + chain.dampers[0] * self.speed[0]
         return np.asarray(chain.preload - link)
+
+    @property
+    def output_acceleration(self) -> Array:
+        """(k+1,) acceleration of the last mass, from the forces on it [mm/s²]."""
+        chain, (s, v) = self.chain, self.steps.s
+        link = chain.stiffness[-1] @ self.deflection + chain.damping[-1] @ self.speed
+        ground = chain.ground_springs[-1] * s + chain.ground_dampers[-1] * v * self.omega
+        return np.asarray(-(link + ground) / chain.masses[-1])
 
     def free_amplitudes(self, angle: float) -> Array:
         """(n, modes) amplitudes of the free vibration where a dwell begins at this angle [mm].

@@ -10,7 +10,6 @@ of affine models improve slowly in five dimensions.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
@@ -37,6 +36,7 @@ from synthesis.machines.linkages.shaper.report import (
     report_infeasible,
 )
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.numerics import clock
 from synthesis.numerics.affine import Affine
 from synthesis.numerics.bundle_method import BundlePoint, minimise
 from synthesis.numerics.piecewise import Array
@@ -94,7 +94,7 @@ def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper
     lengths = None if found.u is None else space.lengths_at(found.u)
     if lengths is None:
         proven = math.isinf(found.bound)
-        if not proven and deadline is not None and time.monotonic() >= deadline:
+        if not proven and deadline is not None and clock.now() >= deadline:
             raise TimeBudgetExceeded(spec.time_budget_s or 0.0)
         return report_infeasible(spec, _explain_coupler(spec, space, proven, deadline))
     bound = objective.to_wire(found.bound, rad_per_s(spec.speed_rpm))
@@ -144,7 +144,8 @@ def _closed_form_relaxations(
         ("quick_return_ratio", "quick_return_ratio",
          lambda low, high: (quick_return_ratio_of(low), quick_return_ratio_of(high))),
         ("stroke_mm", "stroke_mm", lambda low, high: (2.0 * guide[0] * low, 2.0 * guide[1] * high)),
-        ("guide_mm", "stroke_mm", lambda low, high: (stroke[0] / high / 2.0, stroke[1] / low / 2.0)),
+        ("guide_mm", "stroke_mm",
+         lambda low, high: (0.5 * stroke[0] / high, 0.5 * stroke[1] / low)),
         ("crank_mm", "crank_mm", lambda low, high: (low * pivots[0], high * pivots[1])),
         ("pivot_distance_mm", "crank_mm", lambda low, high: (crank[0] / high, crank[1] / low)),
     )  # fmt: skip
@@ -282,7 +283,7 @@ def _branch_and_bound(
     # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
     boxes = [np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf])]
     pruned, count, stop = np.inf, 0, math.inf if deadline is None else deadline
-    while len(boxes[0]) and count < MAX_BOXES and time.monotonic() < stop:
+    while len(boxes[0]) and count < MAX_BOXES and clock.now() < stop:
         # Best first: the boxes with the least bounds.
         order = np.argsort(boxes[2])
         lo, hi, known = (each[order[:BATCH]] for each in boxes)
