@@ -28,7 +28,6 @@ from synthesis.certify.certificate import certify
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
-from synthesis.optimise.branching.bound_task import with_value_cap
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, formulate
@@ -44,7 +43,12 @@ from synthesis.optimise.propagation.improving_region import (
     TangentCam,
     initial_region,
 )
-from synthesis.optimise.propagation.law_tightening import size_bounds, tighten_laws
+from synthesis.optimise.propagation.law_tightening import (
+    initial_law_bounds,
+    size_bounds,
+    tighten_law,
+    with_value_cap,
+)
 from synthesis.optimise.recovery.candidate import Candidate, objective_value
 from synthesis.optimise.relaxation.fixed_motion import fixed_motion_rows, tighten_sizes
 from synthesis.optimise.relaxation.reverse_convex import outside_ball_rows
@@ -238,7 +242,10 @@ def capped_model(family: Family) -> tuple[ConicModel, tuple[Control, ...]]:
 
 def test_every_cam_lies_in_the_bounds_of_laws_and_sizes(family: Family):
     model, controls = capped_model(family)
-    bounds = tighten_laws(model, controls, (), range(len(controls)))
+    bounds = [
+        tighten_law(model, k, initial_law_bounds(model, k, control))
+        for k, control in enumerate(controls)
+    ]
     for axis, known in enumerate(family.problem.sizing.bounds):
         box = size_bounds(model, axis, known)
         assert all(is_inside(cam.size[axis : axis + 1], (box,)) for cam in family.cams)

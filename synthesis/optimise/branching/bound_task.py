@@ -12,8 +12,9 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.problem.grid import round_knots, uniform_grid
-from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.improving_region import Parts
+from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.relaxation import fixed_motion
 from synthesis.optimise.state.solve_state import SolveState
@@ -63,12 +64,6 @@ class BoundTask:
         if capped is None or not all(c.order == 3 and np.isfinite(c.cap) for c in capped):
             return None
         return cls(problem, incumbent, target, tuple(capped), deadline, state.thorough)
-
-
-def with_value_cap(problem: Problem, value: float) -> Problem:
-    """The problem without an objective, its objective's value capped."""
-    held = (*problem.objective_caps, ObjectiveCap(problem.objective, value))
-    return replace(problem, objective=NoObjective(), objective_caps=held)
 
 
 def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:

@@ -32,8 +32,13 @@ from synthesis.optimise.conic.tangent_cuts import TangentPoint, bounds_within, c
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
-from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
-from synthesis.optimise.propagation.law_tightening import size_bounds, tighten_law
+from synthesis.optimise.problem.problem import NoObjective, Problem
+from synthesis.optimise.propagation.law_tightening import (
+    initial_law_bounds,
+    size_bounds,
+    tighten_law,
+    with_value_cap,
+)
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
 from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
@@ -189,11 +194,7 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
     coarse = (uniform_grid(segment, COARSE) for segment in problem.free)
     grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
-    cap = ObjectiveCap(problem.objective, value)
-    better = replace(
-        problem, objective=NoObjective(), objective_caps=(*problem.objective_caps, cap)
-    )
-    model = formulate(better, grids)
+    model = formulate(with_value_cap(problem, value), grids)
     capped = law_controls(model)
     if capped is None or not all(np.isfinite(control.cap) for control in capped):
         return None
@@ -206,10 +207,9 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         if state.time_left <= 0.0:
             return None
         nodes = np.linspace(low, high, NODES)
-        former = node.tubes.get(position)
-        tubes[position] = tighten_law(
-            model, position, capped[position], nodes, former, state.deadline
-        )
+        known = node.tubes.get(position)
+        known = known or initial_law_bounds(model, position, capped[position], nodes)
+        tubes[position] = tighten_law(model, position, known, state.deadline)
     return replace(node, sizes=sizes, tubes=tubes)
 
 

@@ -25,7 +25,6 @@ from synthesis.optimise.branching.bound_task import (
     binding_parts,
     is_of_traced_forces,
     is_traced,
-    with_value_cap,
 )
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
@@ -41,6 +40,7 @@ from synthesis.optimise.propagation.improving_region import (
     TangentCam,
     initial_region,
 )
+from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations

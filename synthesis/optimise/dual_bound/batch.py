@@ -9,7 +9,7 @@ without an objective, in a few operations on tables: hundreds of bounds cost wha
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,12 @@ class Quantities:
     x: Array
     alpha: Array
     size: Array
+
+    def scaled(self) -> tuple[Quantities, Array]:
+        """Every quantity over its largest factor, and these units (q,)."""
+        units = np.maximum(np.abs(self.alpha).max(axis=1), np.abs(self.size).max(axis=1))
+        alpha, size = self.alpha / units[:, None], self.size / units[:, None]
+        return replace(self, alpha=alpha, size=size), units
 
     def objectives(self, model: ConicModel) -> list[Array]:
         """The same as objectives of the model's program, but for constants: one (n,) each."""

@@ -28,11 +28,11 @@ from synthesis.optimise.conic.program import ConicModel, with_rows
 from synthesis.optimise.conic.subprogram import ModelByLaw
 from synthesis.optimise.dual_bound.batch import Quantities, dual_bounds, solve_boundary_costates
 from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, PointRuns
-from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
+from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes, cone_tangents
-from synthesis.optimise.propagation.tolerances import LOOSENING
 
-SPREAD = 12  # points between two rows over which multipliers are spread
+SPREAD = 12
+"""Points between two rows over which multipliers are distributed."""
 
 
 def tighten_bounds(
@@ -56,31 +56,33 @@ def tighten_bounds(
     """
     until = clock.now() + time_limit
     region = replace(region, sizes=_box_within_cones(model, region.sizes))
-    fans = [
+    tangents = [
         block for cone in model.cone_blocks for block in cone_tangents(model, cone, region.sizes)
     ]
-    whole, infeasible, found_half_spaces = ModelByLaw(model), set[int](), list[HalfSpaces]()
-    pieces = {k: _LawSubproblem.of(whole, k, controls, fans, region) for k in positions}
+    whole, infeasible, half_spaces = ModelByLaw(model), set[int](), list[HalfSpaces]()
+    parts = {k: _LawSubproblem.of(whole, k, controls, tangents, region) for k in positions}
+    # 1. How far the size of a better cam lies in directions all round, by every law.
     directions = directions_around(region.sizes)
-    for k, piece in pieces.items() if len(directions) else ():
-        values = piece.lower_bounds(_size_quantities(directions, model.scales.size), region, until)
+    count = len(directions)
+    sizes = Quantities(
+        np.zeros(count, dtype=int), np.zeros(count), np.zeros((count, 3)),
+        model.scales.size * directions,
+    )  # fmt: skip
+    for k, part in parts.items() if count else ():
+        values = part.lower_bounds(sizes, region, until)
         if values is None:
             infeasible.add(k)
         else:
-            found_half_spaces.append(HalfSpaces(directions, values))
-    region = (
-        _intersect_half_spaces(region, directions, found_half_spaces)
-        if found_half_spaces
-        else region
-    )
-    for k in sorted(
-        {position for position, _ in region.point_bounds} & set(positions) - infeasible
-    ):
+            half_spaces.append(HalfSpaces(directions, values))
+    # 2. The half-spaces of all laws hold together.
+    if half_spaces:
+        region = _intersect_half_spaces(region, directions, half_spaces)
+    # 3. The traced point at the nodes of every law.
+    for k in sorted({k for k, _ in region.point_bounds} & set(positions) - infeasible):
         if region.is_empty:
             break
-        piece = pieces[k]
-        scaled, constants = _point_quantities(region, k, piece.law, piece.model)
-        values = piece.lower_bounds(scaled, region, until)
+        quantities, constants = _point_quantities(region, k, parts[k].law, parts[k].model)
+        values = parts[k].lower_bounds(quantities, region, until)
         if values is None:
             infeasible.add(k)
         else:
@@ -89,32 +91,16 @@ def tighten_bounds(
 
 
 @dataclass(frozen=True, eq=False)
-class _ScaledQuantities:
-    """Quantities, each over its unit, and these units."""
-
-    wanted: Quantities
-    units: Array
-
-    @classmethod
-    def of(cls, law: int, x: Array, alpha: Array, size: Array) -> _ScaledQuantities:
-        """alpha · (g, g', g'') (x) + size · ζ of one law: (q,), (q, 3) and (q, n_size)."""
-        units = np.maximum(np.abs(alpha).max(axis=1), np.abs(size).max(axis=1))
-        laws = np.full(len(x), law)
-        return cls(Quantities(laws, x, alpha / units[:, None], size / units[:, None]), units)
-
-
-@dataclass(frozen=True, eq=False)
 class _LawSubproblem:
-    """A law and what it meets at joints.
+    """A law and those that share derivatives with it.
 
     Attributes:
-        model: their rows, and those of the size alone. positions: in the whole model.
+        model: their rows, and those of the size alone.
         law: number of the law to be bounded. controls: of all of them.
         implied, denser: rows of curvature at their points, and between these.
     """
 
     model: ConicModel
-    positions: tuple[int, ...]
     law: int
     controls: tuple[Control, ...]
     implied: list[LinearBlock]
@@ -134,33 +120,34 @@ class _LawSubproblem:
         part, own = with_rows(whole.submodel(positions), more), region.for_laws(positions)
         caps = tuple(controls[k] for k in positions)
         law = positions.index(position)
-        return cls(part, positions, law, caps, own.rows(part), own.rows_between(part, SPREAD))
+        return cls(part, law, caps, own.rows(part), own.rows_between(part, SPREAD))
 
     def lower_bounds(
-        self, scaled: _ScaledQuantities, region: ImprovingRegion, until: float
+        self, quantities: Quantities, region: ImprovingRegion, until: float
     ) -> Array | None:
         """Lower bounds of quantities (q,) where better cams lie; None where there is no spline."""
+        wanted, units = quantities.scaled()
         unit = self.model.scales.size
         full = with_rows(self.model, [*region.half_spaces.blocks(unit), *self.implied])
-        count = full.program.equalities + full.program.inequalities
-        low, high = np.full((2, full.program.matrix.shape[1]), inf)
-        low = -low
+        program, infinite = full.program, np.full(full.program.matrix.shape[1], inf)
+        count = program.equalities + program.inequalities
+        low, high = -infinite, infinite.copy()
         low[full.size], high[full.size] = (np.array(region.sizes) / unit).T
-        program = full.program
+        # 1. A linear program for each: its multipliers, at the points where rows are written.
         rows = LinearRows(
             program.matrix[:count], program.rhs[:count], program.equalities, low, high
         )
-        result = minimise_each(rows, scaled.wanted.objectives(full), until - clock.now())
+        result = minimise_each(rows, wanted.objectives(full), until - clock.now())
         if result[-1].stopped is not StopReason.SOLVED:
             return None
         z = np.stack([each.multipliers for each in result])
+        # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
         between = MultiplierDensity.of(full, self.denser, SPREAD)
-        ends = solve_boundary_costates(full, scaled.wanted, z)
-        masses = between.distribute(scaled.wanted, z, ends)
-        values = dual_bounds(
-            between.model, self.controls, region.sizes, scaled.wanted, masses, ends
-        )
-        return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * scaled.units)
+        ends = solve_boundary_costates(full, wanted, z)
+        masses = between.distribute(wanted, z, ends)
+        # 3. Their bound over all laws, whatever the multipliers are.
+        values = dual_bounds(between.model, self.controls, region.sizes, wanted, masses, ends)
+        return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
 
 
 def _box_within_cones(model: ConicModel, sizes: Sizes) -> Sizes:
@@ -182,17 +169,11 @@ def _box_within_cones(model: ConicModel, sizes: Sizes) -> Sizes:
     return tuple((float(low), float(high)) for low, high in result)
 
 
-def _size_quantities(directions: Array, unit: float) -> _ScaledQuantities:
-    """How far the size lies in directions."""
-    count = len(directions)
-    return _ScaledQuantities.of(0, np.zeros(count), np.zeros((count, 3)), unit * directions)
-
-
 def _intersect_half_spaces(
-    region: ImprovingRegion, directions: Array, found_half_spaces: Sequence[HalfSpaces]
+    region: ImprovingRegion, directions: Array, half_spaces: Sequence[HalfSpaces]
 ) -> ImprovingRegion:
     """The region with the half-spaces of all its laws intersected."""
-    every, axes = region.half_spaces.intersect(found_half_spaces), np.eye(len(region.sizes))
+    every, axes = region.half_spaces.intersect(half_spaces), np.eye(len(region.sizes))
     low, high = every.minimise(np.concatenate([axes, -axes]), region.sizes).reshape(2, -1)
     sizes = tuple(
         (max(ends[0], float(a)), min(ends[1], -float(b)))
@@ -204,8 +185,8 @@ def _intersect_half_spaces(
 
 def _point_quantities(
     region: ImprovingRegion, position: int, law: int, model: ConicModel
-) -> tuple[_ScaledQuantities, Array]:
-    """X, u and perhaps s'' of a law's hulls from below, then from above, and their constants.
+) -> tuple[Quantities, Array]:
+    """X, u and perhaps s'' of a law at its nodes from below, then from above, and their constants.
 
     ``law``: its number in the model.
     """
@@ -214,24 +195,23 @@ def _point_quantities(
     for sign in (1.0, -1.0):
         for coordinates, bounds in region.bounds_of_law(position):
             one = np.ones((len(bounds.nodes), 1))
-            for order in (0, 1):
-                factor = sign * coordinates.sign * segment.lift / segment.angle**order
-                known = coordinates.constants[order] + (
-                    coordinates.sign * segment.s_start if order == 0 else 0.0
-                )
+            for order in range(len(bounds.low)):
+                # X and u are sums of motion and size; s'' is the motion's alone.
+                seen, known, share = 1.0, 0.0, np.zeros(len(region.sizes))
+                if order < 2:
+                    seen, known = coordinates.sign, coordinates.constants[order]
+                    share = scale * np.array(coordinates.size_factors[order])
+                if order == 0:
+                    known += seen * segment.s_start
+                factor = seen * segment.lift / segment.angle**order
                 x.append(bounds.nodes)
-                alpha.append(one * (factor * np.eye(3)[order]))
-                size.append(one * (sign * scale * np.array(coordinates.size_factors[order])))
+                alpha.append(one * (sign * factor * np.eye(3)[order]))
+                size.append(one * (sign * share))
                 constants.append(one[:, 0] * sign * known)
-            for order in range(2, len(bounds.low)):
-                x.append(bounds.nodes)
-                alpha.append(one * (sign * segment.lift / segment.angle**order * np.eye(3)[order]))
-                size.append(np.zeros((len(one), len(region.sizes))))
-                constants.append(np.zeros(len(one)))
-    scaled = _ScaledQuantities.of(
-        law, np.concatenate(x), np.concatenate(alpha), np.concatenate(size)
-    )
-    return scaled, np.concatenate(constants)
+    places = np.concatenate(x)
+    laws = np.full(len(places), law)
+    quantities = Quantities(laws, places, np.concatenate(alpha), np.concatenate(size))
+    return quantities, np.concatenate(constants)
 
 
 def _tighten_point_bounds(region: ImprovingRegion, position: int, values: Array) -> ImprovingRegion:

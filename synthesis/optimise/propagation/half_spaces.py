@@ -1,4 +1,4 @@
-"""What all laws leave of the size: half-spaces, and how far any size that keeps them may lie.
+"""What all laws leave of the size: half-spaces, and how far any size within them may lie.
 
 Each law bounds the size by itself; together they share it. So a few half-spaces, all round, carry
 from law to law what all others have to say.
@@ -18,16 +18,20 @@ from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.dual_bound.bound import ROUNDING
-from synthesis.optimise.propagation.tolerances import LOOSENING
 
-ROUND = 16  # directions of a plane
+LOOSENING = 1e-9
+"""Relative, by which every bound is loosened. Dual bounds allow for their own rounding, of about
+1e-12; this covers the arithmetic that is done with them, and sizes known this well count as known.
+"""
+DIRECTIONS = 16
+"""In which two sizes are bounded: a polygon of 16 sides is 2 % wider than its circle."""
 
 Sizes = Sequence[tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
 class HalfSpaces:
-    """normals · z ≥ floors [length]: (r, d) and (r,)."""
+    """normals · z ≥ offsets [length]: (r, d) and (r,)."""
 
     normals: Array
     offsets: Array
@@ -48,9 +52,9 @@ class HalfSpaces:
         """As rows of a program whose sizes are in a unit [length]."""
         scale = np.maximum(unit * np.max(np.abs(self.normals), axis=1, initial=0.0), 1e-300)
         return [
-            LinearBlock.of_size(-unit * normal / each, np.array([-floor / each]), "shared")
-            for normal, floor, each in zip(self.normals, self.offsets, scale, strict=True)
-            if np.isfinite(floor)
+            LinearBlock.of_size(-unit * normal / each, np.array([-offset / each]), "shared")
+            for normal, offset, each in zip(self.normals, self.offsets, scale, strict=True)
+            if np.isfinite(offset)
         ]
 
     def minimise(self, directions: Array, box: Sizes) -> Array:
@@ -59,43 +63,37 @@ class HalfSpaces:
         Bounds from the multipliers of linear programs, whatever these are.
         """
         middle, half = _centre_and_half_width(box)
-        # y from −1 to 1 and a slack t: normals · half · y + t ≥ floors − normals · middle
+        # y from −1 to 1 and a slack t: normals · half · y + t ≥ offsets − normals · middle
         known = np.isfinite(self.offsets)
         matrix = self.normals[known] * half
         rhs = self.offsets[known] - self.normals[known] @ middle
         length = np.linalg.norm(matrix, axis=1)
-        matrix, rhs = matrix / length[:, None], rhs / length
-        task = _BoxProgram(np.column_stack([matrix, np.ones(len(rhs))]), rhs)
-        far = np.append(np.zeros(len(box)), 1.0)
-        (excess,) = task.lower_bounds(far[None], 4.0)
-        if excess > LOOSENING:
+        matrix = np.column_stack([matrix / length[:, None], np.ones(len(rhs))])
+        # The least slack: a positive one proves that no size is left.
+        least_slack = np.append(np.zeros(len(box)), 1.0)[None]
+        if _lower_bounds(matrix, rhs / length, least_slack, 4.0)[0] > LOOSENING:
             return np.full(len(directions), inf)
         costs = np.column_stack([directions * half, np.zeros(len(directions))])
-        return np.asarray(task.lower_bounds(costs, 2.0 * LOOSENING) + directions @ middle)
+        values = _lower_bounds(matrix, rhs / length, costs, 2.0 * LOOSENING)
+        return np.asarray(values + directions @ middle)
 
 
-@dataclass(frozen=True, eq=False)
-class _BoxProgram:
-    """matrix · (y, t) ≥ rhs: (r, d + 1) and (r,)."""
+def _lower_bounds(matrix: Array, rhs: Array, costs: Array, most_slack: float) -> Array:
+    """Lower bounds of every cost (q, d + 1) over matrix · (y, t) ≥ rhs, |y| ≤ 1, 0 ≤ t ≤ a most.
 
-    matrix: Array
-    rhs: Array
-
-    def lower_bounds(self, costs: Array, slack: float) -> Array:
-        """Lower bounds of every cost (q, d + 1) over |y| ≤ 1 and 0 ≤ t ≤ slack."""
-        high = np.append(np.ones(self.matrix.shape[1] - 1), slack)
-        low = np.append(-high[:-1], 0.0)
-        rows = LinearRows(sparse.csc_matrix(-self.matrix), -self.rhs, 0, low, high)
-        result = minimise_each(rows, list(costs))
-        z = np.zeros((len(costs), len(self.rhs)))
-        for k, each in enumerate(result):
-            if each.stopped is StopReason.SOLVED:
-                z[k] = np.maximum(each.multipliers, 0.0)
-        rest = costs - z @ self.matrix
-        total = z @ self.rhs + np.sum(np.minimum(rest * low, rest * high), axis=1)
-        magnitude = z @ np.abs(self.rhs) + np.abs(rest) @ np.maximum(np.abs(low), high)
-        magnitude += (z @ np.abs(self.matrix)) @ np.maximum(np.abs(low), high)
-        return np.asarray(total - ROUNDING * magnitude)
+    By weak duality: any multipliers z ≥ 0 give one, those of the solver a good one.
+    """
+    high = np.append(np.ones(matrix.shape[1] - 1), most_slack)
+    low = np.append(-high[:-1], 0.0)
+    rows = LinearRows(sparse.csc_matrix(-matrix), -rhs, 0, low, high)
+    z = np.zeros((len(costs), len(rhs)))
+    for k, each in enumerate(minimise_each(rows, list(costs))):
+        if each.stopped is StopReason.SOLVED:
+            z[k] = np.maximum(each.multipliers, 0.0)
+    rest, reach = costs - z @ matrix, np.maximum(np.abs(low), high)
+    total = z @ rhs + np.sum(np.minimum(rest * low, rest * high), axis=1)
+    magnitude = z @ np.abs(rhs) + (np.abs(rest) + z @ np.abs(matrix)) @ reach
+    return np.asarray(total - ROUNDING * magnitude)
 
 
 def _centre_and_half_width(box: Sizes) -> tuple[Array, Array]:
@@ -112,8 +110,8 @@ def directions_around(box: Sizes) -> Array:
     if len(open_) != 2:
         axes = np.eye(len(box))[open_]
         return np.concatenate([axes, -axes])
-    angle = 2.0 * pi / ROUND * np.arange(ROUND)
-    result = np.zeros((ROUND, len(box)))
+    angle = 2.0 * pi / DIRECTIONS * np.arange(DIRECTIONS)
+    result = np.zeros((DIRECTIONS, len(box)))
     result[:, open_] = np.stack([np.cos(angle), np.sin(angle)], axis=1) / half[open_]
     result[np.abs(result) * half < LOOSENING] = 0.0  # along the axes
     return result

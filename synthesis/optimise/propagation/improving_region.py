@@ -25,9 +25,8 @@ from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.multiplier_density import PointRuns
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.propagation.half_spaces import HalfSpaces
+from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 from synthesis.optimise.propagation.point_bounds import PointBounds
-from synthesis.optimise.propagation.tolerances import LOOSENING
 
 APART = 0.05  # of a law, between nodes of the bounds
 OPEN = 1e9  # strokes: nothing known

@@ -23,8 +23,12 @@ from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
 from synthesis.optimise.problem.grid import Grid
-from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
-from synthesis.optimise.propagation.law_tightening import tighten_laws
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.propagation.law_tightening import (
+    initial_law_bounds,
+    tighten_law,
+    with_value_cap,
+)
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state.solve_state import SolveState
@@ -139,18 +143,21 @@ def _tighten_region(
         return None
     # Every better cam satisfies the rows, and the objective's cap where sizes do not imply it.
     inside = replace(problem.sizing, bounds=region.sizes, min_norm=0.0)
-    better = replace(problem, objective=NoObjective(), sizing=inside)
-    if problem.objective.norm(problem.machine) is None:
-        cap = ObjectiveCap(problem.objective, best * (1.0 + SPARE))
-        better = replace(better, objective_caps=(*problem.objective_caps, cap))
+    better = with_value_cap(replace(problem, sizing=inside), best * (1.0 + SPARE))
+    if problem.objective.norm(problem.machine) is not None:
+        better = replace(better, objective_caps=problem.objective_caps)
     grids = tuple(Grid(grid.space, grid.space.breaks) for grid in model.grids)
     first = replace(region, tangent_points=region.tangent_points[:1])
     relaxed = formulate(better, grids, 0.0, NO_TIGHTENING, first)
     capped = law_controls(relaxed)
     if capped is None or any(not isfinite(control.cap) for control in capped):
         return None
-    tubes = tighten_laws(relaxed, capped, region.law_bounds, loose, state.deadline)
-    return replace(state, region=replace(region, law_bounds=tubes))
+    known = region.law_bounds or [initial_law_bounds(relaxed, *each) for each in enumerate(capped)]
+    bounds = (
+        tighten_law(relaxed, k, one, state.deadline) if k in loose else one
+        for k, one in enumerate(known)
+    )
+    return replace(state, region=replace(region, law_bounds=tuple(bounds)))
 
 
 def _linearise(

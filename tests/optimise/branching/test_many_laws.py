@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 
 from synthesis import DesignSpec
-from synthesis.optimise.branching.bound_task import BoundTask, binding_parts, with_value_cap
+from synthesis.optimise.branching.bound_task import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.subprogram import ModelByLaw
@@ -19,6 +19,7 @@ from synthesis.optimise.propagation import bound_tightening as narrowing
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import initial_region
+from synthesis.optimise.propagation.law_tightening import with_value_cap
 
 OMEGA, SHARES = 10.0, (1.03, 0.91, 0.97, 1.12, 0.88, 1.06, 1.1, 0.93)
 

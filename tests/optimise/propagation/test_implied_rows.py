@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.optimise.branching.bound_task import BoundTask, binding_parts, with_value_cap
+from synthesis.optimise.branching.bound_task import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
@@ -23,6 +23,7 @@ from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import TangentCam, initial_region
+from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import recover_cam
 
 ROLLER = SlideCoordinates(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))
