@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any
 
@@ -79,11 +79,7 @@ class RootNode(Node):
     solvable: tuple[Grid, ...] = ()
     intervals: int = 0
     dimension_searched: bool = False
-    lower: float = -inf
-    valid_for: str = ""
-    processed: bool = False
-    deferred: bool = False
-    is_root: bool = True
+    is_root: bool = field(default=True, kw_only=True)
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         """One mesh: relax, bound, recover a cam, and refine the mesh where that pays."""

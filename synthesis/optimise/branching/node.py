@@ -6,27 +6,33 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
+from typing import Self
 
+from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.state.solve_state import SolveState
 
+Sizes = tuple[tuple[float, float], ...]
 
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Node(ABC):
     """A part of the domain of sizes, with what is known of the better cams in it.
 
     Attributes:
         lower, valid_for: no cam of this part is below ``lower`` [core units], and what that covers.
-        processed: whether ``process`` has nothing more to do; it can only be branched on then.
+        processed: whether ``process`` has been run; a processed node can only be branched on.
         deferred: whether it is the half with the larger values, which is processed only while the
             node limit allows.
         is_root: whether it is the whole domain: the first node of its kind, from which the nodes of
-            this kind are counted.
+            this kind are counted. started: ``time.perf_counter()`` of its root.
     """
 
-    lower: float
-    valid_for: str
-    processed: bool
-    deferred: bool
-    is_root: bool
+    lower: float = -inf
+    valid_for: str = ""
+    processed: bool = False
+    deferred: bool = False
+    is_root: bool = False
+    started: float = 0.0
 
     @abstractmethod
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
@@ -43,6 +49,12 @@ class Node(ABC):
     @abstractmethod
     def node_limit(self, state: SolveState) -> float:
         """Nodes to process at most, the root among them; asked of a root that was processed."""
+
+    def raised(self, bound: Bound, most: float = inf) -> Self:
+        """The node with a bound, no larger than ``most``, if that is better than its own."""
+        value = min(bound.value, most)
+        better = value > self.lower
+        return replace(self, lower=value, valid_for=bound.valid_for) if better else self
 
     @abstractmethod
     def conclude(self, state: SolveState, tree: Tree) -> SolveState:
@@ -79,3 +91,10 @@ class Tree:
 
     def _without(self, node: Node) -> tuple[Node, ...]:
         return tuple(leaf for leaf in self.leaves if leaf is not node)
+
+
+def halve(sizes: Sizes, axis: int) -> tuple[Sizes, Sizes]:
+    """A box of sizes, divided in the middle of one of them."""
+    (low, high), before, after = sizes[axis], sizes[:axis], sizes[axis + 1 :]
+    middle = 0.5 * (low + high)
+    return (*before, (low, middle), *after), (*before, (middle, high), *after)

@@ -23,7 +23,7 @@ from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.branching.node import Node, Tree, halve
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
@@ -41,6 +41,7 @@ from synthesis.optimise.propagation.law_tightening import (
 )
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
+from synthesis.optimise.relaxation.fixed_motion import NEAR, relative_excess
 from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
@@ -48,8 +49,6 @@ COARSE = 20
 """Intervals of the mesh on which laws and sizes are bounded."""
 NODES = 7
 """Points of a law at which it is bounded."""
-NEAR = -0.15
-"""Relative value of a smooth limit from which on it is nearly binding."""
 SAMPLES = 200
 """Points of a segment at which limits are looked at."""
 ROUNDS = 5
@@ -81,21 +80,14 @@ class PivotNode(Node):
         grids: the present mesh.
         sizes, tubes: bounds of the size and of the laws of every better cam.
         about: the last solution, where rows are tangent.
-        is_root: whether it is the whole domain. started: ``time.perf_counter()`` of its root.
     """
 
     problem: Problem
     parts: Parts
-    lower: float
-    valid_for: str
     grids: tuple[Grid, ...]
     sizes: tuple[tuple[float, float], ...] = ()
     tubes: Mapping[int, LawBounds] = field(default_factory=dict)
     about: TangentPoint | None = None
-    processed: bool = False
-    deferred: bool = False
-    is_root: bool = False
-    started: float = 0.0
 
     @classmethod
     def root(cls, state: SolveState) -> Self | None:
@@ -107,8 +99,8 @@ class PivotNode(Node):
         if not parts and isfinite(state.lower):
             return None
         return cls(
-            state.problem, parts, state.lower, state.valid_for, state.grids, is_root=True,
-            started=started,
+            state.problem, parts, state.grids, lower=state.lower, valid_for=state.valid_for,
+            is_root=True, started=started,
         )  # fmt: skip
 
     def node_limit(self, state: SolveState) -> float:
@@ -139,15 +131,14 @@ class PivotNode(Node):
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """Halve the widest range of the sizes."""
         axis = max(range(len(self.sizes)), key=lambda k: self.sizes[k][1] - self.sizes[k][0])
-        low, high = self.sizes[axis]
         children = []
-        for half in ((low, 0.5 * (low + high)), (0.5 * (low + high), high)):
-            bounds, sizes = list(self.problem.sizing.bounds), list(self.sizes)
-            bounds[axis] = sizes[axis] = half
-            inside = replace(self.problem.sizing, bounds=tuple(bounds))
-            problem = replace(self.problem, sizing=inside)
-            child = replace(self, problem=problem, sizes=tuple(sizes))
-            children.append(replace(child, processed=False, is_root=False))
+        for sizes in halve(self.sizes, axis):
+            bounds = list(self.problem.sizing.bounds)
+            bounds[axis] = sizes[axis]
+            sizing = replace(self.problem.sizing, bounds=tuple(bounds))
+            problem = replace(self.problem, sizing=sizing)
+            child = replace(self, problem=problem, sizes=sizes, processed=False, is_root=False)
+            children.append(child)
         return state, children
 
     def conclude(self, state: SolveState, tree: Tree) -> SolveState:
@@ -168,16 +159,11 @@ def _incumbent(state: SolveState) -> Candidate:
 
 def nearly_binding_part(best: Candidate, free: PlacedSegment) -> tuple[float, float] | None:
     """The part of a free law on which a limit with implied rows is nearly binding."""
-    problem = best.problem
+    problem, x = best.problem, np.linspace(0.0, 1.0, SAMPLES + 1)
     (segment,) = (s for s in problem.segments if s.index == free.index)
-    x = np.linspace(0.0, 1.0, SAMPLES + 1)
+    limits = [one for one in problem.limits if any(_relaxable(one, segment, problem.machine))]
     theta = segment.start + segment.angle * x
-    s = segment.placed().derivatives(theta)
-    worst = np.full(len(x), -np.inf)
-    for limit in problem.limits:
-        if any(_relaxable(limit, segment, problem.machine)):
-            for value in limit.smooth_constraints(segment, problem.machine, theta, s, best.size):
-                worst = np.maximum(worst, value)
+    worst = relative_excess(problem, segment, theta, best.size, limits)
     binding = x[worst > NEAR]
     if not len(binding) or np.max(worst) < 0.1 * NEAR:
         return None
@@ -249,9 +235,7 @@ def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> Pi
         laws, size = model.recover(solution.x)
         node = replace(node, about=TangentPoint(tuple(law.curve() for law in laws), size))
         # Above the incumbent there is nothing left to bound: no cam of this box is better.
-        value = min(bound.value, best.value)
-        if value > node.lower:
-            node = replace(node, lower=value, valid_for=bound.valid_for)
+        node = node.raised(bound, best.value)
         cam = recover_cam(problem, laws, size, keep_hint=True)
         if state.is_close(best, bound.value) or state.time_left <= 0.0:
             break

@@ -26,7 +26,7 @@ from synthesis.optimise.branching.bound_task import (
     is_of_traced_forces,
     is_traced,
 )
-from synthesis.optimise.branching.node import Node, Tree
+from synthesis.optimise.branching.node import Node, Tree, halve
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
@@ -79,37 +79,22 @@ VALUE_SPLIT = 0.4
 
 
 @dataclass(frozen=True, eq=False)
-class NodeRelaxation:
-    """The solution of a node's relaxation, its mesh, and the bound that it gave."""
-
-    cam: Candidate
-    grids: tuple[Grid, ...]
-    bound: Bound
-
-
-@dataclass(frozen=True, eq=False)
 class TracedNode(Node):
     """A box of sizes and a range of values.
 
     Attributes:
         region: what every better cam of the node satisfies.
-        grids: few knots, where the bound asks for them. relaxation: the last one solved.
+        grids: few knots, where the bound asks for them.
+        relaxation: the cam of the last one solved, its mesh, and the bound that it gave.
         least, most: range of the values of its cams, as far as they belong to no other node.
-        is_root: whether it is the whole domain. started: ``time.perf_counter()`` of its root.
     """
 
     task: BoundTask
     region: ImprovingRegion
-    lower: float
-    valid_for: str
-    processed: bool = False
-    deferred: bool = False
     grids: tuple[Grid, ...] = ()
-    relaxation: NodeRelaxation | None = None
+    relaxation: tuple[Candidate, tuple[Grid, ...], Bound] | None = None
     least: float = -inf
     most: float = inf
-    is_root: bool = False
-    started: float = 0.0
 
     @classmethod
     def root(cls, state: SolveState) -> Self | None:
@@ -132,7 +117,14 @@ class TracedNode(Node):
         if task is None:
             return None
         region = initial_region(task.problem, task.controls, parts)
-        return cls(task, region, state.lower, state.valid_for, is_root=True, started=started)
+        return cls(
+            task,
+            region,
+            lower=state.lower,
+            valid_for=state.valid_for,
+            is_root=True,
+            started=started,
+        )
 
     def node_limit(self, state: SolveState) -> float:
         if self.task.thorough:
@@ -191,10 +183,9 @@ class TracedNode(Node):
             worse = replace(child, least=middle, lower=max(self.lower, middle), deferred=True)
             return state, (replace(child, least=low, most=middle), worse)
         axis = int(np.argmax(among))
-        (low, high), middle = sizes[axis], 0.5 * sum(sizes[axis])
-        halves = ((low, middle), (middle, high))
-        boxes = [(*sizes[:axis], half, *sizes[axis + 1 :]) for half in halves]
-        return state, [replace(child, region=self.region.restrict(box)) for box in boxes]
+        return state, [
+            replace(child, region=self.region.restrict(box)) for box in halve(sizes, axis)
+        ]
 
     def conclude(self, state: SolveState, tree: Tree) -> SolveState:
         """Raise the bound to that of the lowest leaf, after finer meshes for it.
@@ -227,15 +218,15 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     The mesh is where the ideal law has its switches inside the node: fewer knots do more there
     than those with which the relaxation without curvature ended.
     """
-    relaxed = node.relaxation
-    if relaxed is None:
+    if node.relaxation is None:
         return state, node
-    nowhere = [np.zeros(0)] * len(relaxed.grids)
-    grids = refine_mesh(state.problem, relaxed.grids, relaxed.cam, relaxed.bound, nowhere)
-    points, _ = row_violations(replace(state, grids=grids), relaxed.cam)
+    cam, grids, bound = node.relaxation
+    nowhere = [np.zeros(0)] * len(grids)
+    grids = refine_mesh(state.problem, grids, cam, bound, nowhere)
+    points, _ = row_violations(replace(state, grids=grids), cam)
     both = zip(grids, points, strict=True)
     state = replace(state, grids=tuple(grid.with_points(x) for grid, x in both))
-    state = improve_from(state, relaxed.cam)
+    state = improve_from(state, cam)
     best = state.incumbent
     assert best is not None
     if best.value >= node.task.incumbent.value:
@@ -289,27 +280,26 @@ def _tighten_region(
     A law for which the coarse mesh has no spline under the capped value says nothing. For those the
     cap is raised by what the incumbent is above the target, then their intervals are halved.
     """
-    task, grids = node.task, node.grids
+    task, grids = node.task, tuple(Grid(grid.space, grid.space.breaks) for grid in node.grids)
     region = node.region.restrict(fixed_motion.tighten_sizes(task.problem, node.region.sizes))
     if region.is_empty:
         return region
-    wanted = left = frozenset(among)
-    raised = node.largest_value + (1.0 + SPARE) * task.incumbent.value - task.target
-    capped = with_value_cap(task.problem, node.largest_value)
-    eased = with_value_cap(task.problem, raised)
-    for problem in (capped, eased, eased):
-        at_knots = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
-        seconds = state.time_left
-        if seconds <= 0.0 or not left or region.is_empty:
+    pending = frozenset(among)
+    nowhere = [np.zeros(0)] * len(grids)
+    slack = (1.0 + SPARE) * task.incumbent.value - task.target
+    for number, extra in enumerate((0.0, slack, slack)):
+        if state.time_left <= 0.0 or not pending or region.is_empty:
             break
-        model = formulate(problem, at_knots)
+        if number == 2:
+            finer = halve_intervals(task.problem, grids, nowhere)
+            both = enumerate(zip(grids, finer, strict=True))
+            grids = tuple(new if k in pending else old for k, (old, new) in both)
+            grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        problem = with_value_cap(task.problem, node.largest_value + extra)
+        model = formulate(problem, grids)
         model = with_rows(model, _size_rows(replace(node, region=region), model.scales))
-        region, left = tighten_bounds(model, task.controls, region, left, seconds)
-        if problem is eased:
-            halved = halve_intervals(problem, grids, [np.zeros(0)] * len(grids))
-            both = zip(grids, halved, strict=True)
-            grids = tuple(h if k in left else g for k, (g, h) in enumerate(both))
-    return None if left == wanted else region
+        region, pending = tighten_bounds(model, task.controls, region, pending, state.time_left)
+    return None if pending == frozenset(among) else region
 
 
 def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
@@ -353,7 +343,7 @@ def solve_relaxation(
             solution, multipliers=density.distribute_single(solution.multipliers, ends)
         )
         if solution.stopped is StopReason.INFEASIBLE:
-            node = _raised(node, infeasibility_bound(density.model, distributed, ends))
+            node = node.raised(infeasibility_bound(density.model, distributed, ends))
             if node.is_empty or state.time_left <= 0.0:
                 break
             grids = halve_intervals(problem, grids, [np.zeros(0)] * len(grids))
@@ -366,11 +356,11 @@ def solve_relaxation(
         # 3. The solution is where the next rows are tangent.
         laws, size = model.recover(solution.x)
         region = replace(node.region, reference=TangentCam(tuple(laws), size))
-        node = replace(_raised(node, bound), region=region)
+        node = replace(node.raised(bound), region=region)
         if number <= EARLY_ROUNDS:
             node = replace(node, grids=grids)
         cam = recover_cam(problem, laws, size, keep_hint=True)
-        node = replace(node, relaxation=NodeRelaxation(cam, grids, bound))
+        node = replace(node, relaxation=(cam, grids, bound))
         # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
         if node.is_empty or state.time_left <= 0.0:
             break
@@ -392,8 +382,3 @@ def _coarse_mesh(node: TracedNode) -> tuple[Grid, ...]:
         needed = segment.free.knots if segment.free else ()
         chosen.append(grid_through(segment, merge_knots(breaks, ends, needed)))
     return tuple(chosen)
-
-
-def _raised(node: TracedNode, bound: Bound) -> TracedNode:
-    better = bound.value > node.lower
-    return replace(node, lower=bound.value, valid_for=bound.valid_for) if better else node

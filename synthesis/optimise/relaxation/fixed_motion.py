@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.catalogue.constraints import MotionBox, SlideCoordinates
+from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
@@ -26,15 +27,21 @@ Ends = tuple[tuple[float, float], ...]
 
 
 def relative_excess(
-    problem: Problem, segment: PlacedSegment, theta: Array, size: tuple[float, ...]
+    problem: Problem,
+    segment: PlacedSegment,
+    theta: Array,
+    size: tuple[float, ...],
+    limits: Sequence[Limit] | None = None,
 ) -> Array:
-    """By how much traced limits are broken on a given segment at cam angles (n,), relative."""
-    s, worst = segment.placed().derivatives(theta), np.full(len(theta), -np.inf)
-    for limit in problem.limits:
-        if limit.curvature_bounds(segment, problem.machine):
-            for value in limit.smooth_constraints(segment, problem.machine, theta, s, size):
-                worst = np.maximum(worst, value)
-    return worst
+    """By how much limits are exceeded on a given segment at cam angles (n,), relative.
+
+    ``limits``: None: those of the problem that are about a traced point.
+    """
+    machine, s = problem.machine, segment.placed().derivatives(theta)
+    if limits is None:
+        limits = [limit for limit in problem.limits if limit.curvature_bounds(segment, machine)]
+    values = [v for x in limits for v in x.smooth_constraints(segment, machine, theta, s, size)]
+    return np.asarray(np.max([np.full(len(theta), -np.inf), *values], axis=0))
 
 
 def binds_on_fixed_motion(problem: Problem, size: tuple[float, ...]) -> bool:

@@ -161,7 +161,7 @@ class _Trials:
         problem = self.limited(bracket.possible * (1.0 + SPARE))
         about = TangentPoint(tuple(law.curve() for law in best.laws), best.size)
         parts = dict.fromkeys(range(len(problem.free)), (0.0, 1.0))
-        node = PivotNode(problem, parts, -inf, "", bracket.best.grids, about=about)
+        node = PivotNode(problem, parts, bracket.best.grids, about=about)
         for _ in range(TIGHTENINGS):
             tighter = tighten_node(self.state, replace(best, value=self.largest), node)
             if tighter is None:

@@ -93,7 +93,7 @@ def test_the_best_cam_lies_where_better_cams_are_said_to_lie(found):
             at = np.stack(seen.evaluate(s, best.size)[:2])
             assert np.all(hull.low - 1e-7 <= at)
             assert np.all(at <= hull.high + 1e-7)
-        node = solve_relaxation(found, TracedNode(quest, lair, found.lower, ""))
+        node = solve_relaxation(found, TracedNode(quest, lair, lower=found.lower))
         lair = replace(lair, reference=node.region.reference)
     assert all(high - low < 25.0 for low, high in lair.sizes)
 

@@ -221,7 +221,7 @@ def test_half_a_box_without_the_best_offset_has_no_better_cam(found):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
     quest = BoundTask.of(found, found.incumbent, inf)
     region = initial_region(quest.problem, quest.controls, parts)
-    start = TracedNode(quest, region, found.lower, found.valid_for)
+    start = TracedNode(quest, region, lower=found.lower, valid_for=found.valid_for)
     _, (left, right) = solve_relaxation(found, start).branch(found)
     (_, middle), _ = left.region.sizes
     e, _ = found.incumbent.size
@@ -235,11 +235,11 @@ def test_a_box_is_not_split_across_the_size_in_which_a_cam_grows(found):
     quest = BoundTask.of(found, found.incumbent, inf)
     lair = initial_region(quest.problem, quest.controls, parts)
     flat = replace(lair, sizes=((1.3, 2.9), (31.0, 58.0)))
-    _, (left, right) = TracedNode(quest, flat, quest.target, "").branch(found)
+    _, (left, right) = TracedNode(quest, flat, lower=quest.target).branch(found)
     assert left.region.sizes == ((1.3, 2.1), (31.0, 58.0))
     assert right.region.sizes == ((2.1, 2.9), (31.0, 58.0))
     given = replace(lair, sizes=((2.9, 2.9), (31.0, 58.0)))
-    _, (left, right) = TracedNode(quest, given, quest.target, "").branch(found)
+    _, (left, right) = TracedNode(quest, given, lower=quest.target).branch(found)
     assert (left.region.sizes[1], right.region.sizes[1]) == ((31.0, 44.5), (44.5, 58.0))
 
 
@@ -315,4 +315,6 @@ def test_the_bound_is_never_above_the_target(found):
     # far on the wrong side: no better cam has its offset there
     (_, high), *rest = lair.sizes
     there = replace(lair, sizes=((high - 4.0, high), *rest))
-    assert solve_relaxation(found, TracedNode(quest, there, found.lower, "")).lower >= quest.target
+    assert (
+        solve_relaxation(found, TracedNode(quest, there, lower=found.lower)).lower >= quest.target
+    )
