@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -40,7 +40,7 @@ from synthesis.machines.spatial.solid.geometry import (
     NotSmooth,
     Shell,
     interpolate_surface,
-    spline_surface,
+    write_spline,
 )
 from synthesis.machines.spatial.solid.sheets import TooFewDepths, WallSheets, cluster_at_ends
 from synthesis.numerics.piecewise import Array
@@ -73,31 +73,14 @@ class SurfaceOptions(Options):
     ] = 1.0
 
 
-@dataclass(frozen=True, eq=False)
-class FlankFace:
-    """A part of a flank.
+def _fit_flank(
+    cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float
+) -> tuple[NdBSpline, float]:
+    """A spline over cam angle [rad] and place [mm] on grids refined until it is within tolerance.
 
-    Attributes:
-        name: the flank's. spline: over cam angle [rad] and place along the roller [mm].
-        error: measured distance from the flank [mm].
+    Returns:
+        the spline, and its measured distance from the flank [mm].
     """
-
-    name: str
-    spline: NdBSpline
-    error: float
-
-
-def _smooth_parts(cam: SpatialCam, span: Span) -> list[Span]:
-    """An interval split where the motion's derivatives may jump."""
-    cuts = cam.motion.curve.breaks
-    if len(cuts) > MANY:
-        cuts = np.array([segment.end for segment in cam.motion.segments])
-    inside = cuts[(cuts > span[0] + SHORT) & (cuts < span[1] - SHORT)]
-    return list(pairwise([span[0], *inside.tolist(), span[1]]))
-
-
-def _flank_face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) -> FlankFace:
-    """A part of a flank, interpolated on finer grids until it is within the tolerance."""
     # Angles are moved inside the part, so that its ends belong to this piece of the motion.
     tiny = 1e-12 * (span[1] - span[0])
 
@@ -120,7 +103,7 @@ def _flank_face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) ->
         across = distance(spline, theta, 0.5 * (rho[1:] + rho[:-1]))
         error = max(along, across)
         if error <= 1e-3 * tolerance_um:
-            return FlankFace(wall.name, spline, error)
+            return spline, error
         # Refine the direction with the larger error.
         finer = (2 * n - 1, m) if along >= across else (n, 2 * m - 1)
         if finer[0] > MAX_LINES[0] or finer[1] > MAX_LINES[1]:
@@ -135,17 +118,20 @@ def _flank_face(cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float) ->
 
 
 def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
-    cam = design.cam
-    made = [
-        _flank_face(cam, wall, part, options.tolerance_um)
-        for wall in chosen(cam, options.flank)
-        for span in wall.spans
-        for part in _smooth_parts(cam, span)
-    ]
-    error, name = max(face.error for face in made), f"flanks of {design.name or design.id}"
+    cam, made = design.cam, []
+    # Flanks are split where the motion's derivatives may jump.
+    cuts = cam.motion.curve.breaks
+    if len(cuts) > MANY:
+        cuts = np.array([segment.end for segment in cam.motion.segments])
+    for wall in chosen(cam, options.flank):
+        for start, end in wall.spans:
+            inside = cuts[(cuts > start + SHORT) & (cuts < end - SHORT)]
+            made += [(wall.name, *_fit_flank(cam, wall, part, options.tolerance_um))
+                     for part in pairwise([start, *inside.tolist(), end])]  # fmt: skip
+    error, name = max(each[2] for each in made), f"flanks of {design.name or design.id}"
 
     def write(data: Entities) -> str:
-        surfaces = [spline_surface(data, text(face.name), face.spline) for face in made]
+        surfaces = [write_spline(data, text(flank), spline) for flank, spline, _ in made]
         return data.add("GEOMETRIC_SET", text(name), many(surfaces))
 
     title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
@@ -263,8 +249,7 @@ def _face(data: Entities, facet: Facet, points: list[str]) -> str:
     return data.add("FACE_SURFACE", "''", many(bounds), plane, ".T.")
 
 
-@dataclass(frozen=True, eq=False)
-class Facet:
+class Facet(NamedTuple):
     """A flat face.
 
     Attributes:
@@ -284,15 +269,25 @@ def merge_planar_faces(mesh: Mesh) -> list[Facet]:
     """
     normals = _area_normals(mesh)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    whole: list[Facet] = []
-    single = np.ones(len(mesh.triangles), dtype=bool)
-    for part in _coplanar_parts(mesh, normals):
-        loops = _boundary(mesh, mesh.triangles[part], float(normals[part[0], 2]))
-        if loops:
-            whole.append(Facet(normals[part[0]], loops))
-            single[part] = False
-    rest = zip(normals[single], mesh.triangles[single].tolist(), strict=True)
-    return whole + [Facet(normal, [corners]) for normal, corners in rest]
+    # Parts: triangles at one height with one orientation, connected by edges.
+    flat = np.flatnonzero(np.ptp(mesh.points[mesh.triangles, 2], axis=1) == 0.0)
+    owner = {edge: k for k in flat.tolist() for edge in _edges(mesh.triangles[k].tolist())}
+    links = [(k, owner[b, a]) for (a, b), k in owner.items() if (b, a) in owner]
+    one, other = np.array(links, dtype=int).reshape(-1, 2).T
+    same = (normals[one, 2] > 0.0) == (normals[other, 2] > 0.0)
+    count = len(mesh.triangles)
+    graph = coo_array((np.ones(same.sum()), (one[same], other[same])), shape=(count, count))
+    _, part = connected_components(graph, directed=False)
+    order = np.argsort(part, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(part[order])) + 1)
+    merged, rest = list[Facet](), list[int]()
+    for triangles in parts:
+        loops = []
+        if len(triangles) > 1:
+            loops = _boundary(mesh, mesh.triangles[triangles], float(normals[triangles[0], 2]))
+            merged += [Facet(normals[triangles[0]], loops)] if loops else []
+        rest += [] if loops else triangles.tolist()
+    return merged + [Facet(normals[k], [mesh.triangles[k].tolist()]) for k in sorted(rest)]
 
 
 def thinnest(mesh: Mesh) -> float:
@@ -308,30 +303,14 @@ def _area_normals(mesh: Mesh) -> Array:
     return np.asarray(np.cross(b - a, c - a))
 
 
-def _coplanar_parts(mesh: Mesh, normals: Array) -> list[Whole]:
-    """Sets of triangles at one height with one orientation, connected by edges."""
-    heights = mesh.points[mesh.triangles, 2]
-    level = np.ptp(heights, axis=1) == 0.0
-    flat = np.flatnonzero(level)
-    if len(flat) < 2:
-        return []
-    corners, up = mesh.triangles[flat], normals[flat, 2] > 0.0
-    ends = np.concatenate([corners, np.roll(corners, -1, axis=1)]).reshape(2, -1)
-    _, edge = np.unique(np.sort(ends, axis=0), axis=1, return_inverse=True)
-    owner = np.repeat(np.arange(len(flat)), 3)
-    order = np.argsort(edge, kind="stable")
-    pair = np.flatnonzero(np.diff(edge[order]) == 0)
-    one, other = owner[order[pair]], owner[order[pair + 1]]
-    same = up[one] == up[other]
-    links = coo_array((np.ones(same.sum()), (one[same], other[same])), shape=(len(flat),) * 2)
-    count, part = connected_components(links, directed=False)
-    parts = [flat[part == i] for i in range(count)]
-    return [each for each in parts if len(each) > 1]
+def _edges(triangle: Loop) -> list[tuple[int, int]]:
+    a, b, c = triangle
+    return [(a, b), (b, c), (c, a)]
 
 
 def _boundary(mesh: Mesh, triangles: Whole, up: float) -> list[Loop]:
     """Boundary loops of coplanar triangles, the outer one first; empty: one touches itself."""
-    ends = [(a, b) for t in triangles.tolist() for a, b in zip(t, [*t[1:], t[0]], strict=True)]
+    ends = [edge for triangle in triangles.tolist() for edge in _edges(triangle)]
     inside = set(ends)
     after = {a: b for a, b in ends if (b, a) not in inside}
     if len(after) < sum((b, a) not in inside for a, b in ends):

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from itertools import chain, groupby
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from synthesis.machines.spatial.solid import geometry
 from synthesis.machines.spatial.solid.geometry import Key, NotSmooth, Shell
 from synthesis.machines.spatial.solid.sheets import (
+    CUBIC,
     HIGH,
     IN,
     LOW,
@@ -81,20 +83,19 @@ class Builder:
     # -- edges --------------------------------------------------------------------------------
 
     def _wall(self, piece: Piece) -> None:
-        patch = fit_patch(self.sheets, piece, self.tolerance, self.stride)
-        self.errors.append(patch.error)
+        surface, error = fit_patch(self.sheets, piece, self.tolerance, self.stride)
+        self.errors.append(error)
         ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
+        (along, down), points = surface.t, surface.c
         edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
-                                 geometry.SplineCurve(patch.along(level)))
+                                 geometry.spline_curve(BSpline(along, points[:, level], CUBIC)))
                  for level in LEVELS]  # fmt: skip
         edges += [self.shell.join(("down", *end), (*end, TOP), (*end, ROOT),
-                                  geometry.SplineCurve(patch.down(k)))
+                                  geometry.spline_curve(BSpline(down, points[k], CUBIC)))
                   for end, k in zip(ends, (0, -1), strict=True)]  # fmt: skip
-        middle = np.array([0.5, 0.5])
-        place = patch.surface(middle)
-        across = self._across_direction(place)
-        out = across if piece.wall % 2 == 0 else -across
-        self.shell.add(geometry.SplineSurface(patch.surface), edges, place, out)
+        place = surface(np.array([0.5, 0.5]))
+        out = self._across_direction(place) * (1.0 if piece.wall % 2 == 0 else -1.0)
+        self.shell.add(geometry.spline_surface(surface), edges, place, out)
 
     def _across_direction(self, place: Array) -> Array:
         """Unit vector (3,) across the blank at a point (3,)."""
@@ -116,7 +117,7 @@ class Builder:
         radius, height = self._end(end, level)
         y = np.array([0.0, -float(self.sheets.hand), 0.0])
         turn = float(first.turn[level]), float(last.turn[level])
-        curve = geometry.Circle(height * geometry.UP, geometry.X, y, radius, *turn)
+        curve = geometry.circle(height * geometry.UP, geometry.X, y, radius, *turn)
         return self.shell.join(("arc", end, level, start, stop), start, stop, curve)
 
     def _lift(self, stop: Stop, span: Span, level: int) -> list[Key]:
@@ -138,10 +139,10 @@ class Builder:
         if ring is None:
             ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
                     for at in (start, end))  # fmt: skip
-            curve = geometry.Line(*ends)
+            curve = geometry.line(*ends)
         else:
             away = np.array([np.cos(angle), np.sin(angle), 0.0])
-            curve = geometry.Circle(ring[0] * away, -away, geometry.UP, ring[1], start, end)
+            curve = geometry.circle(ring[0] * away, -away, geometry.UP, ring[1], start, end)
         return [self.shell.join(("lift", first, last), first, last, curve)]
 
     def _place(self, corner: Key) -> float:
@@ -165,7 +166,7 @@ class Builder:
                 else:
                     edges.append(self._border(first, last, state, level))
         turn = np.array(0.5 * (run[0].first.turn[level] + run[-1].last.turn[level]))
-        corners = {key for edge in edges for key in self.shell.ends(edge)}
+        corners = {key for edge in edges for key in self.shell.edges[edge][:2]}
         across = np.array(np.mean([self._place(key) for key in corners]))
         chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
         place, deeper = (
@@ -200,7 +201,7 @@ class Builder:
             angle = -self.sheets.hand * float(stop.turn[0])
             away = np.array([np.cos(angle), np.sin(angle), 0.0])
             ends = (r * away + z * geometry.UP for r, z in (self._end(end, k) for k in LEVELS))
-            edges.append(self.shell.join(("edge", top, root), top, root, geometry.Line(*ends)))
+            edges.append(self.shell.join(("edge", top, root), top, root, geometry.line(*ends)))
         middle = len(first.turn) // 2
         turn = np.array(0.5 * float(first.turn[middle] + last.turn[middle]))
         depth, across = self.sheets.blank.depth[middle], self.sheets.end(end)[middle]
@@ -233,7 +234,7 @@ class Builder:
                 at = np.array([bore * (1.0 - 2.0 * k), 0.0, 0.0])
                 ends = [at + z * geometry.UP for z in heights]
                 sides.append(self.shell.join(("bore", k), ("bore", LOW, k), ("bore", HIGH, k),
-                                             geometry.Line(*ends)))  # fmt: skip
+                                             geometry.line(*ends)))  # fmt: skip
             rims = [("bore", end, "half", half) for end in BLANK_ENDS]
             place = np.array([0.0, bore * (1.0 - 2.0 * half), 0.5 * sum(heights)])
             out = -np.array([0.0, place[1], 0.0])
@@ -243,7 +244,7 @@ class Builder:
         centre, radius = self._end(end, ROOT)[1] * geometry.UP, self.sheets.blank.bore
         y = np.array([0.0, 1.0, 0.0])
         halves = (
-            geometry.Circle(centre, geometry.X, y, radius, half * np.pi, (half + 1) * np.pi)
+            geometry.circle(centre, geometry.X, y, radius, half * np.pi, (half + 1) * np.pi)
             for half in (0, 1)
         )
         return [

@@ -9,9 +9,9 @@ closes the shell.
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
@@ -30,192 +30,144 @@ class NotSmooth(Exception):
     """The body has no smooth boundary; the message says why."""
 
 
-class Curve(ABC):
-    """A curve from one vertex to another."""
-
-    @abstractmethod
-    def points(self, share: Array) -> Array:
-        """Points (n, 3) at shares from 0 to 1 [mm]."""
-
-    @abstractmethod
-    def to_step(self, data: Entities) -> str:
-        """Writes its STEP entity, with the same direction; returns the reference."""
-
-
-@dataclass(frozen=True, eq=False)
-class Circle(Curve):
-    """centre + radius (x cos φ + y sin φ), φ from ``start`` to a larger ``end`` [rad]."""
-
-    centre: Array
-    x: Array
-    y: Array
-    radius: float
-    start: float
-    end: float
-
-    def points(self, share: Array) -> Array:
-        at = (self.start + share * (self.end - self.start))[:, None]
-        return self.centre + self.radius * (np.cos(at) * self.x + np.sin(at) * self.y)
-
-    def to_step(self, data: Entities) -> str:
-        placed = placement(data, self.centre, np.cross(self.x, self.y), self.x)
-        return data.add("CIRCLE", "''", placed, real(self.radius))
-
-
-@dataclass(frozen=True, eq=False)
-class Line(Curve):
-    """A straight line."""
-
-    first: Array
-    last: Array
-
-    def points(self, share: Array) -> Array:
-        return self.first + share[:, None] * (self.last - self.first)
-
-    def to_step(self, data: Entities) -> str:
-        way = self.last - self.first
-        length = float(np.linalg.norm(way))
-        vector = data.add("VECTOR", "''", direction(data, way / length), real(1.0))
-        return data.add("LINE", "''", point(data, self.first), vector)
-
-
-@dataclass(frozen=True, eq=False)
-class SplineCurve(Curve):
-    """A B-spline over [0, 1]."""
-
-    spline: BSpline
-
-    def points(self, share: Array) -> Array:
-        return np.asarray(self.spline(share))
-
-    def to_step(self, data: Entities) -> str:
-        knots, times = np.unique(self.spline.t, return_counts=True)
-        points = many([point(data, each) for each in np.asarray(self.spline.c)])
-        return data.add(
-            "B_SPLINE_CURVE_WITH_KNOTS", "''", str(self.spline.k), points,
-            ".UNSPECIFIED.", ".F.", ".F.",
-            many(map(str, times.tolist())), many(map(real, knots.tolist())), ".UNSPECIFIED.",
-        )  # fmt: skip
-
-
-class Surface(ABC):
-    """A surface that a face lies on."""
-
-    @abstractmethod
-    def normal(self, place: Array) -> Array:
-        """Its normal near a point (3,) of it, of any length."""
-
-    @abstractmethod
-    def to_step(self, data: Entities) -> str:
-        """Writes its STEP entity; returns the reference."""
-
-
-@dataclass(frozen=True, eq=False)
-class TurnedSurface(Surface):
-    """A surface about the cam's axis.
+class Curve(NamedTuple):
+    """A curve from one vertex to another.
 
     Attributes:
-        kind: STEP entity. sizes: its numbers. normal_at: its normal at a point (3,).
+        points: from shares (n,) between 0 and 1 to points (n, 3) [mm].
+        to_step: writes its STEP entity, with the same direction; returns the reference.
+    """
+
+    points: Callable[[Array], Array]
+    to_step: Callable[[Entities], str]
+
+
+def circle(centre: Array, x: Array, y: Array, radius: float, start: float, end: float) -> Curve:
+    """centre + radius (x cos φ + y sin φ), φ from ``start`` to a larger ``end`` [rad]."""
+
+    def points(share: Array) -> Array:
+        at = (start + share * (end - start))[:, None]
+        return centre + radius * (np.cos(at) * x + np.sin(at) * y)
+
+    def to_step(data: Entities) -> str:
+        return data.add("CIRCLE", "''", placement(data, centre, np.cross(x, y), x), real(radius))
+
+    return Curve(points, to_step)
+
+
+def line(first: Array, last: Array) -> Curve:
+    """A straight line."""
+    way = last - first
+
+    def to_step(data: Entities) -> str:
+        along = entity(data, "DIRECTION", way / float(np.linalg.norm(way)))
+        vector = data.add("VECTOR", "''", along, real(1.0))
+        return data.add("LINE", "''", entity(data, "CARTESIAN_POINT", first), vector)
+
+    return Curve(lambda share: first + share[:, None] * way, to_step)
+
+
+def spline_curve(spline: BSpline) -> Curve:
+    """A B-spline over [0, 1]."""
+
+    def to_step(data: Entities) -> str:
+        knots, times = np.unique(spline.t, return_counts=True)
+        points = many([entity(data, "CARTESIAN_POINT", each) for each in np.asarray(spline.c)])
+        return data.add(
+            "B_SPLINE_CURVE_WITH_KNOTS", "''", str(spline.k), points, ".UNSPECIFIED.", ".F.",
+            ".F.", many(map(str, times.tolist())), many(map(real, knots.tolist())),
+            ".UNSPECIFIED.",
+        )  # fmt: skip
+
+    return Curve(lambda share: np.asarray(spline(share)), to_step)
+
+
+class Surface(NamedTuple):
+    """A surface that a face lies on.
+
+    Attributes:
+        normal: from a point (3,) of it to its normal near there, of any length.
+        to_step: writes its STEP entity; returns the reference.
+        spline: of a wall.
+    """
+
+    normal: Callable[[Array], Array]
+    to_step: Callable[[Entities], str]
+    spline: NdBSpline | None = None
+
+
+def _turned(
+    kind: str, sizes: tuple[float, ...], normal: Callable[[Array], Array],
+    height: float = 0.0, way: float = 1.0,
+) -> Surface:  # fmt: skip
+    """A surface about the cam's axis: STEP entity and its numbers.
+
+    Args:
         height, way: of its placement on the axis [mm], and up (1) or down (−1) along it.
     """
 
-    kind: str
-    sizes: tuple[float, ...]
-    normal_at: Callable[[Array], Array]
-    height: float = 0.0
-    way: float = 1.0
+    def to_step(data: Entities) -> str:
+        placed = placement(data, height * UP, way * UP, X)
+        return data.add(kind, "''", placed, *map(real, sizes))
 
-    def normal(self, place: Array) -> Array:
-        return self.normal_at(place)
-
-    def to_step(self, data: Entities) -> str:
-        placed = placement(data, self.height * UP, self.way * UP, X)
-        return data.add(self.kind, "''", placed, *map(real, self.sizes))
+    return Surface(normal, to_step)
 
 
-def plane(height: float, way: int) -> TurnedSurface:
+def plane(height: float, way: int) -> Surface:
     """A plane across the axis at a height [mm], normal up (1) or down (−1)."""
-    return TurnedSurface("PLANE", (), lambda place: way * UP, height, way)
+    return _turned("PLANE", (), lambda place: way * UP, height, way)
 
 
-def cylinder(radius: float) -> TurnedSurface:
+def cylinder(radius: float) -> Surface:
     """A cylinder about the axis [mm]."""
-    return TurnedSurface("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
+    return _turned("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
 
 
-def torus(middle: float, tube: float) -> TurnedSurface:
+def torus(middle: float, tube: float) -> Surface:
     """A torus about the axis: major and minor radius [mm]."""
-    return TurnedSurface(
+    return _turned(
         "TOROIDAL_SURFACE", (middle, tube),
         lambda place: place - middle * (place * ACROSS) / np.hypot(place[0], place[1]),
     )  # fmt: skip
 
 
-def cone(height: float, radius: float, slope: float) -> TurnedSurface:
+def cone(height: float, radius: float, slope: float) -> Surface:
     """A cone about the axis: its radius at a height [mm], and d radius/d height."""
-    way = math.copysign(1.0, slope)  # STEP's cones widen along their axis
-    return TurnedSurface(
+    return _turned(
         "CONICAL_SURFACE", (radius, math.atan(abs(slope))),
-        lambda place: place * ACROSS / np.hypot(place[0], place[1]) - slope * UP, height, way,
+        lambda place: place * ACROSS / np.hypot(place[0], place[1]) - slope * UP, height,
+        math.copysign(1.0, slope),  # STEP's cones widen along their axis
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class SplineSurface(Surface):
+def spline_surface(spline: NdBSpline) -> Surface:
     """A tensor product of B-splines over [0, 1] × [0, 1]."""
-
-    spline: NdBSpline
-
-    def normal(self, place: Array) -> Array:
-        middle = np.array([0.5, 0.5])
-        along, down = self.spline(middle, nu=(1, 0)), self.spline(middle, nu=(0, 1))
-        return np.asarray(np.cross(along, down))
-
-    def to_step(self, data: Entities) -> str:
-        return spline_surface(data, "''", self.spline)
-
-
-@dataclass(frozen=True, eq=False)
-class Edge:
-    """An edge between two vertices."""
-
-    first: Key
-    last: Key
-    curve: Curve
-
-
-@dataclass(frozen=True, eq=False)
-class Face:
-    """A part of a surface.
-
-    Attributes:
-        loops: the outer one first. outwards: whether the surface's normal points out of the body.
-    """
-
-    surface: Surface
-    loops: list[list[Run]]
-    outwards: bool
+    middle = np.array([0.5, 0.5])
+    normal = np.cross(spline(middle, nu=(1, 0)), spline(middle, nu=(0, 1)))
+    return Surface(lambda place: normal, lambda data: write_spline(data, "''", spline), spline)
 
 
 @dataclass(frozen=True, eq=False)
 class Shell:
-    """Vertices (3,), edges and faces by key."""
+    """A boundary of faces.
+
+    Attributes:
+        vertices: (3,) by key. edges: first and last vertex, and curve, by key.
+        faces: the surface, its loops, the outer one first, and whether the surface's normal points
+            out of the body.
+    """
 
     vertices: dict[Key, Array] = field(default_factory=dict)
-    edges: dict[Key, Edge] = field(default_factory=dict)
-    faces: list[Face] = field(default_factory=list)
+    edges: dict[Key, tuple[Key, Key, Curve]] = field(default_factory=dict)
+    faces: list[tuple[Surface, list[list[Run]], bool]] = field(default_factory=list)
 
     def join(self, key: Key, first: Key, last: Key, curve: Curve) -> Key:
         """An edge; made at its first use."""
         if key not in self.edges:
-            self.edges[key] = Edge(first, last, curve)
+            self.edges[key] = first, last, curve
             for vertex, share in ((first, 0.0), (last, 1.0)):
                 self.vertices.setdefault(vertex, curve.points(np.array([share]))[0])
         return key
-
-    def ends(self, key: Key) -> tuple[Key, Key]:
-        """An edge's vertices."""
-        return self.edges[key].first, self.edges[key].last
 
     def add(self, surface: Surface, edges: Iterable[Key], place: Array, out: Array,
             holes: Iterable[Iterable[Key]] = ()) -> None:  # fmt: skip
@@ -226,32 +178,29 @@ class Shell:
         """
         loops = [self._oriented(self.chained(edges), out)]
         loops += [self._oriented(self.chained(each), -out) for each in holes]
-        self.faces.append(Face(surface, loops, float(surface.normal(place) @ out) > 0.0))
+        self.faces.append((surface, loops, float(surface.normal(place) @ out) > 0.0))
 
     def chained(self, edges: Iterable[Key]) -> list[Run]:
         """The edges as one closed loop."""
         left = list(edges)
         at = left.pop(0)
         loop: list[Run] = [(at, True)]
-        start, end = self.edges[at].first, self.edges[at].last
+        start, end, _ = self.edges[at]
         while left:
-            for key in left:
-                edge = self.edges[key]
-                if end in (edge.first, edge.last):
-                    along = edge.first == end
-                    end = edge.last if along else edge.first
-                    loop.append((key, along))
-                    left.remove(key)
-                    break
-            else:
+            key = next((key for key in left if end in self.edges[key][:2]), None)
+            if key is None:
                 raise NotSmooth("edges of a face do not meet")
+            first, last, _ = self.edges[key]
+            loop.append((key, first == end))
+            end = last if first == end else first
+            left.remove(key)
         if start != end:
             raise NotSmooth("edges of a face do not close")
         return loop
 
     def _oriented(self, loop: list[Run], out: Array) -> list[Run]:
         points = np.concatenate(
-            [self.edges[key].curve.points(SHARES if along else 1.0 - SHARES) for key, along in loop]
+            [self.edges[key][2].points(SHARES if along else 1.0 - SHARES) for key, along in loop]
         )
         points = points - np.mean(points, axis=0)
         area = np.sum(np.cross(points, np.roll(points, -1, axis=0)), axis=0)
@@ -265,32 +214,32 @@ class Shell:
         Raises:
             NotSmooth: the shell is not closed.
         """
-        runs = [run for face in self.faces for loop in face.loops for run in loop]
+        runs = [run for _, loops, _ in self.faces for loop in loops for run in loop]
         if len(set(runs)) != len(runs) or len(runs) != 2 * len(self.edges):
             raise NotSmooth("the shell is not closed")
 
     def to_step(self, data: Entities) -> str:
         """Write the CLOSED_SHELL with all its entities; returns the reference."""
         corners = {
-            key: data.add("VERTEX_POINT", "''", point(data, place))
+            key: data.add("VERTEX_POINT", "''", entity(data, "CARTESIAN_POINT", place))
             for key, place in self.vertices.items()
         }
         edges = {
-            key: data.add("EDGE_CURVE", "''", corners[edge.first], corners[edge.last],
-                          edge.curve.to_step(data), ".T.")
-            for key, edge in self.edges.items()
+            key: data.add("EDGE_CURVE", "''", corners[first], corners[last],
+                          curve.to_step(data), ".T.")
+            for key, (first, last, curve) in self.edges.items()
         }  # fmt: skip
         faces = []
-        for face in self.faces:
+        for surface, loops, outwards in self.faces:
             bounds = []
-            for i, loop in enumerate(face.loops):
+            for i, loop in enumerate(loops):
                 runs = [data.add("ORIENTED_EDGE", "''", "*", "*", edges[key], FLAG[along])
                         for key, along in loop]  # fmt: skip
                 ring = data.add("EDGE_LOOP", "''", many(runs))
                 kind = "FACE_BOUND" if i else "FACE_OUTER_BOUND"
                 bounds.append(data.add(kind, "''", ring, ".T."))
-            surface, sense = face.surface.to_step(data), FLAG[face.outwards]
-            faces.append(data.add("ADVANCED_FACE", "''", many(bounds), surface, sense))
+            reference, sense = surface.to_step(data), FLAG[outwards]
+            faces.append(data.add("ADVANCED_FACE", "''", many(bounds), reference, sense))
         return data.add("CLOSED_SHELL", "''", many(faces))
 
 
@@ -301,9 +250,9 @@ def interpolate_surface(u: Array, v: Array, points: Array, degrees: tuple[int, i
     return NdBSpline((by_u.t, by_v.t), np.moveaxis(by_v.c, 0, 1), degrees)
 
 
-def spline_surface(data: Entities, name: str, spline: NdBSpline) -> str:
-    """Writes a tensor product of B-splines."""
-    rows = [many([point(data, each) for each in row]) for row in spline.c]
+def write_spline(data: Entities, name: str, spline: NdBSpline) -> str:
+    """Writes a tensor product of B-splines; returns the reference."""
+    rows = [many([entity(data, "CARTESIAN_POINT", each) for each in row]) for row in spline.c]
     each = [np.unique(knots, return_counts=True) for knots in spline.t]
     return data.add(
         "B_SPLINE_SURFACE_WITH_KNOTS", name, *map(str, spline.k), many(rows),
@@ -313,17 +262,13 @@ def spline_surface(data: Entities, name: str, spline: NdBSpline) -> str:
     )  # fmt: skip
 
 
-def point(data: Entities, place: Array) -> str:
-    """Writes a point."""
-    return data.add("CARTESIAN_POINT", "''", many(map(real, place.tolist())))
-
-
 def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
     """Writes a placement: origin, axis, x direction."""
-    return data.add("AXIS2_PLACEMENT_3D", "''", point(data, origin), direction(data, axis),
-                    direction(data, x))  # fmt: skip
+    place = entity(data, "CARTESIAN_POINT", origin)
+    ways = (entity(data, "DIRECTION", way) for way in (axis, x))
+    return data.add("AXIS2_PLACEMENT_3D", "''", place, *ways)
 
 
-def direction(data: Entities, way: Array) -> str:
-    """Writes a direction."""
-    return data.add("DIRECTION", "''", many(map(real, way.tolist())))
+def entity(data: Entities, kind: str, vector: Array) -> str:
+    """Writes a point or a direction."""
+    return data.add(kind, "''", many(map(real, vector.tolist())))

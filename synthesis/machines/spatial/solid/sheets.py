@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, NdBSpline
+from scipy.interpolate import NdBSpline
 from scipy.optimize import elementwise
 
 from synthesis.machines.spatial.body import Blank
@@ -229,35 +229,17 @@ def _runs(states: NDArray[np.int64]) -> tuple[list[int], list[int]]:
     return [int(states[0]), *(int(states[i]) for i in changes)], changes.tolist()
 
 
-@dataclass(frozen=True, eq=False)
-class WallPatch:
-    """A piece of a wall.
-
-    Attributes:
-        surface: over u and v in [0, 1]. error: measured distance from the wall [mm].
-    """
-
-    surface: NdBSpline
-    error: float
-
-    def along(self, level: int) -> BSpline:
-        """Its edge at the rib's top (0) or at the floor (−1), over u."""
-        return BSpline(self.surface.t[0], self.surface.c[:, level], CUBIC)
-
-    def down(self, end: int) -> BSpline:
-        """Its edge at its start (0) or end (−1), over v."""
-        return BSpline(self.surface.t[1], self.surface.c[end], CUBIC)
-
-
-def fit_patch(sheets: WallSheets, piece: Piece, tolerance: float, stride: int) -> WallPatch:
-    """A piece of a wall within a tolerance [mm].
+def fit_patch(
+    sheets: WallSheets, piece: Piece, tolerance: float, stride: int
+) -> tuple[NdBSpline, float]:
+    """A piece of a wall over u and v, and its measured distance from the wall [mm].
 
     Args:
         stride: every so many depths of the blank are compared, and every other one of these is
             interpolated.
 
     Raises:
-        TooCoarse: it takes more depths. NotSmooth: or too many lines along the turn.
+        TooFewDepths: it takes more depths. NotSmooth: or too many lines along the turn.
     """
     first, last = piece.first.turn, piece.last.turn
     count = max(5, int(np.ceil(np.max(last - first) / FIRST_STEP)) + 1)
@@ -270,7 +252,7 @@ def fit_patch(sheets: WallSheets, piece: Piece, tolerance: float, stride: int) -
         away = _deviation(surface, u, v, true)
         error = float(np.max(away))
         if error <= tolerance:
-            return WallPatch(surface, error)
+            return surface, error
         if np.max(away[::2]) > tolerance:
             raise TooFewDepths(f"a wall is approximated to {np.max(away[::2]):.2g} mm only")
         count = 2 * count - 1
