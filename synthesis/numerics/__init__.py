@@ -5,7 +5,7 @@ exact value, roundings included. Open ``piecewise.py`` first: polynomials and si
 piece, the form of every motion law. ``bspline.py`` makes them from coefficients, ``maxima.py`` has
 their peaks in floating point. A proven extreme goes through ``taylor.py`` (Taylor models of such a
 function, and their arithmetic), ``enclosure.py`` (branch and bound over boxes) and
-``box_search.py``, the one loop behind it, which other searches use as well. ``bundle_method.py``
-minimises functions with kinks over a ``polytope.py``; ``geometry`` has plane curves and rollers,
-``solvers`` the adapters to Clarabel, HiGHS and IPOPT.
+``box_search.py``, the one loop behind it, which other searches use as well. ``polytope.py``
+minimises functions with kinks over a part of the unit box; ``geometry`` has plane curves and
+rollers, ``solvers`` the adapters to Clarabel, HiGHS and IPOPT.
 """

@@ -1,10 +1,17 @@
-"""Part of the unit box where linear equations hold: where a few free numbers may lie."""
+"""Part of the unit box where linear equations hold, and the least value of a function on it.
+
+``minimise`` is a cutting-plane (bundle) method for a function of a few numbers that costs much and
+has kinks. Where the largest of several peaks is to be small, the best point lies where several are
+equal: on a kink, at which smooth models fail. Here the model is the largest of the tangents seen so
+far, within a radius that shrinks where it misleads. Slopes are differences.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from scipy.optimize import linprog
@@ -68,3 +75,103 @@ def minimise_linear(
     """Where cost · x is least with A x ≤ b, C x = d and bounds; None where there is no such x."""
     answer = linprog(cost, *below, *equal, bounds=bounds, method="highs")
     return None if answer.status or answer.x is None else np.asarray(answer.x)
+
+
+# -- descent on it ---------------------------------------------------------------------------------
+
+Function = Callable[[Array], float | None]
+STEP = 1e-5  # for slopes, of the box's side
+KEPT = 8  # tangents per direction that are remembered
+ENOUGH = 1e-6  # relative gain that is not worth a step
+CLOSEST = 1e-5
+NEAR = 20.0  # radii: tangents farther off say nothing of the place, the function is not convex
+LONGER, SHORTER = 1.5, 0.4
+GOOD, POOR = 0.5, 0.1  # shares of the promised gain
+
+
+@dataclass(frozen=True, eq=False)
+class BundlePoint:
+    """A point of the polytope and the function's value there."""
+
+    u: Array
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Tangent:
+    at: Array
+    value: float
+    slope: Array
+
+
+def minimise(
+    function: Function,
+    polytope: Polytope,
+    start: BundlePoint,
+    radius: float,
+    rounds: int,
+) -> BundlePoint:
+    """A point where the function is locally least.
+
+    Args:
+        function: value at a point of the polytope, None where it has none.
+        polytope: where to look. start: from where.
+        radius: how far the first step may go in each direction.
+        rounds: most steps.
+    """
+    best, tangents = start, list[_Tangent]()
+    if not polytope.directions.shape[1]:
+        return best
+    tangents.append(_tangent(function, polytope, best))
+    while rounds > 0 and radius >= CLOSEST:
+        tangents = [t for t in tangents if np.max(np.abs(t.at - best.u)) <= NEAR * radius]
+        step, promised = _step(polytope, best, tangents, radius)
+        if promised <= ENOUGH * abs(best.value):
+            radius *= SHORTER
+            continue
+        rounds -= 1
+        at = best.u + polytope.directions @ step
+        value = function(at)
+        gain = -inf if value is None else best.value - value
+        if value is not None:
+            tangents.append(_tangent(function, polytope, BundlePoint(at, value)))
+        if value is not None and gain > POOR * promised:
+            best = BundlePoint(at, value)
+        radius *= LONGER if gain > GOOD * promised else 1.0 if gain > POOR * promised else SHORTER
+        tangents = tangents[-KEPT * polytope.directions.shape[1] :]
+    return best
+
+
+def _tangent(function: Function, polytope: Polytope, here: BundlePoint) -> _Tangent:
+    """The slope in every direction, by a difference to whichever side is allowed."""
+    slope = np.zeros(polytope.directions.shape[1])
+    for k, direction in enumerate(polytope.directions.T):
+        for step in (STEP, -STEP):
+            at = here.u + step * direction
+            if np.all((at >= 0.0) & (at <= 1.0)) and (value := function(at)) is not None:
+                slope[k] = (value - here.value) / step
+                break
+    return _Tangent(here.u, here.value, slope)
+
+
+def _step(
+    polytope: Polytope, best: BundlePoint, tangents: list[_Tangent], radius: float
+) -> tuple[Array, float]:
+    """The step to the lowest point of the model, and the gain that it promises."""
+    directions, count = polytope.directions, polytope.directions.shape[1]
+    table, rhs = [], []
+    for tangent in tangents:
+        here = tangent.value + float(tangent.slope @ (directions.T @ (best.u - tangent.at)))
+        # the function is not convex: a tangent may not cut off the best point
+        table.append(np.append(tangent.slope, -1.0))
+        rhs.append(best.value - min(here, best.value))
+    for sign, room in ((1.0, 1.0 - best.u), (-1.0, best.u)):
+        table += list(np.hstack([sign * directions, np.zeros((len(room), 1))]))
+        rhs += list(np.maximum(room, 0.0))
+    nothing = (np.zeros((0, count + 1)), np.zeros(0))
+    bounds: list[tuple[float | None, float | None]] = [(-radius, radius)] * count
+    found = minimise_linear(
+        np.append(np.zeros(count), 1.0), (np.array(table), np.array(rhs)), nothing,
+        [*bounds, (None, None)],
+    )  # fmt: skip
+    return (np.zeros(count), 0.0) if found is None else (found[:count], -float(found[count]))

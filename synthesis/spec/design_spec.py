@@ -16,8 +16,7 @@ from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
-from synthesis.catalogue.limits.cam_radii import CounterBaseRadius
-from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.limits.radii import CounterBaseRadius, ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.catalogue.objectives import AnyObjective, BaseRadius
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower

@@ -9,7 +9,7 @@ from synthesis.catalogue.followers import TranslatingFlatFace, TranslatingRoller
 from synthesis.catalogue.followers.closures import Groove
 from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.limits import Machine
-from synthesis.catalogue.limits.profile_radius import ProfileRadius
+from synthesis.catalogue.limits.radii import ProfileRadius
 from synthesis.catalogue.motion import Motion
 from synthesis.certify import certificate, certify
 from synthesis.certify.piecewise_motion import PiecewiseMotion

@@ -41,27 +41,6 @@ CORNERS = np.array(list(product((False, True), repeat=3))).T  # (3, 8): upper en
 Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u and e (3, n)
 
 
-@dataclass(frozen=True, eq=False)
-class _PressureMinorant:
-    """A minorant of the product Λ Q over a box: Λ Q ≥ weight Q + square (Λ − weight).
-
-    Attributes, with Λ = factors · (s, s', s'') + constant:
-        weight, square, constant: (n,) each. factors: (3, 1). friction: a and b of Q, (2, n).
-    """
-
-    weight: Array
-    square: Array
-    factors: Array
-    constant: Array
-    friction: Array
-
-    @classmethod
-    def of_no_pressure(cls, count: int) -> _PressureMinorant:
-        """Λ = 0."""
-        zero = np.zeros(count)
-        return cls(zero, zero, np.zeros((3, 1)), zero, np.stack([zero + 1.0, zero]))
-
-
 @dataclass(frozen=True)
 class CurvatureBound:
     """side · κ ≤ most, most > 0, on the pitch curve; with a pressure term, less than that.
@@ -103,69 +82,80 @@ class CurvatureBound:
         # The bound reads σ X'' ≥ A − B with A and B convex. Where the box reaches X ≤ 0 neither is.
         middle = 0.5 * (low + high)
         at = middle if about is None else np.clip(about, low, high)
-        pressed = self._pressure_minorant(low, high, at, moving)
-        if pressed is None:
-            return None
+        # The product with the squares from below: Λ Q ≥ weight Q + square (Λ − weight).
+        weight, one = np.zeros(low.shape[1]), np.ones(low.shape[1])
+        square, constant, factors = weight, weight, np.zeros((3, 1))
+        friction = np.stack([one, weight])
+        if self.pressure_term is not None:
+            if moving is None or not np.all(np.isfinite(moving.low + moving.high)):
+                return None
+            coefficients, constant = self.pressure_term.linear_form(moving.theta)
+            factors = coefficients[:, None]
+            friction = np.stack(self.pressure_term.friction_bound(low, high, moving))
+            weight, square = _mccormick(low, high, at, moving, factors, constant, friction)
+        convex, concave = _speed_term, _offset_term
+        if self.side < 0:
+            convex, concave = concave, convex
+
+        def minuend(x: Array) -> Convex:
+            """A: what the convex terms demand of σ X''."""
+            return _add_multiple(*convex(x), x, np.maximum(weight, 0.0), friction)
+
+        def subtrahend(x: Array) -> Convex:
+            """B: convex terms that are subtracted from it."""
+            (bend, bends), (rest, rests) = _sharpness_term(x), concave(x)
+            value, slopes = rest + self.most * bend, rests + self.most * bends
+            return _add_multiple(value, slopes, x, np.maximum(-weight, 0.0), friction)
+
         # A is nowhere below its tangent at a point.
-        value, slopes = self._minuend(at, pressed)
+        value, slopes = minuend(at)
         # B is nowhere above the plane with B's slope in the middle that is raised until it is above
         # B at every corner: B less a linear function is convex, hence largest at a corner.
-        _, other = self._subtrahend(middle, pressed)
+        _, other = subtrahend(middle)
         corners = _corners(low, high)
-        above = self._subtrahend(corners, pressed)[0] - np.sum(other[:, None] * corners, axis=0)
-        most = np.max(above, axis=0)
+        most = np.max(subtrahend(corners)[0] - np.sum(other[:, None] * corners, axis=0), axis=0)
         # side X'' ≥ least + by · (X, u, e) + square (Λ − weight) all over the box
         by = slopes - other
-        least = value - np.sum(slopes * at, axis=0) - most
-        least -= ROUNDING * (np.abs(value) + np.abs(most) + np.sum(np.abs(slopes * at), axis=0))
-        shift = pressed.square * (pressed.constant - pressed.weight)
-        lost = pressed.square * (np.abs(pressed.constant) + np.abs(pressed.weight))
-        least += shift - ROUNDING * lost
+        least = value - np.sum(slopes * at, axis=0) - most + square * (constant - weight)
+        terms = np.abs(value) + np.abs(most) + np.sum(np.abs(slopes * at), axis=0)
+        least -= ROUNDING * (terms + square * (np.abs(constant) + np.abs(weight)))
         # Back from (X, u, e) to motion and size, which they are affine in.
-        one, sign = np.ones_like(least), self.coordinates.sign
-        coefficients = np.stack([sign * by[0], sign * by[1], -self.side * sign * one, 0.0 * one])
-        coefficients[:3] += pressed.square * pressed.factors
+        sign = self.coordinates.sign
+        rows = np.stack([sign * by[0], sign * by[1], -self.side * sign * one, 0.0 * one])
+        rows[:3] += square * factors
         known = np.array(self.coordinates.constants) @ by
-        return PointInequalities(
-            coefficients, np.array(self.coordinates.size_factors).T @ by, -least - known
-        )
+        size = np.array(self.coordinates.size_factors).T @ by
+        return PointInequalities(rows, size, -least - known)
 
-    def _pressure_minorant(
-        self, low: Array, high: Array, at: Array, moving: MotionBox | None
-    ) -> _PressureMinorant | None:
-        """The product with the squares from below; None where too little is known."""
-        if self.pressure_term is None:
-            return _PressureMinorant.of_no_pressure(low.shape[1])
-        if moving is None or not (np.all(np.isfinite(moving.low + moving.high))):
-            return None
-        # Ranges of Λ, by interval arithmetic, and of Q over the box.
-        factors, constant = self.pressure_term.linear_form(moving.theta)
-        factors, friction = (
-            factors[:, None],
-            np.stack(self.pressure_term.friction_bound(low, high, moving)),
-        )
-        ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
-        weak, strong = np.sum(ends, axis=1) + constant
-        small, large = _square_range(low, high, friction)
-        # Of McCormick's two minorants of the product the larger one where rows shall be tight.
-        here = _square(at, friction)[0]
-        middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
-        force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
-        lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
-        weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
-        return _PressureMinorant(weight, square, factors, constant, friction)
 
-    def _minuend(self, at: Array, pressed: _PressureMinorant) -> Convex:
-        """A: what the convex terms demand of σ X''."""
-        value, slopes = _speed_term(at) if self.side > 0 else _offset_term(at)
-        return _add_multiple(value, slopes, at, np.maximum(pressed.weight, 0.0), pressed.friction)
+def _mccormick(
+    low: Array,
+    high: Array,
+    at: Array,
+    moving: MotionBox,
+    factors: Array,
+    constant: Array,
+    friction: Array,
+) -> tuple[Array, Array]:
+    """Of McCormick's two minorants of Λ Q the larger one where rows shall be tight.
 
-    def _subtrahend(self, at: Array, pressed: _PressureMinorant) -> Convex:
-        """B: convex terms that are subtracted from it."""
-        bend, bends = _sharpness_term(at)
-        rest, rests = _offset_term(at) if self.side > 0 else _speed_term(at)
-        value, slopes = rest + self.most * bend, rests + self.most * bends
-        return _add_multiple(value, slopes, at, np.maximum(-pressed.weight, 0.0), pressed.friction)
+    Args:
+        low, high, at: (3, n) the box of X, u and e, and the place. moving: bounds of the motion.
+        factors, constant: (3, 1) and (n,) with Λ = factors · (s, s', s'') + constant.
+        friction: a and b of Q, (2, n).
+
+    Returns:
+        weight and square, (n,) each.
+    """
+    # Ranges of Λ, by interval arithmetic, and of Q over the box.
+    ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
+    weak, strong = np.sum(ends, axis=1) + constant
+    small, large = _square_range(low, high, friction)
+    here = _square(at, friction)[0]
+    middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
+    force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
+    lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
+    return np.where(lower, weak, strong), np.where(lower, small, large)
 
 
 def _corners(low: Array, high: Array) -> Array:

@@ -17,6 +17,18 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.laws.base import Inflection, LawEntry, RestToRest, SymmetricLaw
 from synthesis.numerics.piecewise import Piecewise
 
+# -- sources --------------------------------------------------------------------------------------
+
+VDI = "VDI 2143-1"
+ROTHBART = "Rothbart, Cams (1956)"
+NORTON = "Norton, Cam Design and Manufacturing Handbook"
+NEKLUTIN = "Neklutin, Mechanisms and Cams for Automatic Machines (1969)"
+HANDBOOK = "Cam Design Handbook (Rothbart, ed., 2004), polynomial curves"
+FREUDENSTEIN = (
+    "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)"
+)
+INDEXING = "Practice of indexing cams"
+
 # -- polynomials ---------------------------------------------------------------------------------
 
 
@@ -73,26 +85,16 @@ class Polynomial(RestToRest):
         "trapezoidal_acceleration",
     ]
     entries: ClassVar = {
-        "cubic_2_3": LawEntry(
-            "Cubic 2-3 (constant negative jerk)", "Rothbart, Cams (1956)", powers(2, 3, -2)
-        ),
+        "cubic_2_3": LawEntry("Cubic 2-3 (constant negative jerk)", ROTHBART, powers(2, 3, -2)),
         "polynomial_3_4_5": LawEntry(
             "3-4-5 polynomial", "VDI 2143-1 (polynomial of degree 5)", powers(3, 10, -15, 6)
         ),
-        "polynomial_4_5_6_7": LawEntry(
-            "4-5-6-7 polynomial",
-            "Norton, Cam Design and Manufacturing Handbook",
-            powers(4, 35, -84, 70, -20),
-        ),
+        "polynomial_4_5_6_7": LawEntry("4-5-6-7 polynomial", NORTON, powers(4, 35, -84, 70, -20)),
         "polynomial_5_6_7_8_9": LawEntry(
-            "5-6-7-8-9 polynomial",
-            "Cam Design Handbook (Rothbart, ed., 2004), polynomial curves",
-            powers(5, 126, -420, 540, -315, 70),
+            "5-6-7-8-9 polynomial", HANDBOOK, powers(5, 126, -420, 540, -315, 70)
         ),
         "polynomial_6_7_8_9_10_11": LawEntry(
-            "6-7-8-9-10-11 polynomial",
-            "Cam Design Handbook (Rothbart, ed., 2004), polynomial curves",
-            powers(6, 462, -1980, 3465, -3080, 1386, -252),
+            "6-7-8-9-10-11 polynomial", HANDBOOK, powers(6, 462, -1980, 3465, -3080, 1386, -252)
         ),
         "peisakh_11": LawEntry(
             "Peisakh, 11th degree",
@@ -100,9 +102,7 @@ class Polynomial(RestToRest):
             powers(5, 336, -1890, 4740, -6615, 5320, -2310, 420),
         ),
         "trapezoidal_acceleration": LawEntry(
-            "Trapezoidal acceleration (ramps of 1/8)",
-            "Neklutin, Mechanisms and Cams for Automatic Machines (1969); Rothbart, Cams (1956)",
-            TRAPEZOID,
+            "Trapezoidal acceleration (ramps of 1/8)", f"{NEKLUTIN}; {ROTHBART}", TRAPEZOID
         ),
     }
 
@@ -139,12 +139,8 @@ class ConstantVelocity(RestToRest):
     kind: Literal["constant_velocity", "cv50_parabolic", "cv50_haversine"]
     entries: ClassVar = {
         "constant_velocity": LawEntry("Constant velocity", "VDI 2143-1 (straight line)", LINE),
-        "cv50_parabolic": LawEntry(
-            "Constant velocity 50 %, parabolic pulses", "Practice of indexing cams", PARABOLIC
-        ),
-        "cv50_haversine": LawEntry(
-            "Constant velocity 50 %, haversine pulses", "Practice of indexing cams", HAVERSINE
-        ),
+        "cv50_parabolic": LawEntry("Constant velocity 50 %, parabolic pulses", INDEXING, PARABOLIC),
+        "cv50_haversine": LawEntry("Constant velocity 50 %, haversine pulses", INDEXING, HAVERSINE),
     }
 
 
@@ -180,14 +176,10 @@ class HarmonicSeries(RestToRest):
             harmonics({1: 15 / 16, 3: 1 / 48}),
         ),
         "freudenstein_1_3": LawEntry(
-            "Freudenstein 1-3",
-            "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)",
-            harmonics({1: 27 / 28, 3: 1 / 84}),
+            "Freudenstein 1-3", FREUDENSTEIN, harmonics({1: 27 / 28, 3: 1 / 84})
         ),
         "freudenstein_1_3_5": LawEntry(
-            "Freudenstein 1-3-5",
-            "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)",
-            harmonics({1: M, 3: M / 54, 5: M / 1250}),
+            "Freudenstein 1-3-5", FREUDENSTEIN, harmonics({1: M, 3: M / 54, 5: M / 1250})
         ),
     }
 
@@ -266,24 +258,18 @@ class Scca(RestToRest):
     ]
     entries: ClassVar = {
         "parabolic": LawEntry(
-            "Parabolic (constant acceleration)", "VDI 2143-1; Rothbart, Cams (1956)", scca(0, 1, 0)
+            "Parabolic (constant acceleration)", f"{VDI}; {ROTHBART}", scca(0, 1, 0)
         ),
-        "simple_harmonic": LawEntry(
-            "Simple harmonic", "VDI 2143-1; Rothbart, Cams (1956)", scca(0, 0, 1)
-        ),
+        "simple_harmonic": LawEntry("Simple harmonic", f"{VDI}; {ROTHBART}", scca(0, 0, 1)),
         "cycloidal": LawEntry(
-            "Cycloidal (inclined sine, Bestehorn)",
-            "VDI 2143-1; Norton, Cam Design and Manufacturing Handbook",
-            scca(1 / 2, 0, 1 / 2),
+            "Cycloidal (inclined sine, Bestehorn)", f"{VDI}; {NORTON}", scca(1 / 2, 0, 1 / 2)
         ),
         "modified_trapezoid": LawEntry(
-            "Modified trapezoid",
-            "Neklutin, Mechanisms and Cams for Automatic Machines (1969); VDI 2143-1",
-            scca(1 / 4, 1 / 2, 1 / 4),
+            "Modified trapezoid", f"{NEKLUTIN}; {VDI}", scca(1 / 4, 1 / 2, 1 / 4)
         ),
         "modified_sine": LawEntry(
             "Modified sine",
-            "Schmidt, Continuous cam curves, Machine Design (1960); VDI 2143-1",
+            f"Schmidt, Continuous cam curves, Machine Design (1960); {VDI}",
             scca(1 / 4, 0, 3 / 4),
         ),
         "mcv50_makino": LawEntry(
@@ -298,12 +284,12 @@ class Scca(RestToRest):
         ),
         "cv50_modified_trapezoid": LawEntry(
             "Constant velocity 50 %, modified-trapezoid pulses",
-            "Practice of indexing cams; pulse after Neklutin (1969)",
+            f"{INDEXING}; pulse after Neklutin (1969)",
             scca(1 / 8, 1 / 4, 1 / 8),
         ),
         "scca_cv20": LawEntry(
             "SCCA with 20 % constant velocity",
-            "Practice of indexing cams; family in Norton, Cam Design and Manufacturing Handbook",
+            f"{INDEXING}; family in Norton, Cam Design and Manufacturing Handbook",
             scca(0.2, 0.4, 0.2),
         ),
     }
@@ -326,11 +312,7 @@ class GeneralScca(SymmetricLaw):
     inflection: Inflection = 0.5
 
     entries: ClassVar = {
-        "scca": LawEntry(
-            "SCCA with parts b, c, d",
-            "Norton, Cam Design and Manufacturing Handbook",
-            scca(1 / 4, 1 / 2, 1 / 4),
-        )
+        "scca": LawEntry("SCCA with parts b, c, d", NORTON, scca(1 / 4, 1 / 2, 1 / 4))
     }
 
     @model_validator(mode="after")

@@ -12,13 +12,17 @@ from typing import Annotated, get_args
 from pydantic import Field
 
 from synthesis.catalogue.limits.base import Claim, Limit, Machine
-from synthesis.catalogue.limits.cam_radii import CounterBaseRadius, OuterRadius
 from synthesis.catalogue.limits.face_width import FaceWidth
 from synthesis.catalogue.limits.forces import CamshaftTorque, ContactForce
 from synthesis.catalogue.limits.hertz_pressure import HertzPressure
 from synthesis.catalogue.limits.motion import Acceleration, Jerk, ResidualVibration, Velocity
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
-from synthesis.catalogue.limits.profile_radius import CutterRadius, ProfileRadius
+from synthesis.catalogue.limits.radii import (
+    CounterBaseRadius,
+    CutterRadius,
+    OuterRadius,
+    ProfileRadius,
+)
 
 AnyLimit = Annotated[
     PressureAngle

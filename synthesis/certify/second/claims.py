@@ -24,9 +24,8 @@ from synthesis.certify.second.exact_design import (
     compare,
     satisfies,
 )
-from synthesis.certify.second.exact_motion import LawPiece, degree, jump
+from synthesis.certify.second.exact_motion import LawPiece, Maximum, degree, jump
 from synthesis.certify.second.invariants import DERIVATIVES, JUMP_ROUNDING, junctions_at
-from synthesis.certify.second.maximum import Maximum
 from synthesis.certify.second.quantities import FORCES
 from synthesis.design.design import Extreme
 

@@ -14,12 +14,14 @@ from synthesis.catalogue.followers.kinematics import Link
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.certify.second.exact_motion import (
     ExactMotion,
+    Maximum,
     MotionPiece,
+    Span,
     coefficient,
     degree,
+    enclose_maximum,
     hull,
 )
-from synthesis.certify.second.maximum import Maximum, Span, enclose_maximum
 from synthesis.certify.second.quantities import FORCES, QUANTITIES, ExactLoad, LinkState
 from synthesis.design.design import Design, Extreme
 

@@ -23,8 +23,13 @@ from flint import arb, arb_series
 
 from synthesis.catalogue.followers.kinematics import Face, Flank, Link, Tip, Vector2
 from synthesis.catalogue.forces.load import WireLoad
-from synthesis.certify.second.exact_motion import MotionPiece, SeriesVector, coefficient, degree
-from synthesis.certify.second.maximum import Span
+from synthesis.certify.second.exact_motion import (
+    MotionPiece,
+    SeriesVector,
+    Span,
+    coefficient,
+    degree,
+)
 
 
 @dataclass(frozen=True, eq=False)

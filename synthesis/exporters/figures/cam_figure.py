@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from synthesis.catalogue.followers.base import prime_radius
-from synthesis.catalogue.followers.outline import follower_outline
-from synthesis.catalogue.profile import CamProfile
+from synthesis.catalogue.profile import CamProfile, follower_outline
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.figures.parts import (

@@ -13,8 +13,8 @@ from math import exp, log
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from synthesis.numerics.bundle_method import BundlePoint
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import BundlePoint
 from synthesis.optimise.parameters.value_function import ValueFunction, describe_parameters
 from synthesis.optimise.recovery.candidate import Candidate
 

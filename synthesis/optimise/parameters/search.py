@@ -14,8 +14,8 @@ from math import inf
 import numpy as np
 
 from synthesis.numerics import clock
-from synthesis.numerics.bundle_method import BundlePoint, Function, minimise
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.parameters.arm_length import search_length
 from synthesis.optimise.parameters.value_function import ValueFunction
 from synthesis.optimise.state.solve_state import Stage

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from synthesis.numerics import clock
-from synthesis.numerics.bundle_method import Function
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.polytope import Function
 from synthesis.optimise.driver import estimate, optimise
 from synthesis.optimise.parameters.table_smoothing import smooth_tables
 from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid

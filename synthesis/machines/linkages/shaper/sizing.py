@@ -38,9 +38,8 @@ from synthesis.machines.linkages.shaper.report import (
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
 from synthesis.numerics import clock
 from synthesis.numerics.affine import Affine
-from synthesis.numerics.bundle_method import BundlePoint, minimise
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.polytope import Polytope
+from synthesis.numerics.polytope import BundlePoint, Polytope, minimise
 from synthesis.units import FULL_TURN, rad_per_s
 
 SIZE: Final = 5  # dimensions of the unit box
@@ -249,7 +248,7 @@ def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
 
 
 def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | None:
-    """The best of some random points, improved by a bundle method (``numerics.bundle_method``)."""
+    """The best of some random points, improved by a bundle method (``numerics.polytope``)."""
     rng = np.random.default_rng(3)
     u = np.vstack(
         [rng.random((SAMPLES_OF_BOX, SIZE)), rng.integers(0, 2, (SAMPLES_OF_BOX // 8, SIZE))]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthesis.numerics.bundle_method import BundlePoint, minimise
-from synthesis.numerics.polytope import Polytope, minimise_linear
+from synthesis.numerics.polytope import BundlePoint, Polytope, minimise, minimise_linear
 
 TIED = Polytope(np.array([[1.3, 0.7, 2.1, 0.0], [0.0, 1.1, -0.4, 0.9]]), np.array([1.9, 0.8]))
 OPEN = Polytope(np.zeros((0, 3)), np.zeros(0))
