@@ -151,7 +151,7 @@ class RootNode(Node):
         state = replace(
             state, grids=result.grids, infeasibility_proof=result.impossible,
             undecided=result.undecided, infeasible=not result.fits,
-            least_excess=None if result.fits else result.share - 1.0,
+            least_excess=None if result.fits else result.share - 1.0, strained=result.names,
         )  # fmt: skip
         return self._next(state) if result.fits else self._finish(state)
 
@@ -266,7 +266,9 @@ def _needs_no_finer_mesh(
     Where curved limits have no rows, no cam of these rounds tells: the relaxation's own optimum is
     compared with its bound. Too many knots would make the local search slow there.
     """
-    if state.is_close(state.relaxed) or state.time_left <= 0.0 or not state.grids:
+    if state.suffices or state.is_close(state.relaxed):
+        return True
+    if state.time_left <= 0.0 or not state.grids:
         return True
     if not state.problem.omits_curved_rows or bound is None:
         return False

@@ -221,10 +221,10 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport
         if tried.cam is not None and tried.certified:
             built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
             extremes = certify_cam(question.physical, tried.cam, question.to_physical(built))
-            most, best = (
-                _base_radius(tried),
-                replace(tried, question=question, built=built, extremes=extremes),
-            )
+            most = _base_radius(tried)
+            best = replace(tried, question=question, built=built, extremes=extremes)
+            if tried.searches[0].suffices:
+                break
         elif tried.crosses_itself:
             least, step = trial_radius, 2.0 * step
         else:

@@ -15,7 +15,9 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from math import inf, sqrt
+from math import copysign, exp, inf, log
+
+from scipy.optimize import brentq
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
@@ -35,7 +37,6 @@ NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot 
 ACCURACY = 1e-3  # of the way from the requested value: bracket of a sufficient one at the end
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-CLEARANCE = 0.03  # of the bracket: how near to one of its ends a trial may lie
 SPARE = (1e-4, 1e-3, 1e-2)  # relative: above the least value, until a cam has it
 SLACK = (0.0, 1e-6, 1e-4, 1e-2, 1.0)  # of the way: added to the value of a cam found without it
 
@@ -79,6 +80,12 @@ class Trial:
             return self.smallest.radius / self.smallest.most - 1.0
         searches = self.attempt.searches
         return searches[-1].least_excess if searches else None
+
+    @property
+    def strained(self) -> tuple[str, ...]:
+        """The limits on the motion that the gentlest law exceeds; empty where size is the cause."""
+        searches = self.attempt.searches
+        return searches[-1].strained if searches and self.smallest is None else ()
 
     @property
     def proof(self) -> str:
@@ -144,31 +151,34 @@ class Oracle:
         return Trial(attempt, smallest, on_time, time.perf_counter() - began)
 
     def without(self, numbers: Collection[Relaxable]) -> Trial:
-        """The question without some of its numbers."""
+        """The question without some of its numbers; a cam that has more of them answers it too."""
         key = frozenset(numbers)
-        if key not in self.known:
-            self.known[key] = self.ask(without(self.spec, numbers))
-        return self.known[key]
+        for removed, trial in self.known.items():
+            if removed == key or (removed < key and trial.certified):
+                return trial
+        return self.known.setdefault(key, self.ask(without(self.spec, numbers)))
 
     def seconds_without(self, number: Relaxable) -> float:
         """What the quickest question without this number has taken."""
         known = (trial.seconds for key, trial in self.known.items() if number in key)
         return min(known, default=0.0)
 
-    def least(self, number: Relaxable) -> tuple[float, Trial] | None:
-        """The least value of a number that is an objective too, with its cam; None if it is not.
+    def least(self, number: Relaxable, asked: Trial) -> tuple[float, Trial] | None:
+        """The least value of a limit on the motion, with its cam; None if that is not known.
 
-        The question's own least, all other numbers kept, and a little more where that is needed for
-        a cam to be found when it is the limit.
+        The question's own least, all other numbers kept: from phase 1, or by making it the
+        objective; and a little more where a cam with just that as its limit is not found.
         """
-        objective = OBJECTIVE_OF.get(number.limit)
-        if objective is None:
+        least: float | None = None
+        if asked.excess is not None and asked.strained == (number.limit,):
+            least = (1.0 + asked.excess) * number.tightest
+        elif asked.smallest is None and number.limit in OBJECTIVE_OF:
+            objective = OBJECTIVE_OF[number.limit]
+            trial = self.ask(without(self.spec, [number]), TOLERANCE, objective)
+            least = _value_on(self.spec, number, trial)[0] if trial.certified else None
+        if least is None:
             return None
-        trial = self.ask(without(self.spec, [number]), TOLERANCE, objective)
-        reached, _ = _value_on(self.spec, number, trial) if trial.certified else (None, "")
-        if reached is None:
-            return None
-        values = (reached * (1.0 + spare) for spare in SPARE)
+        values = (least * (1.0 + spare) for spare in SPARE)
         trials = ((value, self.relaxed(number, value, TOLERANCE)) for value in values)
         return next(((value, trial) for value, trial in trials if trial.certified), None)
 
@@ -218,7 +228,14 @@ def _irreducible(
 ) -> tuple[list[Relaxable], Trial, bool]:
     """Numbers that have no cam together, the trial that shows it, and whether all were tried."""
     kept, shown = list(numbers), asked
-    for number in numbers:
+    # What phase 1 names may have no cam by itself: then all others go at once.
+    named = [number for number in numbers if number.limit in asked.strained]
+    if 0 < len(named) < len(numbers) and not oracle.is_late():
+        trial = oracle.without([number for number in numbers if number not in named])
+        if trial.on_time and not trial.certified:
+            kept, shown = list(named), trial
+            oracle.without(named[:1])  # most likely the conflict: the second step's first trial
+    for number in list(kept):
         if oracle.is_late():
             return kept, shown, False
         trial = oracle.without([one for one in numbers if one not in kept or one is number])
@@ -288,7 +305,7 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
         return None, note
     at_once = bool(note or number.dimension)
     # The least value: an objective of its own where there is one, else the end of a bracket.
-    best = oracle.least(number) or _narrowed(oracle, number, reached, asked, at_once=at_once)
+    best = oracle.least(number, asked) or _narrow(oracle, number, reached, asked, at_once=at_once)
     if best is None:
         return None, LATE if oracle.is_late() else ALONE
     value, trial = best
@@ -296,74 +313,65 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
     return value, (DEVIATION if number.sense == "±" else SUFFICES) + note
 
 
-def _narrowed(
+def _narrow(
     oracle: Oracle, number: Relaxable, reached: float, asked: Trial, *, at_once: bool
 ) -> tuple[float, Trial] | None:
     """The least value with which a cam is found, to an accuracy, and it; None where none is found.
 
-    ``reached``: the value on a cam that was found without the number; ``at_once``: whether
-    a value next to it is tried first, since most likely no other will do. The bracket between the
-    requested value and a sufficient one is narrowed by the secant through the excesses of the last
-    two trials; where these say nothing, the value is first relaxed step by step, then the bracket
-    is halved.
+    The root of the excess, by Brent's method. ``reached``: the value on a cam that was found
+    without the number; ``at_once``: whether most likely no other value will do.
     """
     requested = bad = number.tightest
     best: tuple[float, Trial] | None = None
-    points = [] if asked.excess is None else [(bad, asked.excess)]
-    slack, misses = iter(SLACK), 0
-    while not oracle.is_late():
-        end = reached if best is None else best[0]
-        near = abs(end - bad) <= max(ACCURACY * abs(end - requested), ROUNDING * abs(end))
-        if near and best is not None:
-            break
-        if near or (bad - end) * (end - requested) > 0.0:
-            step = next(slack, None)  # the cam found without the number has no room with it
-            if step is None:
-                return None
-            value = reached + step * (reached - requested or abs(reached))
-        elif at_once and best is None and bad == requested:
-            value = end + ACCURACY * (requested - end)
-        else:
-            value = _next_value(points, bad, end, misses, relaxing=best is None)
+
+    def excess(value: float) -> float:
+        """Above 0 where no cam is found; 0, which ends the search, next to the least value."""
+        nonlocal best
         trial = oracle.relaxed(number, value)
-        if trial.excess is not None:
-            points = [*points[-1:], (value, trial.excess)]
-        if trial.certified:
-            best, misses = (value, trial), 0
-            if trial.excess is not None and -trial.excess <= NEAR_EXCESS:
-                break  # its smallest cam is as large as allowed
-        elif trial.on_time:
-            bad, misses = value, misses + (len(points) == 2)
+        if not trial.on_time:
+            raise TimeoutError
+        known = None if trial.excess is None else trial.excess + 0.5 * NEAR_EXCESS
+        if not trial.certified:
+            return known if known is not None and known > 0.0 else 1.0
+        best = (value, trial)
+        if known is None or known >= 0.0:
+            return -1.0 if known is None else 0.0
+        return 0.0 if known >= -0.5 * NEAR_EXCESS else known
+
+    known = {requested: max(1.0 if asked.excess is None else asked.excess, NEAR_EXCESS)}
+    way = reached - requested or abs(reached)
+    guesses = [reached + beyond * way for beyond in SLACK]  # it may have no room with the number
+    step = (known[requested] + TOLERANCE) * abs(requested)
+    if asked.excess is not None and 0.0 < step < abs(reached - requested):
+        guesses.insert(0, requested + copysign(step, way))  # in proportion to the excess
+    try:
+        # 1. Bracket the least value.
+        for end in guesses:
+            known[end] = excess(end)
+            if known[end] <= 0.0:
+                break
+            bad = end
+        else:
+            return None
+        # 2. Narrow the bracket, of wide ones the logarithm.
+        if known[end] < 0.0 and at_once:
+            near = end + ACCURACY * (requested - end)
+            known[near] = excess(near)
+            if known[near] > 0.0:
+                return best
+            end = near
+        if known[end] < 0.0:
+            width = max(ACCURACY * abs(end - requested), ROUNDING * abs(end))
+            wide = bad * end > 0.0 and not 1.0 / WIDE < end / bad < WIDE
+            at = {log(value / bad) if wide else value: known[value] for value in (bad, end)}
+            low, high = at
+            brentq(
+                lambda x: at[x] if x in at else excess(bad * exp(x) if wide else x),
+                low, high, xtol=0.5 * (ACCURACY if wide else width),
+            )  # fmt: skip
+    except TimeoutError:
+        pass  # the best so far
     return best
-
-
-def _next_value(
-    points: Sequence[tuple[float, float]], bad: float, end: float, misses: int, *, relaxing: bool
-) -> float:
-    """The value to be tried next, between ``bad`` and ``end``.
-
-    Args:
-        points: values and relative excesses of the last trials that have one.
-        misses: how many secants in a row have ended below the root.
-        relaxing: whether no sufficient value is known yet, ``end`` being a guess.
-    """
-    span = end - bad
-    low, high = sorted((bad + CLEARANCE * span, end - CLEARANCE * span))
-    if len(points) == 2 and points[0][1] != points[1][1]:
-        (first, e), (second, f) = points
-        aim = -0.5 * min(NEAR_EXCESS, abs(f))  # a little more than enough
-        value = second + (aim - f) * (second - first) / (f - e)
-        value = bad + (value - bad) * 2.0**misses  # farther each time that it was not enough
-        if (value - bad) * span > 0.0:
-            return value if abs(value - bad) < abs(high - bad) else bad + 0.5 * span
-    if relaxing:  # in proportion to the excess, or by half
-        step = points[0][1] + TOLERANCE if points else 0.5
-        value = bad + step * abs(bad) * (1.0 if span > 0.0 else -1.0)
-        if low <= value <= high:
-            return value
-    if bad * end > 0.0 and not 1.0 / WIDE < end / bad < WIDE:
-        return sqrt(bad * end) * (1.0 if end > 0.0 else -1.0)
-    return bad + 0.5 * span
 
 
 def _value_on(spec: DesignSpec, number: Relaxable, trial: Trial) -> tuple[float | None, str]:

@@ -53,11 +53,13 @@ class ScpTarget:
         close: how far above what the tangents allow its value may lie.
         drawn: by how much smooth limits are drawn in at the points where they are written.
         anew: whether a larger cam than that of the start is welcome: it keeps these.
+        sufficient: a value of the objective [core units] at which to stop.
     """
 
     close: float
     tightened: float
     anew: bool = False
+    sufficient: float = -inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +137,8 @@ def solve_scp(
             here, reach = best, BACK * reach
             continue
         best = taken
+        if best.value <= goal.sufficient:
+            return ScpResult(best, True, number + 1, rows, iterations)
         # 4. Stop where tangents at this cam would let it shrink by no more than the tolerance:
         #    the multipliers bound, to first order, what is left to gain.
         free = target.size[-1] > here.size[-1] - 0.99 * reach * here.value

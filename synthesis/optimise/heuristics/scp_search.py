@@ -50,7 +50,8 @@ def scp_search(
         return state, False  # the cost of the final enlargement is known for sizes only
     gap = min(STOP_GAP * state.tolerance, MAX_STOP_GAP)
     repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
-    for target in (ScpTarget(gap, TIGHTENING), *repeats):
+    first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
+    for target in (first, *repeats):
         state, result = _solve(state, laws, size, target, stage)
         cam = result.cam
         if cam is None:

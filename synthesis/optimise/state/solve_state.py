@@ -58,6 +58,7 @@ class SolveState:
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
         undecided: what is known where neither a law nor a proof that there is none was found.
         least_excess: by how much, relatively, the gentlest law found exceeds limits on the motion.
+        strained: the kinds of these limits.
         stages: what has been solved, in order.
         grids: knots and collocation points of every free law.
         region: where curved limits are linearised.
@@ -87,6 +88,7 @@ class SolveState:
     infeasibility_proof: str = ""
     undecided: str = ""
     least_excess: float | None = None
+    strained: tuple[str, ...] = ()
     stages: tuple[Stage, ...] = ()
     grids: tuple[Grid, ...] = ()
     region: Region | None = None
@@ -197,11 +199,19 @@ class SolveState:
     @property
     def solved(self) -> bool:
         """Whether the incumbent is sufficient, or within the tolerance of the lower bound."""
-        if self.incumbent is not None and isfinite(self.sufficient):
-            to_wire, machine = self.problem.objective.to_wire, self.problem.machine
-            if to_wire(self.incumbent.value, machine) <= self.sufficient:
-                return True
-        return self.is_close(self.incumbent)
+        return self.suffices or self.is_close(self.incumbent)
+
+    @property
+    def suffices(self) -> bool:
+        """Whether the incumbent is sufficient."""
+        return self.incumbent is not None and self.incumbent.value <= self.sufficient_value
+
+    @property
+    def sufficient_value(self) -> float:
+        """The value at which to stop in core units; −inf where there is none."""
+        if not isfinite(self.sufficient):
+            return -inf
+        return self.problem.objective.from_wire(self.sufficient, self.problem.machine)
 
     def would_close(self, lower: float) -> bool:
         """Whether a lower bound would bring the relaxation's best cam within the tolerance."""
