@@ -109,12 +109,6 @@ class Trial:
             return "proven: no size fits the given laws"
         return ""
 
-    @property
-    def undecided(self) -> str:
-        """What is known where neither a cam nor a proof that there is none was found."""
-        searches = self.attempt.searches
-        return searches[-1].undecided if searches else ""
-
 
 @dataclass(eq=False)
 class Oracle:
@@ -249,7 +243,8 @@ def _irreducible(
 
 def _evidence(asked: Trial, shown: Trial, members: list[Relaxable], complete: bool) -> str:
     """How the conflict is known, and what of it is proven."""
-    known = asked.proof or shown.proof or asked.undecided
+    searches = asked.attempt.searches
+    known = asked.proof or shown.proof or (searches[-1].undecided if searches else "")
     parts = [known] if known else []
     if asked.smallest is not None and asked.smallest.radius > asked.smallest.most:
         radius = asked.smallest.radius
