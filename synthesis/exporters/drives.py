@@ -49,19 +49,12 @@ class DriveOptions(MotionOptions):
     """How a drive's table is written; ``start_deg``: cam angle at master position 0, None: 0."""
 
     start_deg: StartAngle = None
-    master_per_turn: Annotated[
-        float,
-        Field(gt=0.0, le=1e9, description="Master units in a turn of the cam: 360 for degrees."),
-    ] = 360.0
-    slave_per_unit: Annotated[
-        float,
-        Field(
-            gt=0.0,
-            le=1e9,
-            description="Slave units in a mm of the follower's displacement (of an arm: in a deg).",
-        ),
-    ] = 1.0
-    decimals: Annotated[int, Field(ge=0, le=12, description="Decimals of a position.")] = 6
+    master_per_turn: Annotated[float, Field(gt=0.0, le=1e9)] = 360.0
+    """Master units in a turn of the cam: 360 for degrees."""
+    slave_per_unit: Annotated[float, Field(gt=0.0, le=1e9)] = 1.0
+    """Slave units in a mm of the follower's displacement (of an arm: in a deg)."""
+    decimals: Annotated[int, Field(ge=0, le=12)] = 6
+    """Decimals of a position."""
 
 
 @dataclass(frozen=True, eq=False)

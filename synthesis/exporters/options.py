@@ -1,14 +1,17 @@
 """What a caller may choose about a file, and what makes sense.
 
-Each field stands once, with its rule and its meaning: query parameters, the command line and the
-catalogue are made from it.
+Each field stands once, with its rule and, below it or in its type, its meaning: query parameters,
+the command line and the catalogue are made from it.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
+from itertools import zip_longest
 from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
@@ -81,11 +84,29 @@ BoreDiameter = Annotated[
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 
+def _field_texts(options: type[Any]) -> dict[str, str]:
+    """The string below each field of a class, "" where there is none, on one line."""
+    (definition,) = ast.parse(inspect.getsource(options)).body
+    assert isinstance(definition, ast.ClassDef)
+    texts = {}
+    for statement, below in zip_longest(definition.body, definition.body[1:]):
+        match statement, below:
+            case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str(text))):
+                texts[name] = " ".join(text.split())
+            case ast.AnnAssign(ast.Name(name)), _:
+                texts[name] = ""
+    return texts
+
+
 def _form(options: type[Any]) -> type[BaseModel]:
-    hints = get_type_hints(options, include_extras=True)
-    members: dict[str, Any] = {
-        each.name: (hints[each.name], each.default) for each in fields(options)
-    }
+    hints, texts = get_type_hints(options, include_extras=True), dict[str, str]()
+    for family in reversed(options.__mro__[:-1]):
+        texts |= _field_texts(family)
+    members: dict[str, Any] = {}
+    for each in fields(options):
+        kind, text = hints[each.name], texts[each.name]
+        described = Annotated[kind, Field(description=text)] if text else kind
+        members[each.name] = described, each.default
     settings = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
     return create_model(options.__name__, __config__=settings, __doc__=options.__doc__, **members)
 
@@ -152,26 +173,16 @@ class Sampled(Options):
 class PlacedCurve(Options):
     """Which curve of a cam, and where it stands."""
 
-    curve: Annotated[
-        CurveName,
-        Field(
-            description="The cam's profile, the path of the roller's centre, or the path of a "
-            "cutter's or grinding wheel's centre (with cutter_diameter_mm). A groove has an inner "
-            "and an outer profile, conjugate cams a main and a counter profile and a counter pitch "
-            "curve; `profile` is the first of them. The drawing (svg) shows all."
-        ),
-    ] = "profile"
+    curve: CurveName = "profile"
+    """The cam's profile, the path of the roller's centre, or the path of a cutter's or grinding
+    wheel's centre (with cutter_diameter_mm). A groove has an inner and an outer profile, conjugate
+    cams a main and a counter profile and a counter pitch curve; `profile` is the first of them. The
+    drawing (svg) shows all."""
     turn_deg: Turn = 0.0
     z_mm: Axial = None
-    cutter_diameter_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Of the cutter or grinding wheel whose centre the curves cutter, "
-            "outer_cutter and counter_cutter are the path of.",
-        ),
-    ] = None
+    cutter_diameter_mm: Annotated[float | None, Field(gt=0.0, le=1e6)] = None
+    """Of the cutter or grinding wheel whose centre the curves cutter, outer_cutter and
+    counter_cutter are the path of."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -204,29 +215,14 @@ class PointOptions(CurveOptions):
     """How the points of a curve are written for the readers of point files."""
 
     start_deg: StartAngle = None
-    closed: Annotated[
-        bool | None,
-        Field(
-            description="Repeat the first point at the end. Left out: as readers of the format "
-            "expect it."
-        ),
-    ] = None
-    overlap_points: Annotated[
-        int,
-        Field(
-            ge=0,
-            le=MAX_POINTS,
-            description="Run on past the end by so many points, which repeat the first ones: a "
-            "spline that is not closed then has its ends where they are cut off.",
-        ),
-    ] = 0
-    direction: Annotated[
-        Literal["cam_angle", "ccw", "cw"],
-        Field(
-            description="Sense in which the points run round the cam: with rising cam angle "
-            "(against the cam's rotation), counter-clockwise, or clockwise."
-        ),
-    ] = "cam_angle"
+    closed: bool | None = None
+    """Repeat the first point at the end. Left out: as readers of the format expect it."""
+    overlap_points: Annotated[int, Field(ge=0, le=MAX_POINTS)] = 0
+    """Run on past the end by so many points, which repeat the first ones: a spline that is not
+    closed then has its ends where they are cut off."""
+    direction: Literal["cam_angle", "ccw", "cw"] = "cam_angle"
+    """Sense in which the points run round the cam: with rising cam angle (against the cam's
+    rotation), counter-clockwise, or clockwise."""
     decimals: Decimals = 10
 
 

@@ -35,15 +35,9 @@ MIN_DISTANCE_MM = 0.01  # of two points; SOLIDWORKS refuses nearer ones
 class IblOptions(PointOptions):
     """As ``PointOptions``, and the cam's second face."""
 
-    width_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Width of the cam: its curve once more, so far above the first, as a "
-            "second section for a blend.",
-        ),
-    ] = None
+    width_mm: Annotated[float | None, Field(gt=0.0, le=1e6)] = None
+    """Width of the cam: its curve once more, so far above the first, as a second section for a
+    blend."""
 
 
 def _points(design: Design, options: PointOptions, closed: bool) -> Array:

@@ -47,30 +47,15 @@ ARCS_UM = 1.0  # tolerance of arcs where none is given
 class DrawingOptions(PlacedCurve):
     """What a drawing for CAD and CAM shows."""
 
-    form: Annotated[
-        Literal["spline", "arcs"],
-        Field(
-            description="One SPLINE of degree 5 a curve, for CAD; or a polyline of arcs that meet "
-            "without a corner, for controls and saws that know no spline."
-        ),
-    ] = "spline"
-    tolerance_um: Annotated[
-        float | None,
-        Field(
-            ge=MIN_ERROR_UM,
-            le=1e3,
-            description="Largest distance from the true curve, along its normal [µm]. Left out: "
-            "0.001 for splines, 1 for arcs. What is reached is told in the header "
-            "Camwright-Curve-Error-Mm.",
-        ),
-    ] = None
-    companions: Annotated[
-        bool,
-        Field(
-            description="Draw all of the cam, each kind on its own layer: every flank, rollers' "
-            "paths, base circle, bore. Otherwise the one curve alone."
-        ),
-    ] = True
+    form: Literal["spline", "arcs"] = "spline"
+    """One SPLINE of degree 5 a curve, for CAD; or a polyline of arcs that meet without a corner,
+    for controls and saws that know no spline."""
+    tolerance_um: Annotated[float | None, Field(ge=MIN_ERROR_UM, le=1e3)] = None
+    """Largest distance from the true curve, along its normal [µm]. Left out: 0.001 for splines, 1
+    for arcs. What is reached is told in the header Camwright-Curve-Error-Mm."""
+    companions: bool = True
+    """Draw all of the cam, each kind on its own layer: every flank, rollers' paths, base circle,
+    bore. Otherwise the one curve alone."""
     bore_mm: BoreDiameter = None
 
     @property

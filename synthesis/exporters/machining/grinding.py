@@ -9,10 +9,8 @@ along the profile with constant speed; C and X have no common feed otherwise.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
@@ -37,18 +35,13 @@ EXACT = 12  # of the path, before it is turned into pairs
 class GrindingOptions(PointOptions):
     """As ``PointOptions``, and how the wheel runs."""
 
-    curve: Annotated[
-        CurveName,
-        Field(
-            description="Path of the wheel's centre: cutter, outer_cutter, counter_cutter with "
-            "cutter_diameter_mm, or pitch, counter_pitch: a wheel as large as the roller."
-        ),
-    ] = "pitch"
+    curve: CurveName = "pitch"
+    """Path of the wheel's centre: cutter, outer_cutter, counter_cutter with cutter_diameter_mm, or
+    pitch, counter_pitch: a wheel as large as the roller."""
     decimals: MachineDecimals = 5
     feed_mm_per_min: Feed = 1000.0
-    x_is_diameter: Annotated[
-        bool, Field(description="Write X as a diameter, twice the distance from the axis.")
-    ] = False
+    x_is_diameter: bool = False
+    """Write X as a diameter, twice the distance from the axis."""
     line_numbers: LineNumbers = False
 
     def __post_init__(self) -> None:

@@ -44,28 +44,13 @@ class MillingOptions(PointOptions):
 
     decimals: MachineDecimals = 4
     feed_mm_per_min: Feed = 200.0
-    feed_mode: Annotated[
-        Literal["per_minute", "inverse_time"],
-        Field(description="Feed in mm/min (G94), or as 1/min of each block (G93)."),
-    ] = "per_minute"
-    lead_mm: Annotated[
-        float,
-        Field(
-            ge=0.0,
-            le=1e6,
-            description="Come and go on quarter circles of this radius, tangent to the path; 0: "
-            "on the path itself.",
-        ),
-    ] = 0.0
-    safe_z_mm: Annotated[
-        float | None,
-        Field(
-            ge=-1e6,
-            le=1e6,
-            description="Height of rapid moves, above the cut at z_mm (0 where that is left out). "
-            "Left out: nothing moves in Z.",
-        ),
-    ] = None
+    feed_mode: Literal["per_minute", "inverse_time"] = "per_minute"
+    """Feed in mm/min (G94), or as 1/min of each block (G93)."""
+    lead_mm: Annotated[float, Field(ge=0.0, le=1e6)] = 0.0
+    """Come and go on quarter circles of this radius, tangent to the path; 0: on the path itself."""
+    safe_z_mm: Annotated[float | None, Field(ge=-1e6, le=1e6)] = None
+    """Height of rapid moves, above the cut at z_mm (0 where that is left out). Left out: nothing
+    moves in Z."""
     line_numbers: LineNumbers = False
 
     def __post_init__(self) -> None:

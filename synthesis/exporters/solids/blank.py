@@ -42,51 +42,31 @@ Length = Annotated[float | None, Field(gt=0.0, le=1e6)]
 class SolidOptions(Options):
     """The cam as a body; ``z_mm``: of its back."""
 
-    curve: Annotated[
-        Literal["profile", "main", "counter"],
-        Field(description="Of conjugate cams, which; otherwise `profile`."),
-    ] = "profile"
-    thickness_mm: Annotated[float, Field(gt=0.0, le=1e5, description="Of plate, ring or disc.")] = (
-        10.0
-    )
-    tolerance_um: Annotated[
-        float,
-        Field(
-            ge=1e-3,
-            le=1e3,
-            description="Largest distance of the flanks from the true curve, along its normal "
-            "[µm]. What is reached is told in the header Camwright-Curve-Error-Mm.",
-        ),
-    ] = 1e-3
+    curve: Literal["profile", "main", "counter"] = "profile"
+    """Of conjugate cams, which; otherwise `profile`."""
+    thickness_mm: Annotated[float, Field(gt=0.0, le=1e5)] = 10.0
+    """Of plate, ring or disc."""
+    tolerance_um: Annotated[float, Field(ge=1e-3, le=1e3)] = 1e-3
+    """Largest distance of the flanks from the true curve, along its normal [µm]. What is reached is
+    told in the header Camwright-Curve-Error-Mm."""
     bore_mm: BoreDiameter = None
-    keyway: Annotated[bool, Field(description="A keyway in the bore, by DIN 6885-1.")] = False
-    keyway_width_mm: Annotated[
-        Length, Field(description="Width of the keyway; left out: by the bore.")
-    ] = None
-    keyway_depth_mm: Annotated[
-        Length, Field(description="Depth beyond the bore's radius; left out: by the bore.")
-    ] = None
-    keyway_deg: Annotated[
-        float,
-        Field(
-            ge=-360.0,
-            le=360.0,
-            description="Direction of the keyway in the cam's own frame; in a cam set it is told "
-            "for every cam.",
-        ),
-    ] = 90.0
-    hub_diameter_mm: Annotated[Length, Field(description="Of a hub on the back.")] = None
-    hub_length_mm: Annotated[Length, Field(description="How far the hub stands out.")] = None
-    groove_depth_mm: Annotated[
-        Length, Field(description="Of a groove; left out: half the thickness.")
-    ] = None
-    outer_diameter_mm: Annotated[
-        Length,
-        Field(
-            description="Of a ring or a grooved disc; left out: the largest radius and the rim, "
-            "or a tenth of that radius where the design has no rim."
-        ),
-    ] = None
+    keyway: bool = False
+    """A keyway in the bore, by DIN 6885-1."""
+    keyway_width_mm: Length = None
+    """Width of the keyway; left out: by the bore."""
+    keyway_depth_mm: Length = None
+    """Depth beyond the bore's radius; left out: by the bore."""
+    keyway_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 90.0
+    """Direction of the keyway in the cam's own frame; in a cam set it is told for every cam."""
+    hub_diameter_mm: Length = None
+    """Of a hub on the back."""
+    hub_length_mm: Length = None
+    """How far the hub stands out."""
+    groove_depth_mm: Length = None
+    """Of a groove; left out: half the thickness."""
+    outer_diameter_mm: Length = None
+    """Of a ring or a grooved disc; left out: the largest radius and the rim, or a tenth of that
+    radius where the design has no rim."""
     turn_deg: Turn = 0.0
     z_mm: Axial = None
 
