@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from synthesis.exporters import drives, points, tables
+from synthesis.exporters import drives, machining, points, tables
 from synthesis.exporters.animations import cam_animation
 from synthesis.exporters.curves import dxf, exact, iges, step
 from synthesis.exporters.curves.dxf import DrawingOptions
@@ -25,7 +25,6 @@ from synthesis.exporters.drawing.raster import painted
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.fidelity import report as fidelity
 from synthesis.exporters.figures import profile
-from synthesis.exporters.machining import grinding, milling
 from synthesis.exporters.options import (
     CurveName,
     MotionOptions,
@@ -55,8 +54,8 @@ PROFILE_FORMATS = _registry(
     points.IBL,
     points.SLDCRV,
     points.XLSX,
-    milling.PROFILE,
-    grinding.PROFILE,
+    machining.MILLING,
+    machining.GRINDING,
     fidelity.PROFILE,
     dxf.PROFILE,
     step.PROFILE,

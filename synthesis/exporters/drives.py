@@ -9,7 +9,7 @@ makes of the rounded rows, by how it interpolates.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
@@ -19,7 +19,7 @@ from scipy.interpolate import BPoly
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, format_rows
 from synthesis.exporters.fidelity.measure import Deviation, interpolate
 from synthesis.exporters.fidelity.report import (
     DERIVATIVES,
@@ -108,123 +108,90 @@ class DriveTable:
             s[2] * per_master**2, options.decimals, headline,
         )  # fmt: skip
 
-    def pairs(self, row: str) -> str:
-        """A row for each pair, with {master} and {slave} where these stand."""
-        number = f"%.{self.decimals}f"
-        pattern = row.format(master=number, slave=number)
-        pairs = np.column_stack([self.master, self.slave])
-        return pattern * len(pairs) % tuple(pairs.ravel().tolist())
-
-    def points(self, row: str, first: int) -> str:
-        """A row for each point with derivatives: {n} from ``first`` on, {x}, {y}, {v} and {a}."""
-        columns = (self.master, self.slave, self.rate, self.change)
-        values = zip(*(column.tolist() for column in columns), strict=True)
-        return ",\n".join(
-            row.format(n=n, x=x, y=y, v=v, a=a) for n, (x, y, v, a) in enumerate(values, first)
+    def text(self, layout: Layout) -> str:
+        """The table as a controller's import takes it."""
+        count, fixed = len(self.master), f"%.{self.decimals}f"
+        columns = {
+            "n": ("%d", np.arange(1.0 * count)), "number": ("%d", np.arange(1.0, count + 1.0)),
+            "master": (fixed, self.master), "slave": (fixed, self.slave),
+            "x": ("%r", self.master), "y": ("%r", self.slave),
+            "v": ("%r", self.rate), "a": ("%r", self.change),
+        }  # fmt: skip
+        head = layout.head.format(
+            headline=self.headline, count=count, last=count - 1, end=float(self.master[-1])
         )
-
-
-def _kollmorgen(table: DriveTable) -> str:
-    """Its import turns the CSV into splines.
-
-    It divides master and slave by their largest values and multiplies them by the scales that are
-    set in the profile: set those to the turn and to the stroke.
-    """
-    rows = table.pairs("{master};{slave};SPLINE\n")
-    return f"CYCLIC;YES;\nTABLE_BEGIN;;\n{rows}TABLE_END;;\n"
-
-
-def _twincat(table: DriveTable) -> str:
-    """An array of MC_MotionFunctionPoint.
-
-    Between two points runs a polynomial of degree 5 with the velocity and acceleration of both
-    (POLYNOM5_MM, motion to motion), as derivatives by the master's position.
-    """
-    points = table.points(
-        "        (PointIndex := {n}, FunctionType := MOTIONFUNCTYPE_POLYNOM5_MM, "
-        "PointType := MOTIONPOINTTYPE_MOTION, RelIndexNextPoint := 1, "
-        "MasterPos := {x!r}, SlavePos := {y!r}, SlaveVelo := {v!r}, SlaveAcc := {a!r}, "
-        "SlaveJerk := 0.0)",
-        first=1,
-    )
-    return (
-        f"(* {table.headline} *)\n"
-        "VAR_GLOBAL\n"
-        f"    CamPoints : ARRAY[1..{len(table.master)}] OF MC_MotionFunctionPoint := [\n"
-        f"{points}\n    ];\nEND_VAR\n"
-    )
-
-
-def _codesys(table: DriveTable) -> str:
-    """An XYVA cam (byType 3), an array of SMC_CAMXYVA: dV and dA are derivatives of dY by dX."""
-    points = table.points("        (dX := {x!r}, dY := {y!r}, dV := {v!r}, dA := {a!r})", first=0)
-    count, end = len(table.master), float(table.master[-1])
-    return (
-        f"(* {table.headline}\n"
-        "   Before it is used: Cam.pce := ADR(CamPoints); *)\n"
-        "VAR_GLOBAL\n"
-        f"    Cam : MC_CAM_REF := (byType := 3, nElements := {count}, xStart := 0.0, "
-        f"xEnd := {end!r});\n"
-        f"    CamPoints : ARRAY[0..{count - 1}] OF SMC_CAMXYVA := [\n"
-        f"{points}\n    ];\nEND_VAR\n"
-    )
-
-
-def _rockwell(table: DriveTable) -> str:
-    """The elements of a CAM array for MCCP, cubic segments (1).
-
-    Its REAL holds about seven digits: that is the instruction's limit, not the file's.
-    """
-    pairs = [line.split() for line in table.pairs("{master} {slave}\n").splitlines()]
-    lines = [
-        f"// {table.headline}",
-        f"// Declare Cam : CAM[{len(pairs)}]; then MCCP makes the profile of it.",
-        *(
-            f"Cam[{k}].Master := {master}; Cam[{k}].Slave := {slave}; Cam[{k}].SegmentType := 1;"
-            for k, (master, slave) in enumerate(pairs)
-        ),
-    ]
-    return "\n".join(lines) + "\n"
+        return (head + format_rows(layout.row, columns)).removesuffix(",\n") + layout.tail
 
 
 class Layout(NamedTuple):
-    """A controller's table: name of the format, titles, media type, and the table as text."""
+    """A controller's table.
+
+    Attributes:
+        name: of the format. title, media_type, purpose: as of ``FileFormat``.
+        row: of each point, its values in braces: {n} from 0 and {number} from 1 on, {master} and
+            {slave} with the decimals asked for, {x}, {y}, {v} and {a} (position of the master and
+            the slave, first and second derivative) with all digits; a last comma is left out.
+        head, tail: text before and after; {headline}, {count}, {last} and {end}: how many points,
+            the last one's number from 0 on, its master position.
+    """
 
     name: str
     title: str
     media_type: str
     purpose: str
-    text: Callable[[DriveTable], str]
+    row: str
+    head: str = ""
+    tail: str = ""
 
 
 CSV, TEXT = "text/csv; charset=us-ascii; header=absent", "text/plain; charset=us-ascii"
-PAIRS = "{master};{slave}\n"
 LAYOUTS = (
     Layout(
         "cam.csv", "master;slave", CSV, "Any drive whose tool imports pairs of positions.",
-        lambda table: table.pairs(PAIRS),
+        "{master};{slave}\n",
     ),
+    # MC_MotionFunctionPoint: between two points runs a polynomial of degree 5 with the velocity and
+    # acceleration of both (POLYNOM5_MM, motion to motion), derivatives by the master's position.
     Layout(
         "twincat.st", "TwinCAT motion function", TEXT,
         "Beckhoff TwinCAT NC Camming: paste into a global variable list, then MC_CamTableSelect.",
-        _twincat,
+        "        (PointIndex := {number}, FunctionType := MOTIONFUNCTYPE_POLYNOM5_MM, "
+        "PointType := MOTIONPOINTTYPE_MOTION, RelIndexNextPoint := 1, "
+        "MasterPos := {x}, SlavePos := {y}, SlaveVelo := {v}, SlaveAcc := {a}, "
+        "SlaveJerk := 0.0),\n",
+        "(* {headline} *)\nVAR_GLOBAL\n"
+        "    CamPoints : ARRAY[1..{count}] OF MC_MotionFunctionPoint := [\n",
+        "\n    ];\nEND_VAR\n",
     ),
+    # An XYVA cam (byType 3), an array of SMC_CAMXYVA: dV and dA are derivatives of dY by dX.
     Layout(
         "codesys.st", "CODESYS XYVA", TEXT,
-        "CODESYS SoftMotion and what is built on it: paste into a global variable list.", _codesys,
+        "CODESYS SoftMotion and what is built on it: paste into a global variable list.",
+        "        (dX := {x}, dY := {y}, dV := {v}, dA := {a}),\n",
+        "(* {headline}\n   Before it is used: Cam.pce := ADR(CamPoints); *)\nVAR_GLOBAL\n"
+        "    Cam : MC_CAM_REF := (byType := 3, nElements := {count}, xStart := 0.0, "
+        "xEnd := {end!r});\n"
+        "    CamPoints : ARRAY[0..{last}] OF SMC_CAMXYVA := [\n",
+        "\n    ];\nEND_VAR\n",
     ),
+    # The elements of a CAM array for MCCP, cubic segments (1). Its REAL holds about seven digits:
+    # that is the instruction's limit, not the file's.
     Layout(
         "rockwell.st", "Rockwell Logix CAM array", TEXT,
-        "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.", _rockwell,
+        "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.",
+        "Cam[{n}].Master := {master}; Cam[{n}].Slave := {slave}; Cam[{n}].SegmentType := 1;\n",
+        "// {headline}\n// Declare Cam : CAM[{count}]; then MCCP makes the profile of it.\n",
     ),
+    # Its import turns the CSV into splines. It divides master and slave by their largest values and
+    # multiplies them by the scales that are set in the profile.
     Layout(
         "kollmorgen.csv", "Kollmorgen KAS", CSV,
         "Kollmorgen KAS IDE, Import Cam Profile: set its scales to the turn and to the stroke.",
-        _kollmorgen,
+        "{master};{slave};SPLINE\n", "CYCLIC;YES;\nTABLE_BEGIN;;\n", "TABLE_END;;\n",
     ),
     Layout(
         "sew.txt", "SEW curve point table", TEXT, "SEW MOVI-C controllers, curve point table.",
-        lambda table: f"{len(table.master)}\n{table.pairs(PAIRS)}",
+        "{master};{slave}\n", "{count}\n",
     ),
 )  # fmt: skip
 
@@ -273,7 +240,7 @@ def drive_header(design: Design, options: DriveOptions) -> Mapping[str, str]:
 
 def _exporter(layout: Layout) -> Exporter[DriveOptions]:
     def write(design: Design, options: DriveOptions) -> bytes:
-        return layout.text(DriveTable.of(design, options)).encode("ascii")
+        return DriveTable.of(design, options).text(layout).encode("ascii")
 
     return Exporter(
         layout.name, f"Electronic cam: {layout.title}", layout.media_type, f".{layout.name}", write,

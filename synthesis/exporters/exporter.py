@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from synthesis.design.design import Design
 from synthesis.exporters.options import Options
+from synthesis.numerics.piecewise import Array
 
 Subject = TypeVar("Subject")
 Choice = TypeVar("Choice", bound=Options)
@@ -76,6 +80,19 @@ class FileFormat(Generic[Subject, Choice]):
         names = {each.name for each in fields(self.options)} & {each.name for each in fields(given)}
         values = {name: getattr(given, name) for name in names}
         return self.options(**{name: v for name, v in values.items() if v is not None})
+
+
+def format_rows(row: str, columns: Mapping[str, tuple[str, Array]]) -> str:
+    """A row of text for each number of the columns (n,).
+
+    Args:
+        row: with the names of columns in braces.
+        columns: by name the format of a number, as ``%.3f``, and the numbers.
+    """
+    names = re.findall(r"{(\w+)}", row)
+    pattern = row.format(**{name: columns[name][0] for name in names})
+    values = np.column_stack([columns[name][1] for name in names])
+    return pattern * len(values) % tuple(values.ravel().tolist())
 
 
 def compact_json(body: Mapping[str, Any]) -> bytes:

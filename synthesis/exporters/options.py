@@ -11,7 +11,7 @@ import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
-from itertools import zip_longest
+from itertools import pairwise
 from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
@@ -85,16 +85,14 @@ Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordina
 
 
 def _field_texts(options: type[Any]) -> dict[str, str]:
-    """The string below each field of a class, "" where there is none, on one line."""
+    """The strings below the fields of a class, each on one line."""
     (definition,) = ast.parse(inspect.getsource(options)).body
     assert isinstance(definition, ast.ClassDef)
     texts = {}
-    for statement, below in zip_longest(definition.body, definition.body[1:]):
+    for statement, below in pairwise(definition.body):
         match statement, below:
             case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str(text))):
                 texts[name] = " ".join(text.split())
-            case ast.AnnAssign(ast.Name(name)), _:
-                texts[name] = ""
     return texts
 
 
@@ -104,7 +102,7 @@ def _form(options: type[Any]) -> type[BaseModel]:
         texts |= _field_texts(family)
     members: dict[str, Any] = {}
     for each in fields(options):
-        kind, text = hints[each.name], texts[each.name]
+        kind, text = hints[each.name], texts.get(each.name)
         described = Annotated[kind, Field(description=text)] if text else kind
         members[each.name] = described, each.default
     settings = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)

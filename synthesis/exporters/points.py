@@ -20,7 +20,7 @@ from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, format_rows
 from synthesis.exporters.fidelity.report import fidelity_header
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.samples.cutting import checked_cam
@@ -45,16 +45,13 @@ def _points(design: Design, options: PointOptions, closed: bool) -> Array:
     return written_points(checked_cam(design, options), options).ended(options, closed)
 
 
-def _rows(points: Array, options: PointOptions, row: str, numbered: bool = False) -> bytes:
+def _rows(points: Array, options: PointOptions, row: str) -> bytes:
     """A row for each point, with {x}, {y}, {z} where these stand, and {n}, from 1 on."""
-    places = options.decimals
-    z = round(options.z_mm or 0.0, places) + 0.0
-    number = f"%.{places}f"
-    pattern = row.format(n="%d", x=number, y=number, z=f"{z:.{places}f}")
-    values = points.ravel().tolist()
-    if numbered:
-        values = [v for n, (x, y) in enumerate(points.tolist(), 1) for v in (n, x, y)]
-    return (pattern * len(points) % tuple(values)).encode("ascii")
+    number, (x, y) = f"%.{options.decimals}f", points.T
+    z = np.full(len(points), round(options.z_mm or 0.0, options.decimals) + 0.0)
+    columns = {"n": ("%d", np.arange(1.0, len(points) + 1.0))}
+    columns |= {name: (number, values) for name, values in (("x", x), ("y", y), ("z", z))}
+    return format_rows(row, columns).encode("ascii")
 
 
 def _txt(design: Design, options: PointOptions) -> bytes:
@@ -75,7 +72,7 @@ def _ibl(design: Design, options: IblOptions) -> bytes:
         levels.append(replace(options, z_mm=(options.z_mm or 0.0) + options.width_mm))
     sections = [
         f"begin section ! {k}\nbegin curve ! {k}\n".encode()
-        + _rows(points, level, "{n} {x} {y} {z}\n", numbered=True)
+        + _rows(points, level, "{n} {x} {y} {z}\n")
         for k, level in enumerate(levels, start=1)
     ]
     return f"{'open' if ended else 'closed'}\narclength\n".encode() + b"".join(sections)
