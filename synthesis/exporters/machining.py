@@ -2,8 +2,8 @@
 
 In: a design, ``PointOptions``, a feed. Out: blocks of text in what all dialects share: millimetres
 (G21), absolute (G90), no cutter compensation (G40), so the path is that of the tool's centre; G1
-and coordinates as words; comments in parentheses, ASCII capitals. Spindle, coolant and tool are left
-to the operator. Every block has the time in which the contact runs along the profile at the feed.
+and coordinates as words; comments in parentheses, ASCII capitals. Spindle, coolant and tool are
+left to the operator. Each block takes the time in which the contact runs along it at the feed.
 
 milling     The centre runs round the cam in X and Y, in straight lines. X0 Y0 is the cam's axis, X
             and Y are the cam's frame. The feed is given for every block, or (inverse_time, G93) as
