@@ -107,7 +107,7 @@ def traced_diagrams(
         with_range(Frame(LEFT, TOP + k * (HEIGHT + GAP), DIAGRAMS[0] - LEFT - RIGHT, HEIGHT), plot)
         for k, plot in enumerate(plots)
     ]
-    across, bottom = frames[0].x(degrees), frames[-1].top + frames[-1].height
+    across, bottom = frames[0].x(degrees), frames[-1].bottom
     heights = {"cursor": 0.0 * across}
     heights |= {f"dot{k}": frame.y(values[k]) for k, frame in enumerate(frames)}
     points = [Moving(name, "shift", np.stack([across, y], axis=1)) for name, y in heights.items()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -192,6 +193,7 @@ def curve_plot(title: str, unit: str, degrees: Array, values: Array) -> Plot:
     return Plot(title, unit, trace, trace, NOWHERE)
 
 
+Numbers = TypeVar("Numbers", float, Array)
 PLATEAU = 1e-13  # values that differ by less are one plateau
 FAR = 1.6  # a limit further out than this many times the peak is written, not drawn
 HATCH = 1.1  # [mm] between the lines that fill what exceeds a limit
@@ -200,7 +202,7 @@ LEGIBLE = 4.0  # [mm], height of a strip in which a word fits
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a diagram lies on the sheet [mm], and the values at its lower and upper edge."""
+    """Where a diagram lies on the sheet [mm], and the values at its four edges."""
 
     left: float
     top: float
@@ -208,12 +210,24 @@ class Frame:
     height: float
     low: float = 0.0
     high: float = 1.0
+    start: float = 0.0
+    end: float = 360.0
 
-    def x(self, degrees: Array) -> Array:
-        """Abscissae of cam angles."""
-        return self.left + self.width * degrees / 360.0
+    @property
+    def right(self) -> float:
+        """Its right edge."""
+        return self.left + self.width
 
-    def y(self, value: Array) -> Array:
+    @property
+    def bottom(self) -> float:
+        """Its lower edge."""
+        return self.top + self.height
+
+    def x(self, value: Numbers) -> Numbers:
+        """Abscissae of values, of cam angles [deg] where nothing else is said."""
+        return self.left + self.width * (value - self.start) / (self.end - self.start)
+
+    def y(self, value: Numbers) -> Numbers:
         """Ordinates of values."""
         return self.top + self.height * (self.high - value) / (self.high - self.low)
 
@@ -254,17 +268,18 @@ def _bad(frame: Frame, ends: Sequence[float]) -> list[str]:
     top, bottom = frame.y(np.clip([max(ends), min(ends)], frame.low, frame.high)).tolist()
     body = [svg.box("undercut", frame.left, top, frame.width, bottom - top)]
     if bottom - top >= LEGIBLE:
-        right = frame.left + frame.width - 1.5
-        body.append(svg.text("tick", right, 0.5 * (top + bottom) + 0.9, "undercut", "end"))
+        body.append(
+            svg.text("tick", frame.right - 1.5, 0.5 * (top + bottom) + 0.9, "undercut", "end")
+        )
     return body
 
 
 def _axes(frame: Frame, labels: Labels) -> list[str]:
-    right, bottom = frame.left + frame.width, frame.top + frame.height
+    right, bottom = frame.right, frame.bottom
     across = frame.x(np.arange(30.0, 360.0, 30.0)).tolist()
     body = [svg.line("grid", x, frame.top, x, bottom) for x in across]
     for value, text in labels.ticks:
-        y = float(frame.y(np.array(value)))
+        y = frame.y(value)
         body.append(svg.line("axis" if value == 0.0 else "grid", frame.left, y, right, y))
         body.append(svg.text("tick", frame.left - 1.6, y + 0.9, text, "end"))
     body.append(svg.line("axis", frame.left, frame.top, frame.left, bottom))
@@ -274,10 +289,10 @@ def _axes(frame: Frame, labels: Labels) -> list[str]:
 def _limit_lines(frame: Frame, limits: Sequence[Bound]) -> list[str]:
     body = []
     for bound in limits:
-        x1, x2 = frame.x(np.array([bound.start, bound.end])).tolist()
+        x1, x2 = frame.x(bound.start), frame.x(bound.end)
         for end in (bound.lower, bound.upper):
             if frame.low <= end <= frame.high:
-                y = float(frame.y(np.array(end)))
+                y = frame.y(end)
                 body.append(svg.line("limit", x1, y, x2, y))
     return body
 
@@ -294,9 +309,9 @@ def _curve(frame: Frame, curve: Trace) -> list[str]:
 def _arrows(frame: Frame, infinite: Trace, limited: bool) -> list[str]:
     """An arrow to the frame's edge where the value is infinite."""
     body = []
-    zero = float(frame.y(np.array(0.0)))
+    zero = frame.y(0.0)
     for x, value in zip(frame.x(infinite.degrees).tolist(), infinite.values, strict=True):
-        y = frame.top if value > 0.0 else frame.top + frame.height
+        y = frame.top if value > 0.0 else frame.bottom
         body.append(svg.line("limit" if limited else "jump", x, zero, x, y))
         away = math.copysign(0.5 * math.pi, -value)
         body.append(svg.arrow_head("alarm" if limited else "solid", x, y, away, 2.2))
@@ -312,7 +327,7 @@ def _broken(frame: Frame, curve: Trace, limits: Sequence[Bound]) -> list[str]:
         runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
         for run in (run for run in runs if len(run)):
             over = curve.values[run[0]] > bound.upper
-            level = float(frame.y(np.array(bound.upper if over else bound.lower)))
+            level = frame.y(bound.upper if over else bound.lower)
             body += _hatched(x[run], y[run], level)
             body.append(svg.path("line broken", svg.steps(x[run], y[run], 3)))
     return body
@@ -334,7 +349,7 @@ def _title(frame: Frame, plot: Plot, labels: Labels) -> list[str]:
         text.append(f"{word} {labels.format(value)} at {svg.figure(curve.degrees[first], 5)}°")
     text += sorted({_limit_text(bound, labels) for bound in plot.limits})
     broken = any(exceeds(curve, bound).any() for bound in plot.limits)
-    right, y = frame.left + frame.width, frame.top - 2.2
+    right, y = frame.right, frame.top - 2.2
     title = svg.text("label", frame.left, y, f"{plot.title}, {labels.factor}{plot.unit}")
     kind = "alarm" if broken else "quiet"
     return [title, *([svg.text(kind, right, y, " · ".join(text), "end")] if text else [])]

@@ -7,7 +7,6 @@ camshaft. The radius has the flank's sign: convex positive, hollow negative as i
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -68,12 +67,7 @@ def stack(
         frame = replace(STRIP, top=top, height=HEIGHT)
         body += [*grounds(motion, frame), *diagram(plot, frame)]
     body += angle_axis(frame)
-    height = frame.top + frame.height + FOOTER
-    return svg.document(WIDTH, height, 1.0, *title_and_text, body, theme=theme)
-
-
-def _x(degrees: float) -> float:
-    return float(STRIP.x(np.array(degrees)))
+    return svg.document(WIDTH, frame.bottom + FOOTER, 1.0, *title_and_text, body, theme=theme)
 
 
 def moving_segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
@@ -83,14 +77,14 @@ def moving_segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
 
 def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     """A ground for what is drawn over the cam angle: dwells shaded, borders of segments drawn."""
-    segments, low = moving_segments(motion), frame.top + frame.height
-    starts = frame.x(np.array([segment.start_deg for segment in segments] + [360.0])).tolist()
+    segments = moving_segments(motion)
+    starts = [frame.x(start) for start in (*(each.start_deg for each in segments), 360.0)]
     body = [
         svg.box("rest", a, frame.top, b - a, frame.height)
         for segment, a, b in zip(segments, starts, starts[1:], strict=False)
         if segment.kind == "dwell"
     ]
-    return body + [svg.line("border", x, frame.top, x, low) for x in starts]
+    return body + [svg.line("border", x, frame.top, x, frame.bottom) for x in starts]
 
 
 def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
@@ -98,8 +92,8 @@ def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
     body = [svg.line("border", LEFT, y, WIDTH - RIGHT, y) for y in (HEADER, HEADER + BAND)]
     segments = moving_segments(motion)
     for segment in segments:
-        width = _x(segment.angle_deg) - LEFT
-        middle = _x(segment.start_deg) + 0.5 * width
+        width = STRIP.x(segment.angle_deg) - LEFT
+        middle = STRIP.x(segment.start_deg) + 0.5 * width
         name = svg.first_fitting(_names(segment, unit), width - 1.0, svg.LABEL)
         if name:
             body.append(svg.text("label", middle, HEADER + 4.0, name, "middle"))
@@ -109,21 +103,12 @@ def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
         text = svg.shorten(law, width - 1.0, svg.TICK)
         if len(text) > SHORT or text == law:
             body.append(svg.text("tick", middle, HEADER + 7.8, text, "middle"))
-    return body + _border_angles([s.start_deg for s in segments] + [360.0])
-
-
-def _border_angles(borders: list[float]) -> list[str]:
-    """Cam angles of the borders above the strip, those left out that would overlap."""
-    body, free = [], -math.inf
-    texts = [f"{svg.figure(border, 6)}°" for border in borders]
-    last = _x(360.0) - 0.5 * svg.width_of(texts[-1], svg.TICK)
-    for border, text in zip(borders, texts, strict=True):
-        half = 0.5 * svg.width_of(text, svg.TICK)
-        ends = border == borders[-1]
-        if ends or (_x(border) - half >= free and _x(border) + half + 1.0 <= last):
-            body.append(svg.text("tick", _x(border), HEADER - 1.3, text, "middle"))
-            free = _x(border) + half + 1.0
-    return body
+    # cam angles of the borders; the last one, the turn's end, is always there
+    *angles, end = [f"{svg.figure(s.start_deg, 6)}°" for s in segments] + ["360°"]
+    room = STRIP.right - 0.5 * svg.width_of(end, svg.TICK)
+    at, y = [STRIP.x(s.start_deg) for s in segments], HEADER - 1.3
+    body += svg.spaced_texts(at, angles, y, 1.0, room)
+    return [*body, svg.text("tick", STRIP.right, y, end, "middle")]
 
 
 def _names(segment: SegmentMotion, unit: str) -> list[str]:
@@ -138,9 +123,9 @@ def _names(segment: SegmentMotion, unit: str) -> list[str]:
 
 def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[str]:
     """Numbers and name of the abscissa under a diagram."""
-    body, bottom = [], frame.top + frame.height
+    body, bottom = list[str](), frame.bottom
     for degrees in range(0, 361, every):
-        x = float(frame.x(np.array(degrees)))
+        x = frame.x(degrees)
         body.append(svg.line("axis", x, bottom, x, bottom + 1.2))
         body.append(svg.text("tick", x, bottom + 4.4, f"{degrees}", "middle"))
     middle = frame.left + 0.5 * frame.width

@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 from synthesis.design.cam_set import CamSet, MountedCam, TimingArc
-from synthesis.design.design import SegmentMotion
 from synthesis.exporters.diagrams.plot import Frame
 from synthesis.exporters.diagrams.sheet import angle_axis, moving_segments
 from synthesis.exporters.drawing import canvas as svg
@@ -28,7 +27,7 @@ HEADER, NAMES, HEIGHT, LANE, FOOTER = 22.0, 5.2, 15.0, 27.5, 13.0
 COUNT = 5.0  # height of the strip that counts who moves
 PAD = 1.2  # room above and below a curve
 FULL = 360.0
-SHAFT = Frame(LEFT, 0.0, WIDTH - LEFT - RIGHT, 0.0)
+SHAFT = Frame(LEFT, 0.0, WIDTH - LEFT - RIGHT, HEIGHT)
 DRAWN = np.arange(0.0, FULL + 0.25, 0.5)  # [deg]; a joint of the motion is added to these
 
 
@@ -39,33 +38,29 @@ def timing_diagram(cams: CamSet) -> bytes:
     for lane, cam in enumerate(cams.cams):
         top = HEADER + lane * LANE
         body += _captions(cam, top)
-        body += _lane(cam, top) if cam.has_cam else _nothing(top)
+        body += _lane(cam, replace(SHAFT, top=top + NAMES))
     if len(cams.cams) > 1:
         bottom += 1.5
-        body += _counted(cams.timing.arcs, bottom)
+        body += _counted(cams.timing.arcs, replace(SHAFT, top=bottom, height=COUNT))
         bottom += COUNT
-    body += angle_axis(replace(SHAFT, top=bottom), name="Shaft angle")
+    body += angle_axis(replace(SHAFT, top=bottom, height=0.0), name="Shaft angle")
     title = f"Timing of {cams.name or cams.id}"
     text = "Displacement of every follower over one turn of the shaft, one lane a cam."
     return svg.document(WIDTH, bottom + FOOTER, 1.0, title, text, body)
 
 
-def _x(degrees: float) -> float:
-    return float(SHAFT.x(np.array(degrees)))
-
-
-def _frame(y: float, height: float) -> list[str]:
-    """The edges of a strip over the turn."""
-    body = [svg.line("axis", LEFT, y + h, _x(FULL), y + h) for h in (0.0, height)]
-    return body + [svg.line("axis", _x(a), y, _x(a), y + height) for a in (0.0, FULL)]
+def _edges(strip: Frame) -> list[str]:
+    """Those of a strip over the turn."""
+    left, right, top, low = strip.left, strip.right, strip.top, strip.bottom
+    body = [svg.line("axis", left, y, right, y) for y in (top, low)]
+    return body + [svg.line("axis", x, top, x, low) for x in (left, right)]
 
 
 def _spans(start: float, angle: float) -> list[tuple[float, float]]:
-    """Shaft angles from a start on; two spans where they run over the turn's end."""
+    """Abscissae of an angle from a start on; two pairs where it runs over the turn's end."""
     end = start + angle
-    if end <= FULL + 1e-9:
-        return [(start, min(end, FULL))]
-    return [(start, FULL), (0.0, end - FULL)]
+    spans = [(start, min(end, FULL))] if end <= FULL + 1e-9 else [(start, FULL), (0.0, end - FULL)]
+    return [(SHAFT.x(a), SHAFT.x(b)) for a, b in spans]
 
 
 def _heading(cams: CamSet) -> list[str]:
@@ -99,72 +94,42 @@ def _captions(cam: MountedCam, top: float) -> list[str]:
     ]
 
 
-def _nothing(top: float) -> list[str]:
-    y = top + NAMES
-    return [
-        svg.box("rest", LEFT, y, _x(FULL) - LEFT, HEIGHT),
-        svg.text("alarm", _x(180.0), y + 0.5 * HEIGHT + 1.0, "nothing fits: no cam", "middle"),
-    ]
-
-
-def _lane(cam: MountedCam, top: float) -> list[str]:
+def _lane(cam: MountedCam, lane: Frame) -> list[str]:
     """Ground, names of segments, the curve, and where the program starts."""
-    y = top + NAMES
+    top, foot = lane.top, lane.bottom
+    if not cam.has_cam:
+        middle, y = lane.x(180.0), top + 0.5 * HEIGHT + 1.0
+        return [svg.box("rest", LEFT, top, lane.width, HEIGHT),
+                svg.text("alarm", middle, y, "nothing fits: no cam", "middle")]  # fmt: skip
     segments = moving_segments(cam.design.motion)
     starts = [wrap_turn(segment.start_deg + cam.phase_deg) for segment in segments]
-    spans = [_spans(at, segment.angle_deg) for at, segment in zip(starts, segments, strict=True)]
-    body = [
-        svg.box("rest", _x(start), y, _x(end) - _x(start), HEIGHT)
-        for segment, parts in zip(segments, spans, strict=True)
-        if segment.kind == "dwell"
-        for start, end in parts
-    ]
-    body += [svg.line("grid", _x(a), y, _x(a), y + HEIGHT) for a in range(30, 360, 30)]
-    body += [svg.line("border", _x(at), y - 3.6, _x(at), y + HEIGHT + 1.2) for at in starts]
-    body += [
-        *_frame(y, HEIGHT),
-        *_names(segments, spans, y - 1.4),
-        *_borders(starts, y + HEIGHT + 4.2),
-    ]
+    body, names = list[str](), list[str]()
+    for start, segment in zip(starts, segments, strict=True):
+        spans = _spans(start, segment.angle_deg)
+        if segment.kind == "dwell":
+            body += [svg.box("rest", a, top, b - a, HEIGHT) for a, b in spans]
+        # what it does, where there is room: in the longer part where it is split
+        a, b = max(spans, key=lambda span: span[1] - span[0])
+        angle = f"{svg.figure(segment.angle_deg, 6)}°"
+        texts = [f"{segment.kind} {angle}", segment.kind, segment.kind[:1].upper()]
+        name = svg.first_fitting(texts, b - a - 0.8, svg.TICK)
+        names += [svg.text("tick", 0.5 * (a + b), top - 1.4, name, "middle")] if name else []
+    body += [svg.line("grid", lane.x(a), top, lane.x(a), foot) for a in range(30, 360, 30)]
+    body += [svg.line("border", lane.x(a), top - 3.6, lane.x(a), foot + 1.2) for a in starts]
+    angles = [f"{svg.figure(at, 6)}°" for at in sorted(starts)]
+    borders = [lane.x(at) for at in sorted(starts)]
+    body += [*_edges(lane), *names, *svg.spaced_texts(borders, angles, foot + 4.2, 0.4)]
     # the displacement, in a scale of its own
     shaft, s = displacement(cam)
     low, high = float(s.min()), float(s.max())
-    scale = (HEIGHT - 2.0 * PAD) / (high - low)
-    levels = y + HEIGHT - PAD - scale * (s - low)
-    body.append(svg.path("line curve", svg.steps(SHAFT.x(shaft), levels, 3)))
-    at, foot = _x(wrap_turn(cam.phase_deg)), y + HEIGHT
+    levels = foot - PAD - (HEIGHT - 2.0 * PAD) / (high - low) * (s - low)
+    body.append(svg.path("line curve", svg.steps(lane.x(shaft), levels, 3)))
+    at = lane.x(wrap_turn(cam.phase_deg))
     return [
         *body,
-        svg.line("phase", at, y - 3.6, at, foot + 1.2),
+        svg.line("phase", at, top - 3.6, at, foot + 1.2),
         svg.arrow_head("start", at, foot, 0.5 * math.pi, 2.6),
     ]
-
-
-def _names(
-    segments: Sequence[SegmentMotion], spans: Sequence[Sequence[tuple[float, float]]], y: float
-) -> list[str]:
-    """What the segments do, where there is room; split ones are named in the longer part."""
-    body = []
-    for segment, parts in zip(segments, spans, strict=True):
-        start, end = max(parts, key=lambda span: span[1] - span[0])
-        angle = f"{svg.figure(segment.angle_deg, 6)}°"
-        texts = [f"{segment.kind} {angle}", segment.kind, segment.kind[:1].upper()]
-        name = svg.first_fitting(texts, _x(end) - _x(start) - 0.8, svg.TICK)
-        if name:
-            body.append(svg.text("tick", 0.5 * (_x(start) + _x(end)), y, name, "middle"))
-    return body
-
-
-def _borders(starts: Sequence[float], y: float) -> list[str]:
-    """Shaft angles of the borders, those left out that would overlap."""
-    body, free = [], -math.inf
-    for at in sorted(starts):
-        text = f"{svg.figure(at, 6)}°"
-        half = 0.5 * svg.width_of(text, svg.TICK)
-        if _x(at) - half >= free:
-            body.append(svg.text("tick", _x(at), y, text, "middle"))
-            free = _x(at) + half + 0.4
-    return body
 
 
 def displacement(cam: MountedCam) -> tuple[Array, Array]:
@@ -176,14 +141,15 @@ def displacement(cam: MountedCam) -> tuple[Array, Array]:
     return shaft, motion.derivatives(theta, np.zeros(len(theta), dtype=bool))[0]
 
 
-def _counted(arcs: Sequence[TimingArc], y: float) -> list[str]:
+def _counted(arcs: Sequence[TimingArc], strip: Frame) -> list[str]:
     """How many followers move at the same time."""
-    body = [svg.text("tick", RIGHT, y + 3.4, "followers moving")]
+    y = strip.top + 3.4
+    body = [svg.text("tick", RIGHT, y, "followers moving")]
     for arc in arcs:
-        for start, end in _spans(arc.start_deg, arc.angle_deg):
-            a, b, count = _x(start), _x(end), len(arc.moving)
-            kind = "several" if count > 1 else "rest" if count else "ground"
-            body.append(svg.box(kind, a, y, b - a, COUNT))
+        count = len(arc.moving)
+        kind = "several" if count > 1 else "rest" if count else "ground"
+        for a, b in _spans(arc.start_deg, arc.angle_deg):
+            body.append(svg.box(kind, a, strip.top, b - a, strip.height))
             if svg.width_of(str(count), svg.TICK) + 0.6 < b - a:
-                body.append(svg.text("tick", 0.5 * (a + b), y + 3.4, str(count), "middle"))
-    return body + _frame(y, COUNT)
+                body.append(svg.text("tick", 0.5 * (a + b), y, str(count), "middle"))
+    return body + _edges(strip)

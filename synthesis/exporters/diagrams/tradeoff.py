@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.exporters.diagrams.plot import linear
+from synthesis.exporters.diagrams.plot import Frame, linear
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.options import Theme
@@ -96,40 +96,21 @@ def _heading(trade: TradeOff, width: float) -> list[str]:
     return body
 
 
-@dataclass(frozen=True)
-class _Scale:
-    """Values to places on the sheet along one axis [mm], and the numbers at it."""
-
-    low: float
-    high: float
-    start: float
-    end: float
-
-    @classmethod
-    def of(cls, values: Array, start: float, end: float) -> _Scale:
-        low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-        wide = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else abs(low) or 1.0
-        return cls(low - PAD * wide, high + PAD * wide, start, end)
-
-    def at(self, values: Array) -> Array:
-        return self.start + (self.end - self.start) * (values - self.low) / (self.high - self.low)
-
-    def ticks(self, name: str) -> tuple[list[tuple[float, str]], str]:
-        """Places and numbers at the axis; its name, a power of ten before its unit."""
-        labels = linear(self.low, self.high)
-        places = [(float(self.at(np.array(value))), text) for value, text in labels.ticks]
-        return places, name.replace(", ", f", {labels.factor}", 1) if labels.factor else name
+def _range(values: Array) -> tuple[float, float]:
+    """The ends of an axis on which these values lie."""
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    wide = high - low if high - low > 1e-9 * max(abs(low), abs(high)) else abs(low) or 1.0
+    return low - PAD * wide, high + PAD * wide
 
 
 def _panel(
     trade: TradeOff, pair: tuple[int, int], left: float, top: float, lined: bool
 ) -> list[str]:
     """One quantity over another."""
-    (wide, tall), (i, j) = PANEL, pair
-    across = _Scale.of(trade.values[:, i], left, left + wide)
-    up = _Scale.of(trade.values[:, j], top + tall, top)
-    x, y = across.at(trade.values[:, i]), up.at(trade.values[:, j])
-    body = _axes(trade, pair, across, up)
+    across, up = trade.values[:, pair].T
+    frame = Frame(left, top, *PANEL, *_range(up), *_range(across))
+    x, y = frame.x(across), frame.y(up)
+    body = _axes(frame, [trade.aims[k].label for k in pair])
     rest = np.setdiff1d(np.arange(len(x)), trade.front)
     cells = np.unique(np.round(np.stack([x[rest], y[rest]], axis=1) / CELL), axis=0) * CELL
     body += [svg.circle("item", a, b, 0.75) for a, b in cells.tolist()]
@@ -147,24 +128,26 @@ def _panel(
     return body
 
 
-def _axes(trade: TradeOff, pair: tuple[int, int], across: _Scale, up: _Scale) -> list[str]:
-    left, right, low, high = across.start, across.end, up.start, up.end
-    (x_ticks, x_name), (y_ticks, y_name) = (
-        scale.ticks(trade.aims[k].label) for scale, k in zip((across, up), pair, strict=True)
-    )
+def _axes(frame: Frame, names: Sequence[str]) -> list[str]:
+    """Grid, numbers and names; a power of ten of the numbers stands before the unit."""
+    left, right, top, low = frame.left, frame.right, frame.top, frame.bottom
+    scales = linear(frame.start, frame.end), linear(frame.low, frame.high)
     body = []
-    for x, text in x_ticks:
-        body.append(svg.line("grid", x, low, x, high))
-        body.append(svg.text("tick", x, low + 4.0, text, "middle"))
-    for y, text in y_ticks:
-        body.append(svg.line("grid", left, y, right, y))
-        body.append(svg.text("tick", left - 1.5, y + 0.9, text, "end"))
-    body += [svg.line("axis", left, low, right, low), svg.line("axis", left, low, left, high)]
-    name = svg.shorten(x_name, right - left, svg.LABEL)
-    body.append(svg.text("label", 0.5 * (left + right), low + 9.0, name, "middle"))
-    name = svg.text("label", 0.0, 0.0, svg.shorten(y_name, low - high, svg.LABEL), "middle")
-    place = f"translate({svg.num(left - 16.5)} {svg.num(0.5 * (low + high))}) rotate(-90)"
-    return [*body, f'<g transform="{place}">{name}</g>']
+    for value, text in scales[0].ticks:
+        x = frame.x(value)
+        body += [svg.line("grid", x, low, x, top), svg.text("tick", x, low + 4.0, text, "middle")]
+    for value, text in scales[1].ticks:
+        y = frame.y(value)
+        body += [svg.line("grid", left, y, right, y),
+                 svg.text("tick", left - 1.5, y + 0.9, text, "end")]  # fmt: skip
+    body += [svg.line("axis", left, low, right, low), svg.line("axis", left, low, left, top)]
+    x_name, y_name = (
+        svg.shorten(name.replace(", ", f", {scale.factor}", 1), room, svg.LABEL)
+        for name, scale, room in zip(names, scales, PANEL, strict=True)
+    )
+    body.append(svg.text("label", 0.5 * (left + right), low + 9.0, x_name, "middle"))
+    place = f"translate({svg.num(left - 16.5)} {svg.num(0.5 * (low + top))}) rotate(-90)"
+    return [*body, f'<g transform="{place}">{svg.text("label", 0.0, 0.0, y_name, "middle")}</g>']
 
 
 def _stairs(trade: TradeOff, x: Array, y: Array) -> str:

@@ -182,6 +182,19 @@ def text(kind: str, x: float, y: float, content: str, anchor: str = "start") -> 
     return f'<text class="{kind}" {where}>{plain(content)}</text>'
 
 
+def spaced_texts(
+    at: Sequence[float], texts: Sequence[str], y: float, gap: float, end: float = math.inf
+) -> list[str]:
+    """Small texts above rising abscissae, those left out that would overlap or pass ``end``."""
+    body, free = [], -math.inf
+    for x, each in zip(at, texts, strict=True):
+        half = 0.5 * width_of(each, TICK)
+        if x - half >= free and x + half + gap <= end:
+            body.append(text("tick", x, y, each, "middle"))
+            free = x + half + gap
+    return body
+
+
 def steps(x: Array, y: Array, decimals: int = 4, closed: bool = False) -> str:
     """Path data through the points."""
     row = f"%.{decimals}f %.{decimals}f"
