@@ -16,7 +16,6 @@ import numpy as np
 from synthesis.catalogue.followers.base import flat_face
 from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.limits import Claim
-from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design, SegmentMotion
 from synthesis.exporters.diagrams.plot import (
     NOWHERE,
@@ -31,10 +30,10 @@ from synthesis.exporters.diagrams.plot import (
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import heading
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.options import DiagramOptions, MotionOptions, PictureOptions, Theme
+from synthesis.exporters.options import DiagramOptions, PictureOptions, Theme
 from synthesis.exporters.samples.cam import Cam, Turn
-from synthesis.exporters.samples.columns import ForceSamples
-from synthesis.exporters.samples.sampling import in_degrees, motion_rows, table_rows
+from synthesis.exporters.samples.columns import force_samples
+from synthesis.exporters.samples.sampling import Rows, in_degrees, motion_rows
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -43,6 +42,15 @@ HEADER, BAND, HEIGHT, GAP, FOOTER = 20.0, 9.4, 42.0, 11.0, 12.0
 SHORT = 7  # what is left of a cut name must have more letters than this
 STRIP = Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, BAND)
 DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this
+MEASURED_PER_DEGREE = 20.0  # rows at which the extremes are read
+DENSITIES = DRAWN_PER_DEGREE, MEASURED_PER_DEGREE
+QUANTITIES = ("displacement", "velocity", "acceleration", "jerk")  # by the order of derivative
+# Forces by their names in ``ForceHistory``: title, unit, and of their limits the quantity and name.
+FORCES = {
+    "contact": ("Contact force N", "N", "contact_force", "contact_force"),
+    "pressure": ("Hertz pressure p", "MPa", "pressure_square", "hertz_pressure"),
+    "torque": ("Camshaft torque T", "N m", "camshaft_torque", "camshaft_torque"),
+}
 
 
 def sheet(design: Design, plots: Sequence[Plot], title: str, text: str, theme: Theme) -> bytes:
@@ -132,10 +140,6 @@ def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[s
     return [*body, svg.text("label", middle, bottom + 9.2, f"{name}, degrees", "middle")]
 
 
-MEASURED_PER_DEGREE = 20.0  # rows at which the extremes are read
-QUANTITIES = ("displacement", "velocity", "acceleration", "jerk")  # by the order of derivative
-
-
 def _motion(design: Design, options: DiagramOptions) -> bytes:
     cam, above = Cam.of(design), heading(design, LEFT, WIDTH - RIGHT, 1.0)
     limits = partial(motion_bounds, design)
@@ -168,31 +172,24 @@ def motion_plot(
 ) -> Plot:
     """The diagram of a derivative of s by time, drawn with so many rows per degree."""
 
-    def trace(per_degree: float) -> Trace:
-        rows = motion_rows(turn, 360.0 * per_degree)
-        values = turn.derivatives(rows.theta, rows.left)[order] * turn.rate(order)
-        return Trace(rows.degrees, rows.side, values)
+    def value(rows: Rows) -> Array:
+        return np.asarray(turn.derivatives(rows.theta, rows.left)[order] * turn.rate(order))
 
     # Where a lower derivative jumps the value is infinite, with the sign of the jump.
     theta = turn.joints.breaking(order - 1)
     lower = turn.joints.order[turn.joints.order < order]
     left, right = (turn.motion.derivatives(theta, 3, side) for side in ("left", "right"))
     jump = (right - left)[lower, np.arange(len(theta))]
+    curve, fine = _traces(turn, value, per_degree)
     return Plot(
         title=f"{QUANTITIES[order].capitalize()} {'svaj'[order]}",
         unit=svg.unit(turn.travel.derivative_unit(order)),
-        curve=trace(per_degree),
-        fine=trace(MEASURED_PER_DEGREE),
+        curve=curve,
+        fine=fine,
         infinite=Trace.infinite(in_degrees(theta), jump),
         limits=limits,
         ends=(("max", True), ("min", False))[: 2 if order else 1],
     )
-
-
-MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion, DiagramOptions)
-
-
-DENSITIES = MotionOptions(DRAWN_PER_DEGREE), MotionOptions(MEASURED_PER_DEGREE)
 
 
 def _contact(design: Design, options: PictureOptions) -> bytes:
@@ -211,7 +208,7 @@ def _contact(design: Design, options: PictureOptions) -> bytes:
 def pressure_plot(design: Design, cam: Cam) -> Plot:
     """The pressure angle along the traced curve of a flank."""
     path = cam.flank.path
-    curve, fine = _traces(cam, lambda at: at.pressure_angle / DEGREE)
+    curve, fine = _traces(cam, lambda rows: cam.at(rows.theta, rows.left).pressure_angle / DEGREE)
     limits = claimed_bounds(
         design,
         lambda claim: claim.quantity == "pressure_angle" and claim.path == path,
@@ -232,12 +229,12 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
         # Along a face nothing can be hollow. Where the velocity jumps the face rocks on a corner,
         # or would have to leave the cam.
         left, right = (cam.motion.derivatives(theta, 3, side) for side in ("left", "right"))
-        curve, fine = _traces(cam, lambda at: at.radius)
+        curve, fine = _traces(cam, lambda rows: cam.at(rows.theta, rows.left).radius)
         plot = Plot(f"Profile radius ρ {name}".strip(), "mm", curve, fine, NOWHERE, limits)
         infinite = Trace.infinite(in_degrees(theta), right[1] - left[1])
         ends = ("min", False), ("max", True)
         return replace(plot, infinite=infinite, ends=ends, bad=(-np.inf, 0.0))
-    curve, fine = _traces(cam, lambda at: side * at.curvature)
+    curve, fine = _traces(cam, lambda rows: side * cam.at(rows.theta, rows.left).curvature)
     # A corner of the traced curve is infinitely convex or hollow, as the material sees it; the
     # curve of a ccw cam runs clockwise.
     before, after = cam.at(theta, np.ones(len(theta), dtype=bool)), cam.at(theta)
@@ -255,48 +252,36 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
     )  # fmt: skip
 
 
-def _traces(cam: Cam, value: Callable[[CamProfile], Array]) -> Iterator[Trace]:
-    """As it is drawn, and as its extremes are read."""
-    for density in DENSITIES:
-        rows = table_rows(cam, density)
-        yield Trace(rows.degrees, rows.side, value(cam.at(rows.theta, rows.left)))
-
-
 def force_plots(design: Design, cam: Cam) -> Iterator[Plot]:
     """The diagrams of a design's forces; none where the spec has no load."""
-    drawn, fine = (ForceSamples.of(design, cam, density) for density in DENSITIES)
-    if drawn is None or fine is None:
-        return
-    samples = drawn, fine
-
-    def plot(
-        title: str, unit: str, limits: list[Bound], name: str, flank: str | None = None
-    ) -> Plot:
-        curve, fine = (
-            Trace(each.rows.degrees, each.rows.side, each.value(name, flank)) for each in samples
-        )
-        return Plot(f"{title} {flank or ''}".strip(), unit, curve, fine, NOWHERE, limits)
-
-    for flank in fine.right.contact:
-        limits = _limits(design, "contact_force", labelled("contact_force", flank))
-        yield plot("Contact force N", "N", limits, "contact", flank)
-    for flank in fine.right.pressure:
-        limits = _limits(design, "pressure_square", labelled("hertz_pressure", flank))
-        yield plot("Hertz pressure p", "MPa", limits, "pressure", flank)
-    limits = _limits(design, "camshaft_torque", "camshaft_torque")
-    yield plot("Camshaft torque T", "N m", limits, "torque")
+    rows = [motion_rows(cam, 360.0 * density) for density in DENSITIES]
+    samples = [force_samples(design, cam, each) for each in rows]
+    for name, (title, unit, quantity, limit) in FORCES.items():
+        for flank in (flank for force, flank in samples[0] if force == name):
+            curve, fine = (
+                Trace(each.degrees, each.side, forces[name, flank])
+                for each, forces in zip(rows, samples, strict=True)
+            )
+            limits = claimed_bounds(design, partial(_bounds, quantity, labelled(limit, flank)))
+            yield Plot(f"{title} {flank}".strip(), unit, curve, fine, NOWHERE, limits)
 
 
-def _limits(design: Design, quantity: str, name: str) -> list[Bound]:
-    """The bounds of a flank's claims, in the unit of the spec."""
-
-    def ours(claim: Claim) -> bool:
-        whole = claim.limit.removesuffix("_min").removesuffix("_max")
-        return claim.quantity == quantity and whole == name
-
-    return claimed_bounds(design, ours)
+def _bounds(quantity: str, limit: str, claim: Claim) -> bool:
+    """Whether a claim bounds a quantity for a limit, from either side."""
+    whole = claim.limit.removesuffix("_min").removesuffix("_max")
+    return claim.quantity == quantity and whole == limit
 
 
+def _traces(
+    turn: Turn, value: Callable[[Rows], Array], drawn: float = DRAWN_PER_DEGREE
+) -> Iterator[Trace]:
+    """As it is drawn, and as its extremes are read."""
+    for density in (drawn, MEASURED_PER_DEGREE):
+        rows = motion_rows(turn, 360.0 * density)
+        yield Trace(rows.degrees, rows.side, value(rows))
+
+
+MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion, DiagramOptions)
 CONTACT = Exporter(
     "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", _contact,
     PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank; with a "

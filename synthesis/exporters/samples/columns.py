@@ -18,6 +18,17 @@ from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 POWERS = str.maketrans("²³", "23")
+PER_RADIAN = (("ds", "first"), ("d2s", "second"), ("d3s", "third"))
+# Forces by their names in ``ForceHistory``: name of the column, its unit, what it means.
+FORCES = {
+    "drive": ("drive", "N", "force that the cam gives along the motion"),
+    "torque": ("torque", "N m", "torque on the camshaft"),
+    "contact": (
+        "contact_force", "N", "force along the common normal; negative where the flank does not "
+        "touch",
+    ),
+    "pressure": ("hertz_pressure", "MPa", "Hertz pressure"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +60,13 @@ def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
         curve = "pitch curve" if is_pitch(options.curve) else "profile"
     place = f"turned by {options.turn_deg:.12g}° from" if options.turn_deg else "in"
     frame = f"{curve}, {place} the cam's frame"
-    axial = []
+    columns = [
+        *_derivatives(at.s, cam), Column("x_mm", "mm", frame, x), Column("y_mm", "mm", frame, y)
+    ]  # fmt: skip
     if options.z_mm is not None:
         z = np.full(len(rows.theta), options.z_mm)
-        axial.append(Column("z_mm", "mm", "position along the axis", z))
-    return [
-        _angle(rows),
-        *_physical(at.s, cam),
-        Column("x_mm", "mm", frame, x),
-        Column("y_mm", "mm", frame, y),
-        *axial,
+        columns.append(Column("z_mm", "mm", "position along the axis", z))
+    columns += [
         Column(
             "pressure_angle_deg", "deg",
             "signed; positive where the cam pushes against a rise", at.pressure_angle / DEGREE,
@@ -71,45 +79,39 @@ def profile_columns(cam: Cam, options: CurveOptions) -> list[Column]:
             "profile_radius_mm", "mm",
             "signed radius of curvature of the profile; infinite where it is straight", at.radius,
         ),
-        _side(rows),
     ]  # fmt: skip
+    return _at_rows(rows, columns)
 
 
 def motion_columns(turn: Turn, options: MotionOptions) -> list[Column]:
     """The follower's motion at the given speed, and per radian of cam angle."""
     rows = motion_rows(turn, options.count)
     s = turn.derivatives(rows.theta, rows.left)
-    return [_angle(rows), *_physical(s, turn), *_per_radian(s, turn), _side(rows)]
+    columns = _derivatives(s, turn)
+    for order, (name, count) in enumerate(PER_RADIAN, start=1):
+        unit = turn.travel.derivative_unit(order).replace("/s", "/rad")
+        meaning = f"{count} derivative of s by the cam angle"
+        columns.append(
+            Column(column_name(name, unit), unit, meaning, s[order] / turn.travel.per_unit)
+        )
+    return _at_rows(rows, columns)
 
 
-def _angle(rows: Rows) -> Column:
-    return Column("theta_deg", "deg", "cam angle", rows.degrees)
-
-
-def _side(rows: Rows) -> Column:
+def _at_rows(rows: Rows, columns: list[Column]) -> list[Column]:
+    """The columns between those of the cam angle and of the side of a jump."""
     meaning = "-1 and 1: limits from the left and from the right of a jump; otherwise 0"
-    return Column("side", "1", meaning, rows.side)
+    angle = Column("theta_deg", "deg", "cam angle", rows.degrees)
+    return [angle, *columns, Column("side", "1", meaning, rows.side)]
 
 
-def _physical(s: Array, turn: Turn) -> list[Column]:
+def _derivatives(s: Array, turn: Turn) -> list[Column]:
+    """s and its derivatives by time, from (4, n) of them per radian."""
     meanings = ("displacement from the lowest position", "velocity", "acceleration", "jerk")
+    units = map(turn.travel.derivative_unit, range(4))
     return [
         Column(column_name(letter, unit), unit, meaning, s[order] * turn.rate(order))
-        for order, (letter, meaning) in enumerate(zip("svaj", meanings, strict=True))
-        for unit in [turn.travel.derivative_unit(order)]
+        for order, (letter, unit, meaning) in enumerate(zip("svaj", units, meanings, strict=True))
     ]
-
-
-def _per_radian(s: Array, turn: Turn) -> list[Column]:
-    names = (("ds", "first"), ("d2s", "second"), ("d3s", "third"))
-    return [
-        Column(
-            column_name(letter, unit), unit, f"{count} derivative of s by the cam angle",
-            s[order] / turn.travel.per_unit,
-        )
-        for order, (letter, count) in enumerate(names, start=1)
-        for unit in [turn.travel.derivative_unit(order).replace("/s", "/rad")]
-    ]  # fmt: skip
 
 
 def column_name(letter: str, unit: str) -> str:
@@ -117,66 +119,38 @@ def column_name(letter: str, unit: str) -> str:
     return f"{letter}_{unit}".replace("/", "_per_").translate(POWERS)
 
 
-@dataclass(frozen=True, eq=False)
-class ForceSamples:
-    """What the cam of a design bears, at rows.
+def force_samples(design: Design, cam: Cam, rows: Rows) -> dict[tuple[str, str], Array]:
+    """Forces at every row, from the side the row is of; none where the spec has no load.
 
-    Attributes:
-        right, left: forces as limits from the right and from the left.
+    By name in ``ForceHistory`` and flank, "" where it is the whole cam's.
     """
+    machine = design.completed_spec.machine()
+    if machine.load is None:
+        return {}
+    left, right = (
+        history(
+            machine.follower, machine.load, machine.omega, cam.motion, cam.size, rows.theta, side
+        )
+        for side in ("left", "right")
+    )
 
-    rows: Rows
-    right: ForceHistory
-    left: ForceHistory
+    def by_flank(of: ForceHistory, name: str) -> dict[str, Array]:
+        force = getattr(of, name)
+        return force if isinstance(force, dict) else {"": force}
 
-    @classmethod
-    def of(cls, design: Design, cam: Cam, options: MotionOptions) -> ForceSamples | None:
-        """The forces at the rows of a table; None where the spec has no load."""
-        machine = design.completed_spec.machine()
-        if machine.load is None:
-            return None
-        rows = table_rows(cam, options)
-        right, left = (
-            history(
-                machine.follower, machine.load, machine.omega, cam.motion, cam.size, rows.theta,
-                side,
-            )
-            for side in ("right", "left")
-        )  # fmt: skip
-        return cls(rows, right, left)
-
-    def value(self, name: str, flank: str | None = None) -> Array:
-        """A force, by its name in ``ForceHistory``, at every row, from the side the row is of."""
-        left, right = getattr(self.left, name), getattr(self.right, name)
-        if flank is not None:
-            left, right = left[flank], right[flank]
-        return np.asarray(np.where(self.rows.left, left, right))
+    return {
+        (name, flank): np.where(rows.left, before, by_flank(right, name)[flank])
+        for name in FORCES
+        for flank, before in by_flank(left, name).items()
+    }
 
 
 def force_columns(design: Design, cam: Cam, options: MotionOptions) -> list[Column]:
     """Columns of forces for tables of the motion; none where the spec has no load."""
-    forces = ForceSamples.of(design, cam, options)
-    if forces is None:
-        return []
-    return [
-        Column(
-            "drive_n", "N", "force that the cam gives along the motion",
-            forces.value("drive"),
-        ),
-        Column("torque_n_m", "N m", "torque on the camshaft", forces.value("torque")),
-        *(
-            Column(
-                f"{labelled('contact_force', name)}_n", "N",
-                "force along the common normal; negative where the flank does not touch",
-                forces.value("contact", name),
-            )
-            for name in forces.right.contact
-        ),
-        *(
-            Column(
-                f"{labelled('hertz_pressure', name)}_mpa", "MPa", "Hertz pressure",
-                forces.value("pressure", name),
-            )
-            for name in forces.right.pressure
-        ),
-    ]  # fmt: skip
+    columns = []
+    samples = force_samples(design, cam, motion_rows(cam, options.count))
+    for (force, flank), values in samples.items():
+        name, unit, meaning = FORCES[force]
+        name = f"{labelled(name, flank)}_{unit.lower().replace(' ', '_')}"
+        columns.append(Column(name, unit, meaning, values))
+    return columns
