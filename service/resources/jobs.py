@@ -11,7 +11,8 @@ from pydantic import ValidationError
 
 from service.resources.resource import Resource
 from service.settings import Settings
-from service.storage.store import AnswerRow, Answers, Store
+from service.storage.store import Answers, Store
+from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.metrics import Metrics
 from service.wire.problem import problem_of

@@ -11,7 +11,8 @@ from typing import Annotated, Any, Generic, Literal, TypeVar
 
 from pydantic import BaseModel, Field, create_model
 
-from service.storage.store import AnswerRow, Lookup
+from service.storage.store import Lookup
+from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType
 from service.wire.pages import in_utc
 from service.workers.tasks import Task, links_to

@@ -13,7 +13,7 @@ from fastapi import APIRouter, Header, Path, Query, Request, Response
 from service.contract.documentation import in_parts, problems
 from service.resources.resource import Resource, ResourceFile
 from service.state import Parts, State
-from service.storage.store import AnswerRow
+from service.storage.tables import AnswerRow
 from service.wire.etag import not_modified, tag_of
 from service.wire.ranges import IN_PARTS
 from synthesis.exporters import FileContent

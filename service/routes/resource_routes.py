@@ -14,7 +14,7 @@ from service.resources.jobs import result_of
 from service.resources.resource import Accepted, Resource, page_of
 from service.routes.file_routes import add_file
 from service.state import Parts, State
-from service.storage.store import AnswerRow
+from service.storage.tables import AnswerRow
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified

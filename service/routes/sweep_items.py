@@ -21,9 +21,16 @@ from service.routes.file_routes import (
 )
 from service.routes.sweeps import Known
 from service.state import Parts, State
-from service.sweeps.pareto import compare_designs, pareto_front
-from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
-from service.sweeps.table import Columns, Pages, csv_table, parquet_table
+from service.storage.tables import ItemRow, SweepRow
+from service.sweeps.results import (
+    Columns,
+    Pages,
+    compare_designs,
+    csv_table,
+    pareto_front,
+    parquet_table,
+)
+from service.sweeps.store import UNDER_WAY
 from service.sweeps.views import (
     ItemStatus,
     ParetoAxis,

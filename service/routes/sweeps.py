@@ -14,7 +14,8 @@ from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_bod
 from service.contract.examples import SWEEPS
 from service.routes.resource_routes import Key, check_key
 from service.state import Parts, State
-from service.sweeps.store import UNDER_WAY, ItemRow, SweepRow
+from service.storage.tables import ItemRow, SweepRow
+from service.sweeps.store import UNDER_WAY
 from service.sweeps.views import (
     Sweep,
     SweepPage,

@@ -1,5 +1,4 @@
-"""The database: answers by id, in SQLite or PostgreSQL, and the migrations of its tables.
+"""The database: tables (`tables`), what is kept by id (`store`), and migrations between releases.
 
-Questions and answers go in and come out as rows (`store.AnswerRow`). Sweeps keep their rows in the
-same database (`sweeps/store.py`). Begin with `store.py`.
+SQLite by default, PostgreSQL by URL. Begin with `store.py`.
 """

@@ -9,87 +9,17 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sqlalchemy import (
-    JSON,
-    BigInteger,
-    DateTime,
-    Engine,
-    Index,
-    Integer,
-    LargeBinary,
-    Select,
-    String,
-    create_engine,
-    delete,
-    event,
-    func,
-    select,
-    text,
-    update,
-)  # fmt: skip
+from sqlalchemy import Engine, Select, create_engine, delete, event, func, select, text, update
 from sqlalchemy.exc import IntegrityError
-from sqlalchemy.orm import DeclarativeBase, Mapped, Session, defer, mapped_column, sessionmaker
+from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
 from service.storage.migrations import migrate
+from service.storage.tables import AnswerRow, Kept, KeyRow
 
 T = TypeVar("T")
-Lookup = Callable[[Session, str], "AnswerRow | None"]
-
-
-class Base(DeclarativeBase):
-    """The tables."""
-
-
-class Kept(Base):
-    """What is kept by id; ``sequence`` is the order in which it came."""
-
-    __abstract__ = True
-
-    sequence: Mapped[int] = mapped_column(
-        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
-    )
-    id: Mapped[str] = mapped_column(String(64), unique=True)
-    engine: Mapped[int] = mapped_column(Integer)
-    name: Mapped[str] = mapped_column(String(200))
-    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
-    spec: Mapped[bytes] = mapped_column(LargeBinary)
-
-
 Row = TypeVar("Row", bound=Kept)
-
-
-class AnswerRow(Kept):
-    """One question with its answer.
-
-    Attributes:
-        kind: of question: the path of its collection. engine: number of the engine that answered.
-        state: accepted, done or failed; superseded: of an earlier engine, its answer dropped since
-            this one has accepted the question.
-        status: what came out; None until it is done. spec: the question. body: the answer.
-        summary: what lists show of it. problem: the problem document, where it failed.
-    """
-
-    __tablename__ = "answers"
-    __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
-
-    kind: Mapped[str] = mapped_column(String(64))
-    state: Mapped[str] = mapped_column(String(16), index=True)
-    status: Mapped[str | None] = mapped_column(String(16))
-    body: Mapped[bytes | None] = mapped_column(LargeBinary)
-    etag: Mapped[str | None] = mapped_column(String(64))
-    summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
-    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
-
-
-class KeyRow(Base):
-    """An Idempotency-Key, and which body it came with."""
-
-    __tablename__ = "idempotency_keys"
-
-    key: Mapped[str] = mapped_column(String(255), primary_key=True)
-    body_hash: Mapped[str] = mapped_column(String(64))
-    created: Mapped[datetime] = mapped_column(DateTime(timezone=True), index=True)
+Lookup = Callable[[Session, str], AnswerRow | None]
 
 
 class Store:

@@ -1,99 +1,33 @@
-"""Sweeps and their finished items in the store. What has no row has still to be done."""
+"""Sweeps and their finished items in the store. What has no row has still to be done.
+
+Several services may share a database, and one at a time works on a sweep: it holds a lease on the
+sweep's row, and renews it. When the lease has run out, the process is taken for dead, and another
+one takes the sweep. If it was only slow, it finds its lease gone, and writes nothing more.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import uuid
 import zlib
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import (
-    JSON,
-    BigInteger,
-    ColumnElement,
-    DateTime,
-    Float,
-    Index,
-    Integer,
-    LargeBinary,
-    String,
-    delete,
-    insert,
-    select,
-    update,
-)  # fmt: skip
-from sqlalchemy.orm import Mapped, Session, defer, mapped_column
+from sqlalchemy import ColumnElement, Float, delete, insert, or_, select, update
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.orm import Session, defer
+from sqlalchemy.sql.functions import FunctionElement
 
-from service.storage.store import AnswerRow, Base, Kept, Store, find_or_add, newest
+from service.storage.store import Store, find_or_add, newest
+from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
-PAGE = 1000  # items that are read at once for tables and fronts
+PAGE = 1000  # items read at once for tables and fronts: some MB at most
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
-
-
-class SweepRow(Kept):
-    """One sweep, with how many of its items came out how."""
-
-    __tablename__ = "sweeps"
-
-    started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
-    finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
-    state: Mapped[str] = mapped_column(String(16), index=True)
-    size: Mapped[int] = mapped_column(Integer)
-    axes: Mapped[list[str]] = mapped_column(JSON)
-    quantities: Mapped[list[str]] = mapped_column(JSON)
-    optimal: Mapped[int] = mapped_column(Integer, default=0)
-    feasible: Mapped[int] = mapped_column(Integer, default=0)
-    infeasible: Mapped[int] = mapped_column(Integer, default=0)
-    failed: Mapped[int] = mapped_column(Integer, default=0)
-    owner: Mapped[str | None] = mapped_column(String(64))
-    leased_until: Mapped[float | None] = mapped_column(Float)
-
-    @property
-    def done(self) -> int:
-        """Items that are finished, whatever came out."""
-        return self.optimal + self.feasible + self.infeasible + self.failed
-
-
-class ItemRow(Base):
-    """One finished item; ``sequence`` is the order in which they were finished."""
-
-    __tablename__ = "sweep_items"
-    __table_args__ = (
-        Index("ix_sweep_items_number", "sweep", "number", unique=True),
-        Index("ix_sweep_items_sequence", "sweep", "sequence"),
-        Index("ix_sweep_items_status", "sweep", "status", "sequence"),
-    )
-
-    sequence: Mapped[int] = mapped_column(
-        BigInteger().with_variant(Integer, "sqlite"), primary_key=True
-    )
-    sweep: Mapped[int] = mapped_column(BigInteger)
-    number: Mapped[int] = mapped_column(Integer)
-    status: Mapped[str] = mapped_column(String(16))
-    axis_values: Mapped[list[Any]] = mapped_column(JSON)
-    quantities: Mapped[dict[str, float]] = mapped_column(JSON)
-    gap: Mapped[float | None] = mapped_column(Float)
-    seconds: Mapped[float] = mapped_column(Float)
-    design_id: Mapped[str | None] = mapped_column(String(64), index=True)
-    design: Mapped[bytes | None] = mapped_column(LargeBinary)
-    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
-
-
-class StrikeRow(Base):
-    """How many workers an item has killed."""
-
-    __tablename__ = "sweep_strikes"
-
-    sweep: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
-    number: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
-    strikes: Mapped[int] = mapped_column(Integer)
-
-
 UNREAD = defer(SweepRow.spec)
 LISTED = defer(ItemRow.design)
 
@@ -102,11 +36,35 @@ class LeaseLost(Exception):
     """Another process works on the sweep now, or it was dismissed or deleted."""
 
 
-class SweepStore:
-    """Every method is one transaction of the store's."""
+class _Now(FunctionElement[float]):
+    """Seconds since 1970 by the database's clock, the only one that all processes share."""
 
-    def __init__(self, store: Store) -> None:
-        self._do = store.do
+    type = Float()
+    inherit_cache = True
+    name = "seconds_now"
+
+
+@compiles(_Now, "postgresql")
+def _in_postgresql(*_: Any, **__: Any) -> str:
+    return "cast(extract(epoch from clock_timestamp()) as double precision)"
+
+
+@compiles(_Now, "sqlite")
+def _in_sqlite(*_: Any, **__: Any) -> str:
+    return "(julianday('now') - 2440587.5) * 86400.0"
+
+
+UNOWNED = or_(SweepRow.owner.is_(None), SweepRow.leased_until < _Now())
+
+
+class SweepStore:
+    """Every method is one transaction of the store's.
+
+    ``owner`` names this process in leases; ``lease_s`` is how long one lasts unless renewed [s].
+    """
+
+    def __init__(self, store: Store, lease_s: float) -> None:
+        self._do, self.lease_s, self.owner = store.do, lease_s, uuid.uuid4().hex
 
     async def accept(self, row: SweepRow) -> SweepRow:
         """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""
@@ -122,6 +80,33 @@ class SweepStore:
     async def find(self, name: str) -> SweepRow | None:
         """The sweep with this id."""
         return await self._do(lambda s: s.scalar(select(SweepRow).filter_by(id=name)))
+
+    async def take(self, sweep: int) -> bool:
+        """Take the lease of a running sweep that no living process holds; whether it was got."""
+        free = or_(SweepRow.owner == self.owner, UNOWNED)
+        return await self._lease(sweep, free, owner=self.owner)
+
+    async def renew(self, sweep: int) -> bool:
+        """Renew the lease; False where the sweep has ended or another process holds it."""
+        return await self._lease(sweep, SweepRow.owner == self.owner)
+
+    async def _lease(self, sweep: int, free: ColumnElement[bool], **values: Any) -> bool:
+        change = update(SweepRow).where(
+            SweepRow.sequence == sweep, SweepRow.state.in_(UNDER_WAY), free
+        )
+        change = change.values(leased_until=_Now() + self.lease_s, **values)
+        change = change.returning(SweepRow.sequence)
+        return await self._do(lambda session: session.scalar(change)) is not None
+
+    async def release(self, sweep: int) -> None:
+        """Give the lease back."""
+        own = update(SweepRow).filter_by(sequence=sweep, owner=self.owner)
+        await self._do(lambda session: session.execute(own.values(owner=None, leased_until=None)))
+
+    async def unowned(self) -> Sequence[SweepRow]:
+        """Running sweeps that no living process works on."""
+        query = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY), UNOWNED)
+        return await self._do(lambda s: s.scalars(query.order_by(SweepRow.sequence)).all())
 
     async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
         """Sweeps from the newest on, without their specs."""
@@ -154,17 +139,22 @@ class SweepStore:
         now = datetime.now(UTC)
         await self._do(lambda s: s.execute(change.values(state="running", started=now)))
 
-    async def record(self, sweep: int, owner: str, done: Iterable[Done]) -> SweepRow:
+    async def record(self, sweep: int, done: Iterable[Done]) -> SweepRow:
         """Keep finished items and count them, in one transaction; those kept already stay.
 
         Raises:
-            LeaseLost: the sweep is not this owner's any more.
+            LeaseLost: the sweep is not this process's any more.
         """
-        rows = {answer.number: _row(sweep, answer, values) for answer, values in done}
+        rows = {
+            answer.number: {**vars(answer), "sweep": sweep, "axis_values": values}
+            for answer, values in done
+        }
+        for row in rows.values():
+            del row["warm_start"]
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[UNREAD], with_for_update=True)
-            if whole is None or whole.owner != owner:
+            if whole is None or whole.owner != self.owner:
                 raise LeaseLost
             there = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
@@ -185,10 +175,10 @@ class SweepStore:
 
         return await self._do(work)
 
-    async def end(self, sweep: int, state: str, owner: str | None = None) -> SweepRow | None:
+    async def end(self, sweep: int, state: str) -> SweepRow | None:
         """Mark a running sweep as ended; None where it was not running, or is deleted.
 
-        A process other than ``owner`` that works on it writes nothing more.
+        Another process that works on it writes nothing more.
         """
 
         def work(session: Session) -> SweepRow | None:
@@ -196,7 +186,7 @@ class SweepStore:
             if whole is None or whole.state not in UNDER_WAY:
                 return None
             whole.state, whole.finished = state, datetime.now(UTC)
-            if whole.owner != owner:
+            if whole.owner != self.owner:
                 whole.owner = whole.leased_until = None
             return whole
 
@@ -240,17 +230,11 @@ class SweepStore:
 
     async def holder(self, design_id: str) -> tuple[str, int] | None:
         """The sweep that has this design, and as which item; None where no sweep has."""
-        query = select(SweepRow.id, ItemRow.number).join(
-            ItemRow, ItemRow.sweep == SweepRow.sequence
+        query = select(SweepRow.id, ItemRow.number).where(
+            ItemRow.sweep == SweepRow.sequence, ItemRow.design_id == design_id
         )
-        query = query.where(ItemRow.design_id == design_id).limit(1)
         row = await self._do(lambda session: session.execute(query).first())
         return None if row is None else (row[0], row[1])
-
-
-def _row(sweep: int, answer: ItemAnswer, values: list[Any]) -> dict[str, Any]:
-    fields = {name: value for name, value in vars(answer).items() if name != "warm_start"}
-    return {**fields, "sweep": sweep, "axis_values": values}
 
 
 def design_of_item(session: Session, id: str) -> AnswerRow | None:
@@ -264,9 +248,7 @@ def design_of_item(session: Session, id: str) -> AnswerRow | None:
     if row is None:
         return None
     item, engine = row
-    if item.design is None:
-        return None
-    body = zlib.decompress(item.design)
+    body = zlib.decompress(item.design or b"")  # an item with the id of a design has the design
     design = json.loads(body)
     return AnswerRow(
         sequence=0,

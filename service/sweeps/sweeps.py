@@ -1,37 +1,235 @@
-"""All sweeps: accepted, continued after a restart, stopped, deleted."""
+"""Sweeps that this process runs: accepted, continued after a restart, stopped.
+
+`Sweeps` has all of them, a `SweepRunner` runs one: chunks of items go to the workers, answers are
+stored, until no item is left.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 from sqlalchemy.exc import InterfaceError, OperationalError
 
 from service.settings import Settings
 from service.storage.store import Store
-from service.sweeps.lease import Leases
-from service.sweeps.runner import Progress, SweepRunner
-from service.sweeps.store import SweepRow, SweepStore
-from service.sweeps.tasks import item_spec
-from service.wire.errors import ProblemType, ServiceError
-from service.workers.engine import Engine
+from service.storage.tables import SweepRow
+from service.sweeps.chunks import CHAIN, STRIKES, Chunks
+from service.sweeps.store import LeaseLost, SweepStore
+from service.sweeps.tasks import SLICE_S, ItemAnswer, item_spec, solve_items
+from service.wire.errors import ProblemType, ServiceError, problem_type
+from service.wire.problem import problem_of
+from service.workers.engine import Engine, new_task_name
 from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
+STORE_LOST = (InterfaceError, OperationalError)  # the database cannot be reached
 POLL_S = 1.0  # between searches for sweeps that no process works on
-SAMPLED = 8  # items that are validated before a sweep is accepted
+SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
+RETRY_S = 0.5  # after the engine or the store could not be reached
+RENEWAL_S = 0.5  # at most, between renewals: a sweep stopped elsewhere is noticed by then
+WINDOW = 32  # commits over which the rate is taken
+T = TypeVar("T")
+
+
+@dataclass(eq=False)
+class Progress:
+    """Updated with every commit; notifies those who wait for a change."""
+
+    _commits: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=WINDOW))
+    _change: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def update(self, done: int) -> None:
+        """Note how many items are in the store now."""
+        self._commits.append((time.monotonic(), done))
+        self.notify()
+
+    def notify(self) -> None:
+        """Wake those who wait for a change."""
+        change, self._change = self._change, asyncio.Event()
+        change.set()
+
+    @property
+    def next_change(self) -> asyncio.Event:
+        """Set at the next change."""
+        return self._change
+
+    @property
+    def rate_per_s(self) -> float | None:
+        """Items a second over the last commits; None until there are two."""
+        if len(self._commits) < 2:
+            return None
+        (start, first), (end, last) = self._commits[0], self._commits[-1]
+        return (last - first) / (end - start) if end > start else None
+
+
+class SweepRunner:
+    """Runs a sweep whose lease this process holds, in ``task``."""
+
+    task: asyncio.Task[None]
+
+    def __init__(
+        self, row: SweepRow, engine: Engine, store: SweepStore, settings: Settings
+    ) -> None:
+        self._row, self._engine, self._store = row, engine, store
+        self._spec = SweepSpec.model_validate_json(row.spec)
+        self._budget_s = settings.budget_s(self._spec.base.time_budget_s)
+        self._spec_for_workers = self._spec.without_values().model_dump_json().encode()
+        self._writing = asyncio.Lock()
+        self._stopping = False
+        self._running: dict[asyncio.Task[None], str] = {}  # chunks at the workers, with their names
+        self._warm_starts: dict[int, Any] = {}  # for items that were not begun
+        self.progress = Progress()
+
+    async def run(self) -> None:
+        """Run until every item is finished, or the sweep is stopped, or the lease is lost.
+
+        The lease is released at the end.
+        """
+        number = self._row.sequence
+        renewal = asyncio.create_task(self._renew_lease())
+        try:
+            done = await self._store.done_numbers(number)
+            strikes = await self._store.strikes(number)
+            chain = CHAIN if self._spec.warm_start else 1
+            chunks = Chunks(self._row.size, done, self._engine.slots, strikes, chain)
+            await self._store.start(number)
+            self.progress.update(len(done))
+            del done
+            await self._run_chunks(chunks)
+            row = await self._store.find(self._row.id)
+            if row is not None and not self._stopping:
+                state = "failed" if row.failed == row.size else "successful"
+                await self._store.end(number, state)
+        except LeaseLost:
+            log.info("another process has the sweep now")
+        except Exception:
+            log.exception("a sweep has failed")
+            await self._store.end(number, "failed")
+        finally:
+            renewal.cancel()
+            for chunk in self._running:
+                chunk.cancel()
+            self.progress.notify()
+            try:
+                await self._store.release(number)
+            except STORE_LOST:
+                log.warning("the store cannot be reached; the lease will expire")
+
+    async def _renew_lease(self) -> None:
+        """Renew the lease until it is lost: the sweep was dismissed, or another process has it."""
+        while True:
+            await asyncio.sleep(min(RENEWAL_S, 0.25 * self._store.lease_s))
+            try:
+                held = await self._store.renew(self._row.sequence)
+            except STORE_LOST:
+                continue  # no other process can take it either
+            if not held:
+                await self.stop()
+                return
+
+    async def stop(self) -> None:
+        """Send no more chunks, and cancel those at the workers: their finished items are kept."""
+        self._stopping = True
+        if not self._running:
+            return
+        ended = asyncio.gather(*self._running, return_exceptions=True)
+        if not await self._engine.cancel(list(self._running.values()), ended):
+            for chunk in self._running:
+                chunk.cancel()
+
+    async def _run_chunks(self, chunks: Chunks) -> None:
+        while True:
+            chunks.workers = self._engine.slots
+            # One more than there are workers: it waits while the answers of another are stored.
+            while not self._stopping and len(self._running) <= self._engine.slots:
+                numbers = chunks.take()
+                if not numbers:
+                    break
+                name = new_task_name()
+                chunk = asyncio.create_task(self._run_chunk(chunks, numbers, name))
+                self._running[chunk] = name
+            if not self._running:
+                return
+            ended, _ = await asyncio.wait(self._running, return_when=asyncio.FIRST_COMPLETED)
+            for chunk in ended:
+                del self._running[chunk]
+                if not chunk.cancelled():
+                    chunk.result()
+
+    async def _run_chunk(self, chunks: Chunks, numbers: list[int], name: str) -> None:
+        """Solve the items of a chunk and store the answers; what was not begun is put back."""
+        items = [(number, self._spec.item_values(number)) for number in numbers]
+        try:
+            answers = await self._engine.run(
+                solve_items, self._spec_for_workers, items, self._budget_s, self._engine.task,
+                self._warm_starts.get(numbers[0]),
+                budget_s=self._budget_s + SLICE_S, low_priority=True, name=name,
+            )  # fmt: skip
+        except (ServiceError, TimeBudgetExceeded) as error:
+            if problem_type(error) is ProblemType.ENGINE_UNREACHABLE:
+                chunks.put_back(numbers)
+                await asyncio.sleep(RETRY_S)
+                return
+            suspects = chunks.unfinished(numbers)
+            strikes = chunks.add_strikes(suspects)
+            await self._write(lambda: self._store.keep_strikes(self._row.sequence, strikes))
+            if max(strikes.values()) < STRIKES:
+                for number in suspects:
+                    chunks.put_back([number])
+                return
+            # Only an item that was alone in its chunk has so many strikes.
+            problem = problem_of(error) | {
+                "detail": f"Its worker was lost {STRIKES} times while it worked on this item, the "
+                "last times on this item alone: it died, perhaps for lack of memory, or overran "
+                f"its time budget and had to be stopped. The last time: {error}"
+            }
+            answers, numbers = [ItemAnswer(suspects[0], "failed", problem=problem)], suspects
+        for answer in answers:
+            chunks.record_time(answer.seconds)
+        self._warm_starts.pop(numbers[0], None)
+        not_begun = numbers[len(answers) :]
+        if not_begun and answers:
+            self._warm_starts[not_begun[0]] = answers[-1].warm_start
+        chunks.put_back(not_begun)
+        values = dict(items)
+        new = [(each, values[each.number]) for each in answers if chunks.finish(each.number)]
+        if not new:
+            return
+        async with self._writing:  # items become visible in the order of their sequence numbers
+            row = await self._write(lambda: self._store.record(self._row.sequence, new))
+            self.progress.update(row.done)
+
+    async def _write(self, write: Callable[[], Awaitable[T]]) -> T:
+        """Write to the store, again until it can be reached; a write that has begun is not lost."""
+        while True:
+            writing = asyncio.ensure_future(write())
+            try:
+                return await asyncio.shield(writing)
+            except asyncio.CancelledError:
+                await asyncio.wait({writing})
+                raise
+            except STORE_LOST:
+                log.exception("the store cannot be reached; finished items wait for it")
+                await asyncio.sleep(RETRY_S)
 
 
 class Sweeps:
     """The sweeps that this process runs, by id; and all that are stored."""
 
     def __init__(self, engine: Engine, store: Store, settings: Settings) -> None:
-        self.engine, self.store, self._settings = engine, SweepStore(store), settings
-        self._leases = Leases(store, settings.sweep_lease_s)
+        self.engine, self._settings = engine, settings
+        self.store = SweepStore(store, settings.sweep_lease_s)
         self._polling: asyncio.Task[None] | None = None
         self._runners: dict[str, SweepRunner] = {}
 
@@ -43,9 +241,12 @@ class Sweeps:
         """
         most = self._settings.max_sweep_items
         if spec.size > most:
-            raise _too_large(spec.size, most)
-        shares = (i / max(SAMPLED - 1, 1) for i in range(SAMPLED))
-        sample = dict.fromkeys(round(share * (spec.size - 1)) for share in shares)
+            rule = f"makes {spec.size} items; this server takes {most} in a sweep"
+            remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
+            wrong = {"pointer": "/axes", "value": spec.size, "rule": rule, "remedy": remedy}
+            raise ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[wrong])
+        step = (spec.size - 1) / (SAMPLED - 1)
+        sample = dict.fromkeys(round(i * step) for i in range(SAMPLED))
         first: ServiceError | None = None
         for number in sample:
             try:
@@ -93,11 +294,11 @@ class Sweeps:
             await asyncio.sleep(min(POLL_S, 0.5 * self._settings.sweep_lease_s))
             try:
                 await self._continue_unowned()
-            except (InterfaceError, OperationalError):
+            except STORE_LOST:
                 log.warning("the store cannot be reached")
 
     async def _continue_unowned(self) -> None:
-        for row in await self._leases.unowned():
+        for row in await self.store.unowned():
             if row.engine < ENGINE_NUMBER:
                 await self._renew(row)
             else:
@@ -117,11 +318,11 @@ class Sweeps:
         await self._accept(spec)
 
     async def _start(self, row: SweepRow) -> None:
-        if row.id in self._runners or not await self._leases.take(row.sequence):
+        if row.id in self._runners or not await self.store.take(row.sequence):
             return
         if row.id in self._runners:  # started meanwhile
             return
-        runner = SweepRunner(row, self.engine, self.store, self._leases, self._settings)
+        runner = SweepRunner(row, self.engine, self.store, self._settings)
         self._runners[row.id] = runner
         runner.task = asyncio.create_task(runner.run())
         runner.task.add_done_callback(lambda _: self._runners.pop(row.id))
@@ -134,8 +335,7 @@ class Sweeps:
     async def dismiss(self, row: SweepRow) -> SweepRow | None:
         """Stop a running sweep and keep what is done; None where it had ended already."""
         runner = self._runners.get(row.id)
-        owner = None if runner is None else self._leases.owner
-        ended = await self.store.end(row.sequence, "dismissed", owner)
+        ended = await self.store.end(row.sequence, "dismissed")
         if runner is not None:
             await runner.stop()
             await asyncio.wait({runner.task})
@@ -148,10 +348,3 @@ class Sweeps:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-
-
-def _too_large(size: int, most: int) -> ServiceError:
-    rule = f"makes {size} items; this server takes {most} in a sweep"
-    remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
-    violation = {"pointer": "/axes", "value": size, "rule": rule, "remedy": remedy}
-    return ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[violation])

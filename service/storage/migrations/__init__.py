@@ -1,4 +1,4 @@
-"""Migrations of the database's tables, run whenever the service starts: one file each."""
+"""Migrations: what brings the tables of an earlier release to those of this one, one file each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from alembic import command
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, inspect, text
+from sqlalchemy import Engine, inspect, text
+
+from service.storage.tables import Base
 
 LOCK = 0x63616D77  # any number that no other program locks in this database
 
@@ -28,23 +30,23 @@ def migrate(engine: Engine) -> None:
             connection.execute(text("select pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
         else:
             connection.exec_driver_sql("BEGIN IMMEDIATE")
-        _check(connection, config)
         config.attributes["connection"] = connection
-        command.upgrade(config, "head")
-
-
-def _check(connection: Connection, config: Config) -> None:
-    # A development version before the first release had a table for each kind of answer.
-    if "designs" in inspect(connection).get_table_names():
-        raise ForeignDatabase(
-            "it was written by a version of Camwright from before its first release, whose tables "
-            "cannot be carried over. Move it away, or name another one; designs are computed anew "
-            "from their specs"
-        )
-    known = {each.revision for each in ScriptDirectory.from_config(config).walk_revisions()}
-    current = MigrationContext.configure(connection).get_current_revision()
-    if current is not None and current not in known:
-        raise ForeignDatabase(
-            f"it was written by a later version of Camwright (its tables are of revision {current})"
-            ". Start that version, or name another database"
-        )
+        # A development version before the first release had a table for each kind of answer.
+        if "designs" in inspect(connection).get_table_names():
+            raise ForeignDatabase(
+                "it was written by a version of Camwright from before its first release, whose "
+                "tables cannot be carried over. Move it away, or name another one; designs are "
+                "computed anew from their specs"
+            )
+        known = {each.revision for each in ScriptDirectory.from_config(config).walk_revisions()}
+        current = MigrationContext.configure(connection).get_current_revision()
+        if current is None:  # an empty database gets the tables as they are now
+            Base.metadata.create_all(connection, checkfirst=False)
+            command.stamp(config, "head")
+        elif current in known:
+            command.upgrade(config, "head")
+        else:
+            raise ForeignDatabase(
+                "it was written by a later version of Camwright (its tables are of revision "
+                f"{current}). Start that version, or name another database"
+            )

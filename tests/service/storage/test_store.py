@@ -11,11 +11,18 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 
 from service.server import serve
-from service.storage.store import Base, Store
+from service.storage.store import Store
+from service.storage.tables import Base
 from tests.service.conftest import settings_for
 
+FIRST_RELEASE = Path(__file__).with_name("first_release.sql")
 
-def test_the_migrations_make_the_tables_of_the_code(tmp_path: Path) -> None:
+
+@pytest.mark.parametrize("script", ["", FIRST_RELEASE.read_text("utf-8")], ids=["new", "first"])
+def test_a_database_gets_the_tables_of_the_code(tmp_path: Path, script: str) -> None:
+    """A new one at once, that of the first release by migrations."""
+    with closing(sqlite3.connect(tmp_path / "designs.db")) as database:
+        database.executescript(script)
     for _ in range(2):  # and starting again changes nothing
         store = Store(settings_for(tmp_path))
         try:

@@ -15,8 +15,8 @@ import httpx2
 import pytest
 
 from service.storage.store import Store
-from service.sweeps.lease import Leases
-from service.sweeps.store import Done, LeaseLost, SweepRow, SweepStore
+from service.storage.tables import SweepRow
+from service.sweeps.store import Done, LeaseLost, SweepStore
 from service.sweeps.tasks import ItemAnswer
 from tests.lazy import LazyModule
 from tests.service.conftest import settings_for
@@ -36,32 +36,31 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
     """Two processes' leases on one store: what the second may do, and what the first may not."""
 
     async def told(store: Store) -> None:
-        sweeps = SweepStore(store)
-        one, other = Leases(store, 60.0), Leases(store, 60.0)
-        row = await sweeps.accept(a_sweep())
+        one, other = SweepStore(store, 60.0), SweepStore(store, 60.0)
+        row = await one.accept(a_sweep())
         number = row.sequence
         assert [each.id for each in await one.unowned()] == [row.id]
         assert await one.take(number)
         assert not await other.take(number)
         assert await other.unowned() == []
-        assert (await sweeps.record(number, one.owner, [an_item(0)])).done == 1
-        one.length_s = -1.0  # has run out as soon as it is renewed
+        assert (await one.record(number, [an_item(0)])).done == 1
+        one.lease_s = -1.0  # has run out as soon as it is renewed
         assert await one.renew(number)
         assert await other.take(number)
         assert not await one.renew(number)
         assert await one.unowned() == []
         with pytest.raises(LeaseLost):
-            await sweeps.record(number, one.owner, [an_item(1)])
+            await one.record(number, [an_item(1)])
         await one.release(number)  # not its own to give
         assert await other.renew(number)
-        assert (await sweeps.record(number, other.owner, [an_item(0), an_item(1)])).done == 2
-        await sweeps.end(number, "dismissed", one.owner)  # by whoever does not work on it
+        assert (await other.record(number, [an_item(0), an_item(1)])).done == 2
+        await one.end(number, "dismissed")  # by whoever does not work on it
         with pytest.raises(LeaseLost):
-            await sweeps.record(number, other.owner, [an_item(2)])
-        await sweeps.accept(a_sweep())
+            await other.record(number, [an_item(2)])
+        await one.accept(a_sweep())
         assert await one.take(number)
-        await sweeps.end(number, "dismissed", one.owner)
-        assert (await sweeps.record(number, one.owner, [an_item(2)])).done == 3  # at hand by then
+        await one.end(number, "dismissed")
+        assert (await one.record(number, [an_item(2)])).done == 3  # at hand by then
 
     store = Store(settings_for(tmp_path))
     try:

@@ -1,0 +1,123 @@
+"""The tables of the database; a row is a question, a sweep, an item of one, or a key."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, DateTime, Float, Index, Integer, LargeBinary, String
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+# SQLite numbers rows by itself only where the type is called INTEGER.
+ROW_NUMBER = BigInteger().with_variant(Integer, "sqlite")
+TIME = DateTime(timezone=True)
+
+
+class Base(DeclarativeBase):
+    """The tables."""
+
+
+class Kept(Base):
+    """What is kept by id; ``sequence`` is the order in which it came."""
+
+    __abstract__ = True
+
+    sequence: Mapped[int] = mapped_column(ROW_NUMBER, primary_key=True)
+    id: Mapped[str] = mapped_column(String(64), unique=True)
+    engine: Mapped[int] = mapped_column(Integer)
+    name: Mapped[str] = mapped_column(String(200))
+    created: Mapped[datetime] = mapped_column(TIME)
+    spec: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class AnswerRow(Kept):
+    """One question with its answer.
+
+    Attributes:
+        kind: of question: the path of its collection. engine: number of the engine that answered.
+        state: accepted, done or failed; superseded: of an earlier engine, its answer dropped since
+            this one has accepted the question.
+        status: what came out; None until it is done. spec: the question. body: the answer.
+        summary: what lists show of it. problem: the problem document, where it failed.
+    """
+
+    __tablename__ = "answers"
+    __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
+
+    kind: Mapped[str] = mapped_column(String(64))
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    status: Mapped[str | None] = mapped_column(String(16))
+    body: Mapped[bytes | None] = mapped_column(LargeBinary)
+    etag: Mapped[str | None] = mapped_column(String(64))
+    summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+
+
+class KeyRow(Base):
+    """An Idempotency-Key, and which body it came with."""
+
+    __tablename__ = "idempotency_keys"
+
+    key: Mapped[str] = mapped_column(String(255), primary_key=True)
+    body_hash: Mapped[str] = mapped_column(String(64))
+    created: Mapped[datetime] = mapped_column(TIME, index=True)
+
+
+class SweepRow(Kept):
+    """One sweep, with how many of its items came out how.
+
+    ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may.
+    """
+
+    __tablename__ = "sweeps"
+
+    started: Mapped[datetime | None] = mapped_column(TIME)
+    finished: Mapped[datetime | None] = mapped_column(TIME)
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    size: Mapped[int] = mapped_column(Integer)
+    axes: Mapped[list[str]] = mapped_column(JSON)
+    quantities: Mapped[list[str]] = mapped_column(JSON)
+    optimal: Mapped[int] = mapped_column(Integer, default=0)
+    feasible: Mapped[int] = mapped_column(Integer, default=0)
+    infeasible: Mapped[int] = mapped_column(Integer, default=0)
+    failed: Mapped[int] = mapped_column(Integer, default=0)
+    owner: Mapped[str | None] = mapped_column(String(64))
+    leased_until: Mapped[float | None] = mapped_column(Float)
+
+    @property
+    def done(self) -> int:
+        """Items that are finished, whatever came out."""
+        return self.optimal + self.feasible + self.infeasible + self.failed
+
+
+class ItemRow(Base):
+    """One finished item; ``sequence`` is the order in which they were finished."""
+
+    __tablename__ = "sweep_items"
+    __table_args__ = (
+        Index("ix_sweep_items_number", "sweep", "number", unique=True),
+        Index("ix_sweep_items_sequence", "sweep", "sequence"),
+        Index("ix_sweep_items_status", "sweep", "status", "sequence"),
+    )
+
+    sequence: Mapped[int] = mapped_column(ROW_NUMBER, primary_key=True)
+    sweep: Mapped[int] = mapped_column(BigInteger)
+    number: Mapped[int] = mapped_column(Integer)
+    status: Mapped[str] = mapped_column(String(16))
+    axis_values: Mapped[list[Any]] = mapped_column(JSON)
+    quantities: Mapped[dict[str, float]] = mapped_column(JSON)
+    gap: Mapped[float | None] = mapped_column(Float)
+    seconds: Mapped[float] = mapped_column(Float)
+    design_id: Mapped[str | None] = mapped_column(String(64), index=True)
+    design: Mapped[bytes | None] = mapped_column(LargeBinary)
+    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+
+
+class StrikeRow(Base):
+    """How many workers an item has killed."""
+
+    __tablename__ = "sweep_strikes"
+
+    sweep: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
+    number: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
+    strikes: Mapped[int] = mapped_column(Integer)
