@@ -8,10 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from service.commands.analyses import analyse, confirm, costs, read_back
-from service.commands.cams import cam_set, design
+from service.commands import questions
 from service.commands.export import export
-from service.commands.machines import linkage, respond, spatial
 from service.commands.serve import serve
 from service.commands.sweep import sweep
 from service.commands.terminal import out
@@ -36,17 +34,17 @@ Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back
 sweep ask instead of computing here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds that one
 question may take here."""
 COMMANDS: Mapping[str, Callable[..., Any]] = {
-    "design": design,
-    "analyse": analyse,
-    "cam-set": cam_set,
+    "design": questions.design,
+    "analyse": questions.analyse,
+    "cam-set": questions.cam_set,
     "sweep": sweep,
-    "spatial": spatial,
-    "costs": costs,
-    "confirm": confirm,
+    "spatial": questions.spatial,
+    "costs": questions.costs,
+    "confirm": questions.confirm,
     "export": export,
-    "read-back": read_back,
-    "respond": respond,
-    "linkage": linkage,
+    "read-back": questions.read_back,
+    "respond": questions.respond,
+    "linkage": questions.linkage,
     "serve": serve,
 }
 

@@ -1,6 +1,5 @@
 """The commands of `camwright`: a question in a file in, lines, tables and files out.
 
-`requests.answer` answers a question by a service or here, with the same tasks; `tables` has what is
-printed, `terminal` what all commands share. The docstring of a command is the text of its `--help`.
-Begin with `cams.py`.
+`terminal.answer` answers a question by a service or here, with the same tasks; `tables` has what is
+printed. The docstring of a command is the text of its `--help`. Begin with `questions.py`.
 """

@@ -14,8 +14,7 @@ from typing import Annotated, Any
 import typer
 from pydantic.fields import FieldInfo
 
-from service.commands.requests import answer
-from service.commands.terminal import read_spec, report_files, save, stop
+from service.commands.terminal import answer, read_spec, save, stop
 from service.wire.body import parsed
 from service.wire.errors import ServiceError
 from service.workers.tasks import DESIGN_FORMATS
@@ -74,7 +73,6 @@ def _write(
     except CamwrightError as error:
         stop(str(error))
     save(files, out_dir)
-    report_files(files, out_dir)
 
 
 def _options(exporter: Exporter[Any], given: Mapping[str, Any]) -> Any:

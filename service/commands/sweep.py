@@ -14,8 +14,18 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from service.client import Client, Refused
-from service.commands.requests import CONTINUES, Url, report_errors, valid_address
-from service.commands.terminal import Folder, err, out, read_spec, report_files, save, stop
+from service.commands.terminal import (
+    CONTINUES,
+    Folder,
+    Url,
+    err,
+    out,
+    read_spec,
+    report_errors,
+    save,
+    stop,
+    valid_address,
+)
 from service.settings import listening_socket, settings_from
 from service.workers import prefork
 from synthesis.studies.sweeps import SweepSpec
@@ -55,11 +65,11 @@ def sweep(
             files = [name for name in FILES if _download(client, ended, name, out_dir, progress)]
     except OSError as error:
         stop(f"{out_dir} cannot be written to: {error.strerror}.")
-    save({"sweep.json": json.dumps(ended, indent=1, ensure_ascii=False).encode()}, out_dir)
     counts = ended["counts"]
     results = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
     out.print(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
-    report_files(["sweep.json", *files], out_dir)
+    document = json.dumps(ended, indent=1, ensure_ascii=False).encode()
+    save({"sweep.json": document}, out_dir, ["sweep.json", *files])
     if ended["state"] != "successful":
         raise typer.Exit(3)
 

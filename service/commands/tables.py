@@ -1,17 +1,18 @@
-"""Answers as lines and tables on a terminal."""
+"""Answers as they are printed: lines and tables, those that have something to say."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 if TYPE_CHECKING:
     from synthesis.certify.second import Confirmation
-    from synthesis.design.analysis import Analysis, Peak, Remedy
-    from synthesis.design.design import ForcePeak, Forces
+    from synthesis.design.analysis import Analysis, Peak, Remedy, Sensitivities
+    from synthesis.design.cam_set import CamSet
+    from synthesis.design.design import Design, ForcePeak, Forces
     from synthesis.machines.dynamics import TrainResponse
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis
@@ -43,8 +44,8 @@ def sizes(dimensions: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.4f}" for name, value in dimensions.items())
 
 
-def analysis_lines(analysis: Analysis) -> Iterator[str]:
-    """The verdict, then undercut or cusp, then far parts of the profile that cross."""
+def describe_analysis(analysis: Analysis) -> Iterator[str | Table]:
+    """The verdict, undercut, crossings, limits, curves, jumps, and what would mend the cam."""
     verdict = "every limit holds" if analysis.holds else f"violated: {', '.join(analysis.violated)}"
     yield f"{verdict}; {sizes(analysis.dimensions)}"
     undercut, crossing = analysis.undercut, analysis.self_crossing
@@ -65,10 +66,6 @@ def analysis_lines(analysis: Analysis) -> Iterator[str]:
             f"roller cuts {crossing.depth_mm:.4f} mm deep into the profile of "
             f"{crossing.profile_deg:.4f}°."
         )
-
-
-def analysis_tables(analysis: Analysis) -> Iterator[Table]:
-    """Limits, curves, jumps, and what would mend the cam: those that have something to say."""
     yield table(
         "Limits", ("limit", "value", "unit", "at °", "allowed", "margin", ""),
         [(e.limit, number(e.value), e.unit, f"{e.angle_deg:.3f}", number(e.bound),
@@ -114,15 +111,12 @@ def _remedies(remedy: Remedy) -> Iterator[tuple[str, ...]]:
             yield f"{alone.field} alone", number(alone.needed), change, alone.unit
 
 
-def confirmation_line(confirmation: Confirmation) -> str:
-    """The verdict in one line."""
-    return f"{confirmation.verdict}: {VERDICTS[confirmation.verdict]} ({confirmation.bits} bits)"
-
-
-def confirmation_table(confirmation: Confirmation) -> Table:
-    """Line by line: value to 25 digits, how far the certificate is from it, whether it agrees."""
+def describe_confirmation(confirmation: Confirmation) -> Iterator[str | Table]:
+    """The verdict; line by line the value to 25 digits, the certificate's distance from it."""
+    verdict = confirmation.verdict
+    yield f"{verdict}: {VERDICTS[verdict]} ({confirmation.bits} bits)"
     words = {True: "yes", False: "NO", None: "–"}
-    return table(
+    yield table(
         "Certificate", ("limit", "value", "unit", "certificate less value", "holds", "agrees"),
         [(line.limit, line.value or "–", line.unit,
           "–" if line.difference is None else f"{-line.difference:.1e}",
@@ -130,17 +124,13 @@ def confirmation_table(confirmation: Confirmation) -> Table:
     )  # fmt: skip
 
 
-def profile_line(analysis: ProfileAnalysis) -> str:
-    """What was read from a profile, in one line."""
+def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
+    """What was read from a profile: scatter, extremes, dwells, what the follower cannot reach."""
     fit = analysis.fit
-    return (
+    yield (
         f"{fit.points} points, scatter {1e3 * fit.rms_mm:.3g} µm rms and "
         f"{1e3 * fit.largest_mm:.3g} µm at most; {sizes(analysis.dimensions)}"
     )
-
-
-def profile_tables(analysis: ProfileAnalysis) -> Iterator[Table]:
-    """Extremes, dwells, and what the follower does not reach: those that have something to say."""
     yield table(
         "Motion", ("curve", "unit", "largest", "at °", "smallest", "at °", "hidden by tolerance"),
         [(p.curve, p.unit, number(p.largest), f"{p.largest_deg:.2f}", number(p.smallest),
@@ -167,23 +157,19 @@ def profile_tables(analysis: ProfileAnalysis) -> Iterator[Table]:
         )  # fmt: skip
 
 
-def spatial_line(design: SpatialDesign) -> str:
-    """The status of a spatial cam, its broken limits and its dimensions."""
+def describe_spatial_cam(design: SpatialDesign) -> Iterator[str | Table]:
+    """Status, broken limits, dimensions, walls, and what was measured of them."""
     broken = ", ".join(each.quantity for each in design.extremes if not each.holds)
     verdict = f"{design.status}, violated: {broken}" if broken else design.status
-    return f"{verdict}; {sizes(design.dimensions)}"
-
-
-def spatial_tables(design: SpatialDesign) -> Iterator[Table]:
-    """Walls, and what was measured of them."""
+    yield f"{verdict}; {sizes(design.dimensions)}"
     yield table(
         "Walls", ("wall", "from °", "to °"),
         [(wall.name, f"{arc.start_deg:.3f}", f"{arc.end_deg:.3f}")
          for wall in design.walls for arc in wall.arcs],
     )  # fmt: skip
-    columns = ("quantity", "value", "unit", "at °", "wall", "rho mm", "allowed", "margin", "")
     yield table(
-        "Measured", columns,
+        "Measured",
+        ("quantity", "value", "unit", "at °", "wall", "rho mm", "allowed", "margin", ""),
         [(e.quantity, number(e.value), e.unit,
           "–" if e.angle_deg is None else f"{e.angle_deg:.3f}",
           f"{e.roller}{e.side}" if e.side else "–", number(e.rho_mm), number(e.bound),
@@ -192,9 +178,11 @@ def spatial_tables(design: SpatialDesign) -> Iterator[Table]:
     )  # fmt: skip
 
 
-def response_table(response: TrainResponse) -> Table:
-    """The periodic response of a follower train, speed by speed."""
-    return table(
+def describe_response(response: TrainResponse) -> Iterator[str | Table]:
+    """The modes of a follower train, its periodic response by speed, and where it floats."""
+    modes = (f"{m.natural_frequency_hz:.4g} Hz (ζ {m.damping_ratio:.3g})" for m in response.modes)
+    yield f"Modes: {', '.join(modes)}"
+    yield table(
         "Periodic response",
         ("rpm", "output error mm", "left in dwells mm", "contact force N", ""),
         [(f"{each.speed_rpm:g}",
@@ -203,9 +191,53 @@ def response_table(response: TrainResponse) -> Table:
           f"{each.contact_force_min_n.value:.4g} to {each.contact_force_max_n.value:.4g}",
           "FLOATS" if each.floats else "") for each in response.speeds],
     )  # fmt: skip
+    if response.float_onset_rpm is not None:
+        yield f"Contact is lost from {response.float_onset_rpm:.4g} rpm on."
 
 
-def force_lines(forces: Forces) -> Iterator[str]:
+def describe_linkage(result: Any, quantities: Mapping[str, float]) -> Iterator[str]:
+    """The status and quantities of a linkage; what conflicts, a line each."""
+    yield ", ".join([result.status, *(f"{name} {value:.6g}" for name, value in quantities.items())])
+    conflict = getattr(result, "conflict", None)
+    for each in [] if conflict is None else conflict.relaxations:
+        if each.needed is not None:
+            needed = f"{each.needed:.6g} {each.unit} needed"
+            yield f"  {each.limit}: {each.requested:g} requested, {needed}"
+    for pose in getattr(result, "poses", []):
+        if not pose.reachable:
+            yield f"  {pose.name or 'pose'}: {pose.note}"
+
+
+def describe_sensitivities(result: Sensitivities) -> Iterator[str]:
+    """What each limit costs, what is not confirmed, and where it is from."""
+    yield from (each.sentence for each in result.sensitivities)
+    yield from (f"{pointer}: not confirmed" for pointer in result.unconfirmed)
+    yield f"Evidence: {result.evidence}."
+
+
+def describe_cam_set(cams: CamSet) -> Iterator[str]:
+    """The status of a set, then cam by cam."""
+    yield f"{cams.status}, {1e3 * cams.seconds:.0f} ms: {len(cams.cams)} cams on one shaft"
+    for cam in cams.cams:
+        dimensions = sizes(cam.design.dimensions)
+        yield (
+            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"{cam.keyway_deg:g}°{': ' if dimensions else ''}{dimensions}"
+        )
+
+
+def describe_design(design: Design, seconds: float) -> Iterator[str]:
+    """Status, sizes, forces, and the free parameters as they were chosen."""
+    gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
+    yield f"{design.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    if design.forces is not None:
+        yield from _forces(design.forces)
+    if design.free_parameters:
+        values = (f"{name} {value:.6g}" for name, value in design.free_parameters.items())
+        yield f"Chosen: {', '.join(values)}"
+
+
+def _forces(forces: Forces) -> Iterator[str]:
     """Flank by flank, then the shaft, float and rollers."""
     for each in forces.flanks:
         name = f" {each.flank}" if each.flank else ""

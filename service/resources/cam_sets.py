@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Collection
 from functools import partial
+from operator import attrgetter
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, Field
 
-from service.resources.resource import Accepted, Resource, ResourceFile
+from service.resources.resource import Accepted, Resource, file_of
 from service.wire.errors import ProblemType
-from service.workers.tasks import solve_cam_set
+from service.workers.tasks import solve_cam_set, write_file
 from synthesis.design.cam_set import CamSet, set_id
 from synthesis.design.design import Status
 from synthesis.exporters import (
     MOTION_FORMATS,
     PROFILE_FORMATS,
-    FileContent,
     MotionOptions,
+    Options,
     ProfileOptions,
 )
 from synthesis.exporters.bundle import MEDIA_TYPE, BundleOptions, bundle
 from synthesis.exporters.diagrams.timing import timing_diagram
+from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import ChordTolerance
 from synthesis.spec.cam_set import CamSetSpec
 
@@ -35,23 +34,6 @@ MIN_TOLERANCE_UM = 0.1
 Density = Annotated[float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE)]
 
 
-def _among(known: Collection[str]) -> tuple[AfterValidator, FieldInfo]:
-    """Checks and describes a list of formats."""
-
-    def check(names: list[str]) -> list[str]:
-        for name in names:
-            if name not in known:
-                raise PydanticCustomError(
-                    "unknown_format",
-                    "{value} is not one of {known}. Name some of these; repeat it for several.",
-                    {"value": name, "known": ", ".join(known)},
-                )
-        return names
-
-    schema: dict[str, Any] = {"items": {"type": "string", "enum": list(known)}}
-    return AfterValidator(check), Field(max_length=20, json_schema_extra=schema)
-
-
 class CamSetSummary(Accepted):
     """One line of the list of cam sets."""
 
@@ -60,27 +42,21 @@ class CamSetSummary(Accepted):
     solved: int | None = Field(None, description="For how many a cam was found.")
 
 
-class NoOptions(BaseModel):
-    """There is nothing to choose."""
-
-    model_config = ConfigDict(extra="forbid")
-
-
 class BundleQuery(BaseModel):
     """What goes into the archive."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
-    profile: Annotated[
-        list[str],
-        *_among(PROFILE_FORMATS),
-        Field(description="Formats of the profiles; may be repeated."),
-    ] = list(BundleOptions().profile_formats)
-    motion: Annotated[
-        list[str],
-        *_among(MOTION_FORMATS),
-        Field(description="Formats of the motions; may be repeated."),
-    ] = list(BundleOptions().motion_formats)
+    profile: list[Literal[tuple(PROFILE_FORMATS)]] = Field(  # type: ignore[valid-type]
+        list(BundleOptions().profile_formats),
+        max_length=20,
+        description="Formats of the profiles; may be repeated.",
+    )
+    motion: list[Literal[tuple(MOTION_FORMATS)]] = Field(  # type: ignore[valid-type]
+        list(BundleOptions().motion_formats),
+        max_length=20,
+        description="Formats of the motions; may be repeated.",
+    )
     curve: Literal["profile", "pitch"] = Field(
         "profile", description="The cams' profiles, all flanks of each, or the rollers' paths."
     )
@@ -103,15 +79,19 @@ class BundleQuery(BaseModel):
         )
 
 
-def _file(write: Callable[[CamSet, Any], bytes], body: bytes, options: Any) -> FileContent:
-    cams = CamSet.model_validate_json(body)
-    if not cams.has_cams:
-        raise ProblemType.NOTHING_FITS(
-            "No cam of this set fits its limits: see conflict in the designs."
-        )
-    return FileContent(write(cams, options))
-
-
+_TIMING = FileFormat[CamSet, Any](
+    "timing.svg", "Timing diagram", "image/svg+xml", ".svg",
+    lambda cams, _: timing_diagram(cams), Options,
+    "The displacement of every follower over shaft angle, and how many move together.",
+)  # fmt: skip
+_BUNDLE = FileFormat[CamSet, Any](
+    "bundle.zip", "All files in one archive", MEDIA_TYPE, ".zip", bundle, Options,
+    "Profiles in the cams' own frames and in the shaft's, motions, timing, and a manifest.\n\n"
+    "A ZIP archive with a folder for each cam; `manifest.json` lists every file with its SHA-256 "
+    "and says how the cams sit on the shaft. The same set and options give the same bytes.",
+)  # fmt: skip
+_NO_CAM = "No cam of this set fits its limits: see conflict in the designs."
+_write = partial(write_file, CamSet, attrgetter("has_cams"), _NO_CAM)
 CAM_SETS = Resource(
     path="/v1/cam-sets",
     tag="cam sets",
@@ -133,21 +113,9 @@ CAM_SETS = Resource(
     answer_text="Every cam with its design and its place on the shaft, the timing, and links.",
     status=Status,
     files=(
-        ResourceFile(
-            path="timing.svg", operation="timing_svg", title="Timing diagram",
-            purpose="The displacement of every follower over shaft angle, and how many move "
-            "together.",
-            media_type="image/svg+xml", query=NoOptions, download_name="timing.svg",
-            make=partial(_file, lambda cams, _: timing_diagram(cams)),
-        ),
-        ResourceFile(
-            path="bundle.zip", operation="bundle_zip", title="All files in one archive",
-            purpose="Profiles in the cams' own frames and in the shaft's, motions, timing, and a "
-            "manifest.\n\nA ZIP archive with a folder for each cam; `manifest.json` lists every "
-            "file with its SHA-256 and says how the cams sit on the shaft. The same set and "
-            "options give the same bytes.",
-            media_type=MEDIA_TYPE, query=BundleQuery, options_of=BundleQuery.options,
-            download_name="bundle.zip", make=partial(_file, bundle),
+        file_of(_write, _TIMING, _TIMING.name),
+        file_of(
+            _write, _BUNDLE, _BUNDLE.name, query=BundleQuery, options_of=BundleQuery.options,
             made_by=zlib.ZLIB_RUNTIME_VERSION,
         ),
     ),

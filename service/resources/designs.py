@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from operator import attrgetter
 from typing import Literal
 
 from pydantic import Field
@@ -15,8 +16,8 @@ from service.workers.tasks import (
     DESIGN_FORMATS,
     analyse_cam,
     analyse_profile,
-    analysis_picture,
-    design_file,
+    write_file,
+    write_picture,
 )
 from synthesis.design.analysis import Analysis
 from synthesis.design.design import Design, Status
@@ -25,6 +26,8 @@ from synthesis.exporters import DRAWINGS, PICTURES
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.measured import MeasuredCam, ProfileAnalysis
 
+NO_CAM = "No cam fits these limits: see conflict in the design for what would."
+write_design = partial(write_file, Design, attrgetter("motion"), NO_CAM)
 REPORT = "report.html"  # it has a route of its own: it may need a worker or not
 Verdict = Literal["holds", "violated"]
 
@@ -60,11 +63,11 @@ def _files() -> Iterator[ResourceFile]:
     for part, formats in DESIGN_FORMATS.items():
         for exporter in formats.values():
             name = f"{part}{exporter.extension}"
-            make = partial(design_file, exporter)
-            yield file_of(exporter, f"{part}.{exporter.name}", make, download_name=name)
+            path = f"{part}.{exporter.name}"
+            yield file_of(write_design, exporter, path, download_name=name)
     for exporter in PICTURES.values():
         if exporter.name != REPORT:
-            yield file_of(exporter, exporter.name, partial(design_file, exporter))
+            yield file_of(write_design, exporter, exporter.name)
 
 
 DESIGNS = Resource(
@@ -116,7 +119,7 @@ ANALYSES = Resource(
     status=Verdict,
     files=tuple(
         file_of(
-            exporter, name, partial(analysis_picture, name), "analysis_",
+            write_picture, exporter, name, "analysis_",
             title=f"{exporter.title}, of an analysis", purpose="", in_worker=True,
         )
         for name, exporter in DRAWINGS.items()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Literal
+from operator import attrgetter
+from typing import Literal
 
 from pydantic import Field
 
@@ -13,16 +14,14 @@ from service.workers.tasks import (
     compute_train_response,
     solve_linkage,
     solve_spatial_cam,
-    spatial_file,
+    write_file,
 )
 from synthesis.design.design import Status
 from synthesis.design.identity import question_id
-from synthesis.exporters import FileContent
-from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.dynamics import TrainResponse, TrainSpec
 from synthesis.machines.dynamics.files import TRAIN_FILES
 from synthesis.machines.linkages import LINKAGES, Linkage
-from synthesis.machines.linkages.files import LINKAGE_FILES, LinkageFile
+from synthesis.machines.linkages.files import LINKAGE_FILES
 from synthesis.machines.spatial.design import SpatialDesign, spatial_design_id
 from synthesis.machines.spatial.files import FORMATS
 from synthesis.machines.spatial.spec import SpatialCamSpec
@@ -52,6 +51,8 @@ class TrainResponseSummary(Accepted):
     modes_hz: list[float] = Field([], description="Natural frequencies of the train.")
 
 
+_NO_CAM = "No cam fits these limits, so that there is none to draw."
+_write_cam = partial(write_file, SpatialDesign, attrgetter("motion"), _NO_CAM)
 SPATIAL_CAMS = Resource(
     path="/v1/spatial-cams",
     tag="spatial cams",
@@ -74,22 +75,16 @@ SPATIAL_CAMS = Resource(
     status=Status,
     budget_of=lambda _: None,
     files=tuple(
-        file_of(exporter, name, partial(spatial_file, exporter), "spatial_cam_")
-        for name, exporter in FORMATS.items()
+        file_of(_write_cam, exporter, name, "spatial_cam_") for name, exporter in FORMATS.items()
     ),
     marks_broken_limits=True,
 )
 
 
-def _linkage_file(linkage: Linkage, file: LinkageFile, body: bytes, options: Any) -> FileContent:
-    answer = linkage.answer.model_validate_json(body)
-    if not linkage.summary(answer):
-        raise ProblemType.NOTHING_FITS("No lengths keep these wishes: see conflict in the answer.")
-    return FileContent(file.write(answer, options))
-
-
 def _linkages(linkage: Linkage) -> Resource:
     operation = linkage.name.replace("-", "_").removesuffix("s")
+    nothing = "No lengths keep these wishes: see conflict in the answer."
+    write = partial(write_file, linkage.answer, linkage.summary, nothing)
     return Resource(
         path=f"/v1/linkages/{linkage.name}",
         tag="linkages",
@@ -107,7 +102,7 @@ def _linkages(linkage: Linkage) -> Resource:
         status=Status,
         files=tuple(
             file_of(
-                file, name, partial(_linkage_file, linkage, file), f"{operation}_",
+                write, file, name, f"{operation}_",
                 title=f"{file.title}, of a {linkage.noun}",
             )
             for name, file in LINKAGE_FILES[linkage.name].items()
@@ -118,10 +113,7 @@ def _linkages(linkage: Linkage) -> Resource:
 LINKAGE_RESOURCES = tuple(_linkages(linkage) for linkage in LINKAGES.values())
 
 
-def _train_file(file: FileFormat[TrainResponse, Any], body: bytes, options: Any) -> FileContent:
-    return file.content(TrainResponse.model_validate_json(body), options)
-
-
+_write_response = partial(write_file, TrainResponse, bool, "")
 TRAIN_RESPONSES = Resource(
     path="/v1/train-responses",
     tag="follower trains",
@@ -142,7 +134,5 @@ TRAIN_RESPONSES = Resource(
     `residual_vibration`. The same spec gives the same bytes.
     """,
     answer_text="As `POST /v1/train-responses` answered, or would have without `respond-async`.",
-    files=tuple(
-        file_of(file, file.name, partial(_train_file, file), "train_") for file in TRAIN_FILES
-    ),
+    files=tuple(file_of(_write_response, file, file.name, "train_") for file in TRAIN_FILES),
 )

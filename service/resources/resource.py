@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
 from typing import Annotated, Any, Generic, Literal, TypeVar
 
@@ -73,41 +73,40 @@ class ResourceFile:
     title: str
     media_type: str
     query: type[BaseModel]
+    options_of: Callable[[Any], Any]
     make: Callable[[bytes, Any], FileContent]
-    purpose: str = ""
-    options_of: Callable[[Any], Any] = lambda query: query
-    in_worker: bool = False
-    download_name: str = ""
+    purpose: str
+    in_worker: bool
+    download_name: str
     made_by: str = ""
 
 
 def file_of(
+    write: Callable[[FileFormat[Any, Any], bytes, Any], FileContent],
     exporter: FileFormat[Any, Any],
     path: str,
-    make: Callable[[bytes, Any], FileContent],
     prefix: str = "",
     **more: Any,
 ) -> ResourceFile:
     """A file in a format of the core.
 
     Args:
+        write: format, an answer's body and options to the file.
         prefix: of the operation's name. more: fields of ``ResourceFile`` that differ.
     """
     fields: dict[str, Any] = {
+        "path": path,
+        "operation": prefix + path.replace(".", "_"),
         "title": exporter.title,
         "purpose": exporter.purpose,
+        "media_type": exporter.media_type,
+        "query": form(exporter.options),
+        "options_of": lambda query: exporter.options(**dict(query)),
         "in_worker": exporter.in_worker,
         "download_name": path,
+        "make": partial(write, exporter),
     }
-    return ResourceFile(
-        path=path,
-        operation=prefix + path.replace(".", "_"),
-        media_type=exporter.media_type,
-        query=form(exporter.options),
-        options_of=lambda query: exporter.options(**dict(query)),
-        make=make,
-        **(fields | more),
-    )
+    return ResourceFile(**(fields | more))
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,15 +9,15 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import problems, tagged
-from service.resources.designs import DESIGNS, REPORT
+from service.resources.designs import DESIGNS, NO_CAM, REPORT, write_design
 from service.resources.resource import file_of
-from service.routes.file_routes import add_file_route, send_file
+from service.routes.file_routes import add_file_route, in_worker, send_file
 from service.routes.resource_routes import KnownTag
 from service.state import Parts, State
 from service.sweeps.views import sweep_path
 from service.wire.errors import ProblemType
 from service.wire.etag import not_modified, tag_of
-from service.workers.tasks import confirm_design, design_file, design_sensitivities
+from service.workers.tasks import confirm_design, design_sensitivities
 from synthesis.certify.second import Confirmation
 from synthesis.design.analysis import Sensitivities
 from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, report_with
@@ -70,16 +70,12 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
     """
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     if not json.loads(design)["motion"]:
-        raise ProblemType.NOTHING_FITS(
-            "No cam fits these limits: see conflict in the design for what would."
-        )
+        raise ProblemType.NOTHING_FITS(NO_CAM)
     tag = tag_of(row.etag or "", "confirmation", "json", "")
-    known = not_modified(request, tag)
-    if known is not None:
-        return known
-    parts.engine.admit()
-    answer = await parts.engine.solve(design, parts.settings.budget_s(None), confirm_design)
-    return Response(answer.body, 200, {"ETag": f'"{tag}"'}, "application/json")
+    return not_modified(request, tag) or Response(
+        await in_worker(parts, partial(confirm_design, design)), 200,
+        {"ETag": f'"{tag}"'}, "application/json",
+    )  # fmt: skip
 
 
 @router.delete(
@@ -125,15 +121,14 @@ async def _get_report(
         costs = Sensitivities.model_validate_json(await _sensitivities(parts, design))
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     made_by = "with sensitivities" if costs else ""
-    file = file_of(report, REPORT, partial(design_file, report), made_by=made_by)
+    file = file_of(write_design, report, REPORT, made_by=made_by)
     return await send_file(request, parts, DESIGNS, file, row, design, PictureOptions(theme))
 
 
-_report = PICTURES[REPORT]
 add_file_route(
     router,
     DESIGNS,
-    file_of(_report, REPORT, partial(design_file, _report)),
+    file_of(write_design, PICTURES[REPORT], REPORT),
     _get_report,
     (500, 503, 504),
 )

@@ -318,7 +318,7 @@ def describe_parameter_errors(errors: Sequence[Any]) -> list[dict[str, Any]]:
     """The violations of query parameters, path parts and headers."""
     described = []
     for error in errors[:MAX_LISTED]:
-        name = str(error["loc"][-1])
+        name = str(error["loc"][1])  # after where it stands: query, path or header
         entry = _described({**error, "loc": ()}, (name,), {}, None)
         described.append({"parameter": name, **entry})
     return described

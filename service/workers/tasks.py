@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel
+
 from service.wire.errors import ProblemType
 from synthesis.catalogue.objectives import Objective
 from synthesis.design.analysis import Analysis
@@ -20,16 +22,13 @@ from synthesis.exporters import (
     PICTURES,
     PROFILE_FORMATS,
     SOLID_FORMATS,
-    Exporter,
     FileContent,
-    Options,
 )
 from synthesis.exporters.exporter import FileFormat
 from synthesis.machines.dynamics import TrainSpec
 from synthesis.machines.dynamics.files import TRAIN_FILES
 from synthesis.machines.linkages import LINKAGES
 from synthesis.machines.linkages.files import LINKAGE_FILES
-from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files import formats_of
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.spec.cam_set import CamSetSpec
@@ -208,13 +207,11 @@ def solve_linkage(kind: str, spec: bytes, budget_s: float) -> Answer:
     return _answer(result, result.status, started, summary, f"/v1/linkages/{kind}", files)
 
 
-def confirm_design(design: bytes, budget_s: float) -> Answer:
-    """Measure the certificate of a finished design again, in ball arithmetic."""
+def confirm_design(design: bytes) -> bytes:
+    """Measure the certificate of a finished design again, in ball arithmetic, as JSON."""
     from synthesis.certify.second import confirm
 
-    started = time.monotonic()
-    result = confirm(Design.model_validate_json(design))
-    return _answer(result, result.verdict, started, {})
+    return confirm(Design.model_validate_json(design)).model_dump_json().encode()
 
 
 def design_sensitivities(design: bytes, budget_s: float) -> bytes:
@@ -226,32 +223,32 @@ def design_sensitivities(design: bytes, budget_s: float) -> bytes:
     return result.model_dump_json().encode()
 
 
-def design_file(exporter: Exporter[Any], design: bytes, options: Any) -> FileContent:
-    """A file of a finished design."""
-    finished = Design.model_validate_json(design)
-    if not (finished.motion or exporter.without_cam):
-        raise ProblemType.NOTHING_FITS(
-            "No cam fits these limits: see conflict in the design for what would."
-        )
-    return exporter.content(finished, options)
+def write_file(
+    answer: type[BaseModel],
+    drawable: Callable[[Any], object],
+    nothing: str,
+    file: FileFormat[Any, Any],
+    body: bytes,
+    options: Any,
+) -> FileContent:
+    """A file of an answer.
+
+    Args:
+        answer: its model. drawable: whether there is something to draw; of designs some files say
+            why there is not. nothing: the problem where there is not. body: of the answer.
+    """
+    finished = answer.model_validate_json(body)
+    if not (drawable(finished) or getattr(file, "without_cam", False)):
+        raise ProblemType.NOTHING_FITS(nothing)
+    return file.content(finished, options)
 
 
-def analysis_picture(name: str, analysis: bytes, options: Options) -> FileContent:
+def write_picture(picture: FileFormat[Design, Any], analysis: bytes, options: Any) -> FileContent:
     """A picture of an analysed cam. A table's law is smoothed for it again, by a solver."""
     from synthesis.studies.analyse import as_design
 
     design = as_design(Analysis.model_validate_json(analysis))
-    return FileContent(DRAWINGS[name].write(design, options))
-
-
-def spatial_file(
-    exporter: FileFormat[SpatialDesign, Any], design: bytes, options: Any
-) -> FileContent:
-    """A file of a finished spatial cam."""
-    finished = SpatialDesign.model_validate_json(design)
-    if not finished.motion:
-        raise ProblemType.NOTHING_FITS("No cam fits these limits, so that there is none to draw.")
-    return exporter.content(finished, options)
+    return FileContent(picture.write(design, options))
 
 
 def warm_up() -> None:

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
-from service.commands.analyses import points_in
+from service.commands.questions import points_in
 from service.contract.examples import PROFILE_ANALYSES, examples
 from synthesis import DesignSpec
 from synthesis.errors import InputError
