@@ -21,11 +21,9 @@ from service.state import State
 from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
-from service.wire.body_limit import BodyLimit
-from service.wire.etag import TagEncodings
-from service.wire.metrics import Metrics
-from service.wire.observe import Observe
-from service.wire.ranges import Ranges
+from service.wire.body import BodyLimit
+from service.wire.conditional import Ranges, TagEncodings
+from service.wire.observe import Metrics, Observe
 from service.workers.engine import Engine, running_engine
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]

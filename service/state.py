@@ -12,7 +12,7 @@ from service.resources.jobs import Jobs
 from service.settings import Settings
 from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
-from service.wire.metrics import Metrics
+from service.wire.observe import Metrics
 from service.workers.engine import Engine
 
 

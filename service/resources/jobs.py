@@ -14,7 +14,7 @@ from service.settings import Settings
 from service.storage.store import Answers, Store
 from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError
-from service.wire.metrics import Metrics
+from service.wire.observe import Metrics
 from service.wire.problem import problem_of
 from service.workers.engine import Engine
 from synthesis.design.identity import ENGINE_NUMBER

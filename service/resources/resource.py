@@ -12,9 +12,8 @@ from typing import Annotated, Any, Generic, Literal, TypeVar
 from pydantic import BaseModel, Field, create_model
 
 from service.storage.store import Lookup
-from service.storage.tables import AnswerRow
+from service.storage.tables import AnswerRow, in_utc
 from service.wire.errors import ProblemType
-from service.wire.pages import in_utc
 from service.workers.tasks import Task, links_to
 from synthesis.design.design import Status
 from synthesis.exporters import FileContent, form

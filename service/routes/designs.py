@@ -15,8 +15,8 @@ from service.routes.file_routes import add_file_route, in_worker, send_file
 from service.routes.resource_routes import KnownTag
 from service.state import Parts, State
 from service.sweeps.views import sweep_path
+from service.wire.conditional import not_modified, tag_of
 from service.wire.errors import ProblemType
-from service.wire.etag import not_modified, tag_of
 from service.workers.tasks import confirm_design, design_sensitivities
 from synthesis.certify.second import Confirmation
 from synthesis.design.analysis import Sensitivities

@@ -14,8 +14,7 @@ from service.contract.documentation import in_parts, problems
 from service.resources.resource import Resource, ResourceFile
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
-from service.wire.etag import not_modified, tag_of
-from service.wire.ranges import IN_PARTS
+from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from synthesis.exporters import FileContent
 
 T = TypeVar("T")

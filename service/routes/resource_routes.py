@@ -16,9 +16,8 @@ from service.routes.file_routes import add_file
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.body import read_body
+from service.wire.conditional import not_modified
 from service.wire.errors import ProblemType
-from service.wire.etag import not_modified
-from service.wire.pages import position_of
 from service.wire.problem import problem_response
 
 Handler = Callable[..., Awaitable[Any]]
@@ -165,6 +164,15 @@ async def check_key(parts: State, key: str | None, body: bytes) -> None:
         raise ProblemType.IDEMPOTENCY_KEY_REUSED(
             f"Idempotency-Key {key!r} came with another body before. Use a new key for a new body."
         )
+
+
+def position_of(cursor: str) -> int:
+    """The sequence number of the row that a cursor continues after: the cursor itself."""
+    if cursor.isascii() and cursor.isdecimal() and len(cursor) < 19:
+        return int(cursor)
+    raise ProblemType.INVALID_PARAMETER(
+        "cursor: not one that this service gave. Take `next` of the page before."
+    )
 
 
 async def _page(

@@ -19,6 +19,7 @@ from service.routes.file_routes import (
     file_stem,
     in_worker,
 )
+from service.routes.resource_routes import position_of
 from service.routes.sweeps import Known
 from service.state import Parts, State
 from service.storage.tables import ItemRow, SweepRow
@@ -39,10 +40,8 @@ from service.sweeps.views import (
     SweepItemPage,
     item_of,
 )
+from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
-from service.wire.etag import not_modified, tag_of
-from service.wire.pages import position_of
-from service.wire.ranges import IN_PARTS
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.raster import rasterise
 from synthesis.exporters.options import Colours, PixelColours, PixelWidth

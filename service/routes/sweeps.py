@@ -12,7 +12,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body
 from service.contract.examples import SWEEPS
-from service.routes.resource_routes import Key, check_key
+from service.routes.resource_routes import Key, check_key, position_of
 from service.state import Parts, State
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps.store import UNDER_WAY
@@ -28,7 +28,6 @@ from service.sweeps.views import (
 )
 from service.wire.body import read_body
 from service.wire.errors import ProblemType
-from service.wire.pages import position_of
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])

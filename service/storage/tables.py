@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import JSON, BigInteger, DateTime, Float, Index, Integer, LargeBinary, String
@@ -121,3 +121,8 @@ class StrikeRow(Base):
     sweep: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
     number: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
     strikes: Mapped[int] = mapped_column(Integer)
+
+
+def in_utc(moment: datetime | None) -> datetime | None:
+    """A time from the store; SQLite keeps none with a zone."""
+    return moment.replace(tzinfo=UTC) if moment and moment.tzinfo is None else moment

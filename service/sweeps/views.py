@@ -7,10 +7,9 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, Field, JsonValue
 
-from service.storage.tables import ItemRow, SweepRow
+from service.storage.tables import ItemRow, SweepRow, in_utc
 from service.sweeps.store import STATUSES, UNDER_WAY
 from service.sweeps.sweeps import Progress
-from service.wire.pages import in_utc
 from service.workers.tasks import links_to
 from synthesis.studies.sweeps import SweepSpec
 

@@ -1,4 +1,4 @@
-"""Read a JSON body strictly and validate it against a model.
+"""Read a JSON body of limited size strictly, and validate it against a model.
 
 The work is linear in the size of the body, whatever it contains: it runs in the event loop, which
 answers no other request meanwhile.
@@ -7,20 +7,26 @@ answers no other request meanwhile.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
 from itertools import islice
 from typing import Any, TypeVar
 
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.problem import error_response
 from service.wire.schema_walk import all_names
 from service.wire.violations import (
+    LEAVE_OUT,
     MAX_LISTED,
     describe_errors,
     pointer_to,
     unknown_field,
+    violation,
 )
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -28,12 +34,20 @@ Path = list[str | int]
 
 # Pydantic takes about 3 µs to build each error; beyond this many, they are not built.
 MAX_ITEMISED = 1000
+READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
 TOO_DEEP = "The body is nested too deeply. A design needs five levels."
 
 
 async def read_body(request: Request, model: type[Model]) -> Model:
     """The body of a request as ``model``; see ``validated`` for the errors raised."""
-    _require_json(request.headers.get("content-type"))
+    declared = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    subtype = declared.removeprefix("application/")
+    if declared == subtype or not (subtype == "json" or subtype.endswith("+json")):
+        raise ProblemType.WRONG_MEDIA_TYPE(
+            f"Content-Type is {declared[:80]!r}. Send the design with "
+            "Content-Type: application/json.",
+            {"Accept": "application/json"},
+        )
     return validated(await request.body(), model)
 
 
@@ -46,13 +60,27 @@ def validated(body: bytes, model: type[Model]) -> Model:
     known = all_names(model)
     document, unknown = _decoded(body, known)
     if known is not None and unknown > MAX_ITEMISED:
-        paths = _paths_of_unknown_names(document, known)
-        violations = [unknown_field(path, document, model) for path in islice(paths, MAX_LISTED)]
-        raise _invalid_request(violations, unknown)
+        wrong = (
+            unknown_field(path[1:], document, model)
+            for path, _ in _walk(document)
+            if isinstance(path[-1], str) and path[-1] not in known and len(path) > 1
+        )
+        raise _invalid_request(list(islice(wrong, MAX_LISTED)), unknown)
     try:
         return model.model_validate_json(body, strict=True)
     except ValidationError as error:
-        raise _invalid(error, document, model) from None
+        invalid = error
+    count = invalid.error_count()
+    if count > MAX_ITEMISED:
+        rule, remedy = f"has {count} errors, too many to list", "Compare it with those in /docs."
+        raise _invalid_request([{"pointer": "", **violation(None, rule, remedy)}], 1)
+    errors = invalid.errors(include_url=False)
+    if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
+        reason = str(errors[0].get("ctx", {}).get("error", ""))
+        raise ProblemType.NOT_JSON(
+            TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.",
+        )
+    raise _invalid_request(*describe_errors(errors, document, model))
 
 
 def parsed(body: bytes) -> Any:
@@ -76,7 +104,10 @@ def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
         nonlocal unknown
         result = dict(pairs)
         if len(result) != len(pairs):
-            raise ProblemType.NOT_JSON(_repeated_name(pairs))
+            ((name, _),) = Counter(name for name, _ in pairs).most_common(1)
+            raise ProblemType.NOT_JSON(
+                f"The name {name!r:.80} occurs twice in one object. Keep one of the two."
+            )
         if known is not None and not known.issuperset(result):
             unknown += len(result.keys() - known)
         return result
@@ -99,17 +130,14 @@ def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
     except ValueError as error:
         raise ProblemType.NOT_JSON("The body holds a number of thousands of digits.") from error
     if constants:
-        raise _not_numbers(document, constants)
+        rule, remedy = "must be a finite number; JSON does not have this word", LEAVE_OUT
+        wrong = (
+            {"pointer": pointer_to(path[1:]), **violation(str(value), rule, remedy)}
+            for path, value in _walk(document)
+            if type(value) is _NotANumber
+        )
+        raise _invalid_request(list(islice(wrong, MAX_LISTED)), constants)
     return document, unknown
-
-
-def _repeated_name(pairs: list[tuple[str, Any]]) -> str:
-    seen: set[str] = set()
-    for name, _ in pairs:
-        if name in seen:
-            return f"The name {name!r:.80} occurs twice in one object. Keep one of the two."
-        seen.add(name)
-    raise AssertionError("no name is repeated")
 
 
 class _NotANumber(str):
@@ -118,83 +146,24 @@ class _NotANumber(str):
     __slots__ = ()
 
 
-def _not_numbers(document: Any, count: int) -> ServiceError:
-    """The error for NaN and Infinity, with the places of the first of them."""
-    constants = ((path, value) for path, value in _walk(document) if type(value) is _NotANumber)
-    violations = [
-        {
-            "pointer": pointer_to(path),
-            "value": value,
-            "rule": "must be a finite number; JSON does not have this word",
-            "remedy": "Leave it out, or give a number.",
-        }
-        for path, value in islice(constants, MAX_LISTED)
-    ]
-    return _invalid_request(violations, count)
-
-
-def _paths_of_unknown_names(document: Any, known: frozenset[str]) -> Iterator[Path]:
-    for path, _ in _walk(document):
-        if path and isinstance(path[-1], str) and path[-1] not in known:
-            yield path
-
-
 def _walk(document: Any) -> Iterator[tuple[Path, Any]]:
-    """Every value of a document with its path, in document order.
+    """Every value of a document with its path, in document order; all paths begin with "".
 
     Not recursive, for deep documents, and one list is the path of all values: copy it to keep it.
     """
     path: Path = []
-    yield path, document
-    levels = [_children(document)]
+    levels: list[Iterator[tuple[str | int, Any]]] = [iter([("", document)])]
     while levels:
         child = next(levels[-1], None)
         if child is None:
             levels.pop()
-            if path:
-                path.pop()
+            del path[-1:]
             continue
         part, value = child
         path.append(part)
         yield path, value
-        if isinstance(value, dict | list):
-            levels.append(_children(value))
-        else:
-            path.pop()
-
-
-def _children(value: Any) -> Iterator[tuple[str | int, Any]]:
-    if isinstance(value, dict):
-        return iter(value.items())
-    return iter(enumerate(value)) if isinstance(value, list) else iter(())
-
-
-def _invalid(error: ValidationError, document: Any, model: type[BaseModel]) -> Exception:
-    """The violations that pydantic found, as an error of the service."""
-    count = error.error_count()
-    if count > MAX_ITEMISED:
-        rule, remedy = f"has {count} errors, too many to list", "Compare it with those in /docs."
-        violations = [{"pointer": "", "value": None, "rule": rule, "remedy": remedy}]
-        return _invalid_request(violations, 1)
-    errors = error.errors(include_url=False)
-    if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
-        reason = str(errors[0].get("ctx", {}).get("error", ""))
-        return ProblemType.NOT_JSON(
-            TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.",
-        )
-    violations, places = describe_errors(errors, document, model)
-    return _invalid_request(violations, places)
-
-
-def _require_json(content_type: str | None) -> None:
-    declared = (content_type or "").partition(";")[0].strip().lower()
-    subtype = declared.removeprefix("application/")
-    if declared == subtype or not (subtype == "json" or subtype.endswith("+json")):
-        raise ProblemType.WRONG_MEDIA_TYPE(
-            f"Content-Type is {declared[:80]!r}. Send the design with "
-            "Content-Type: application/json.",
-            {"Accept": "application/json"},
-        )
+        pairs = value.items() if isinstance(value, dict) else ()
+        levels.append(iter(enumerate(value) if isinstance(value, list) else pairs))
 
 
 def _invalid_request(violations: list[dict[str, Any]], count: int) -> ServiceError:
@@ -207,3 +176,49 @@ def _invalid_request(violations: list[dict[str, Any]], count: int) -> ServiceErr
     where = first["pointer"] or "the body"
     detail = f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"
     return ProblemType.INVALID_REQUEST(detail, violations=violations)
+
+
+class _TooLarge(Exception):
+    """Passes through the application from ``receive`` to ``BodyLimit``."""
+
+
+class BodyLimit:
+    """Middleware that counts the bytes of a body."""
+
+    def __init__(self, app: ASGIApp, max_bytes: int) -> None:
+        self._app, self._max_bytes = app, max_bytes
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        declared = Headers(scope=scope).get("content-length", "")
+        if declared.isdecimal() and int(declared) > self._max_bytes:
+            await self._refuse(scope, receive, send)
+            return
+        seen = 0
+
+        async def counted() -> Message:
+            nonlocal seen
+            message = await receive()
+            seen += len(message.get("body", b""))
+            if seen > self._max_bytes:
+                raise _TooLarge
+            return message
+
+        try:
+            await self._app(scope, counted, send)
+        except _TooLarge:
+            await self._refuse(scope, receive, send)
+
+    async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
+        left, more = READ_ON * self._max_bytes, True
+        while more and left > 0:
+            message = await receive()
+            left -= len(message.get("body", b""))
+            more = message.get("more_body", False)
+        error = ProblemType.BODY_TOO_LARGE(
+            f"The body is larger than {self._max_bytes} bytes, the limit of this server. "
+            "A design with 100 segments needs less than 50 kB."
+        )
+        await error_response(Request(scope), error)(scope, receive, send)

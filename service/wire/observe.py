@@ -1,4 +1,4 @@
-"""Logging and metrics of requests; an id for each, and a response to each."""
+"""Logs and metrics for Prometheus: requests, solve times, designs by status, the queue."""
 
 from __future__ import annotations
 
@@ -6,19 +6,54 @@ import logging
 import re
 import time
 import uuid
+from functools import partial
 
 import structlog
 from fastapi import Request
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.wire.metrics import Metrics
 from service.wire.problem import error_response
 
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
+# Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
+SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
 log = structlog.get_logger("camwright.request")
+
+
+class Metrics:
+    """The metrics of one application; where something happens, it is counted."""
+
+    def __init__(self) -> None:
+        self._registry = registry = CollectorRegistry()
+        counter, gauge = partial(Counter, registry=registry), partial(Gauge, registry=registry)
+        seconds = partial(Histogram, buckets=SECONDS, registry=registry)
+        request = ("method", "route", "status")
+        self.requests = counter("camwright_http_requests", "Requests answered.", request)
+        self.latency = seconds(
+            "camwright_http_request_seconds", "From request to the last byte.", ["route"]
+        )
+        self.solves = seconds("camwright_solve_seconds", "Time in the core.", ["status"])
+        self.failures = counter(
+            "camwright_failed_designs", "Designs that ended in a problem.", ["problem"]
+        )
+        self._designs = gauge("camwright_designs", "Designs in the store.", ["status"])
+        self._waiting = gauge("camwright_designs_waiting", "Designs waiting for a worker.")
+        self._running = gauge("camwright_designs_running", "Designs on a worker.")
+        self._workers = gauge("camwright_workers", "Workers reachable.")
+
+    def page(self, designs: dict[str, int], waiting: int, running: int, workers: int) -> bytes:
+        """The text for Prometheus, with the current state."""
+        self._designs.clear()
+        for status, count in designs.items():
+            self._designs.labels(status).set(count)
+        self._waiting.set(waiting)
+        self._running.set(running)
+        self._workers.set(workers)
+        return generate_latest(self._registry)
 
 
 def configure_logs(level: str) -> None:
@@ -52,7 +87,7 @@ def configure_logs(level: str) -> None:
 
 
 class Observe:
-    """The outermost middleware."""
+    """The outermost middleware: an id for each request, a response to each, logs and metrics."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app, self._metrics = app, metrics

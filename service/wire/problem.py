@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from service.wire.errors import TYPES, ProblemType, ServiceError, problem_type
-from service.wire.violations import Violation, describe_parameter_errors, shown
+from service.wire.violations import Violation, describe_parameter_errors, violation
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
@@ -75,14 +75,8 @@ def problem_of(error: Exception) -> dict[str, Any]:
     if kind is ProblemType.INTERNAL:
         return problem_document(kind, "An error of the service, which has been logged.")
     if isinstance(error, InputError):
-        violations = [
-            {
-                "pointer": error.field,
-                "value": shown(error.value),
-                "rule": error.rule,
-                "remedy": error.remedy,
-            }
-        ]
+        wrong = violation(error.value, error.rule, error.remedy)
+        violations = [{"pointer": error.field, **wrong}]
     meant_for_callers = isinstance(error, ServiceError | CamwrightError)
     detail = str(error) if meant_for_callers else f"{kind.title}."
     best = error.best if isinstance(error, TimeBudgetExceeded) else None

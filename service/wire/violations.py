@@ -77,6 +77,7 @@ PLACES = {
     }.items()
     for kind in kinds.split()
 }
+LEAVE_OUT = "Leave it out, or give a number."
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 OBJECTS = ("model_type", "model_attributes_type", "dict_type")
 # Shapes in plain words.
@@ -132,6 +133,11 @@ def shown(value: Any) -> Any:
         return value
     plain = len(text) <= LONGEST_VALUE and "NaN" not in text and "Infinity" not in text
     return value if plain else text[: LONGEST_VALUE - 1] + "…"
+
+
+def violation(value: Any, rule: str, remedy: str) -> dict[str, Any]:
+    """A violation without its place: the fields of ``Violation`` for a document."""
+    return {"value": shown(value), "rule": rule, "remedy": remedy}
 
 
 def pointer_to(path: Sequence[str | int]) -> str:
@@ -205,7 +211,7 @@ def unknown_field(path: Sequence[str | int], body: Any, model: Body) -> dict[str
     for part in path:
         value = value[part]
     rule = "is not a field here"
-    return {"pointer": pointer_to(path), **_entry(value, rule, _suggest_name(path, body, model))}
+    return {"pointer": pointer_to(path), **violation(value, rule, _suggest_name(path, body, model))}
 
 
 def _place_of_rule(error: Any, path: Loc) -> Loc:
@@ -240,33 +246,33 @@ def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) ->
     kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
     if kind in COMPARISONS:
         key, words = COMPARISONS[kind]
-        return _entry(value, f"{words} {ctx[key]:g}", "Give a value within that.")
+        return violation(value, f"{words} {ctx[key]:g}", "Give a value within that.")
     if kind == "missing":
         meaning = properties_at(body, path[:-1], model).get(str(path[-1]) if path else "", "")
-        return _entry(None, "is required", f"Add it. {meaning}".strip())
+        return violation(None, "is required", f"Add it. {meaning}".strip())
     if kind == "extra_forbidden":
-        return _entry(value, "is not a field here", _suggest_name(path, body, model))
+        return violation(value, "is not a field here", _suggest_name(path, body, model))
     if kind in ("union_tag_invalid", "literal_error"):
         allowed = [word.strip(" '") for word in _allowed(ctx)]
         tag = ctx.get("tag", value)
         remedy = _suggest(tag, allowed) or "Choose one of these."
-        return _entry(tag, f"must be one of {', '.join(allowed)}", remedy)
+        return violation(tag, f"must be one of {', '.join(allowed)}", remedy)
     if kind == "union_tag_not_found":
-        return _entry(None, "is required", "Add it: it selects the kind.")
+        return violation(None, "is required", "Add it: it selects the kind.")
     if kind == "finite_number":
-        return _entry(value, "must be a finite number", "Leave it out, or give a number.")
+        return violation(value, "must be a finite number", LEAVE_OUT)
     if kind in ("too_long", "too_short"):
         most = kind == "too_long"
         bound = ctx["max_length" if most else "min_length"]
         has = f", not {ctx['actual_length']}" if ctx.get("actual_length") is not None else ""
         rule = f"must have at {'most' if most else 'least'} {bound} entries{has}"
-        return _entry(value, rule, "Leave some out." if most else "Add what is missing.")
+        return violation(value, rule, "Leave some out." if most else "Add what is missing.")
     if kind not in PYDANTICS_OWN:
         rule, remedy = _rule_and_remedy(error["msg"], ctx)
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
-        return _entry(ctx.get("value", next(numbers, None)), rule, remedy)
+        return violation(ctx.get("value", next(numbers, None)), rule, remedy)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
-    return _entry(value, PLAIN.get(kind, rule), _correct_type(kind, value if path else None))
+    return violation(value, PLAIN.get(kind, rule), _correct_type(kind, value if path else None))
 
 
 def _rule_and_remedy(message: str, ctx: dict[str, Any]) -> tuple[str, str]:
@@ -292,16 +298,8 @@ def _correct_type(kind: str, value: Any) -> str:
     return "Correct it; /docs shows the schema and worked examples."
 
 
-def _entry(value: Any, rule: str, remedy: str) -> dict[str, Any]:
-    return {"value": shown(value), "rule": rule, "remedy": remedy}
-
-
 def _allowed(ctx: dict[str, Any]) -> list[str]:
     return str(ctx.get("expected_tags") or ctx.get("expected", "")).replace(" or ", ", ").split(",")
-
-
-def _suggest_or_list(given: Any, allowed: Sequence[str]) -> str:
-    return f"{_suggest(given, allowed)} Allowed: {', '.join(allowed)}.".strip()
 
 
 def _suggest(given: Any, allowed: Sequence[str]) -> str:
@@ -311,7 +309,8 @@ def _suggest(given: Any, allowed: Sequence[str]) -> str:
 
 def _suggest_name(path: Sequence[str | int], body: Any, model: Body) -> str:
     allowed = list(properties_at(body, path[:-1], model))
-    return _suggest_or_list(path[-1], allowed) if allowed else "Remove it."
+    listed = f"{_suggest(path[-1], allowed)} Allowed: {', '.join(allowed)}."
+    return listed.strip() if allowed else "Remove it."
 
 
 def describe_parameter_errors(errors: Sequence[Any]) -> list[dict[str, Any]]:
