@@ -1,38 +1,36 @@
-"""/v1/sweeps: start a sweep, list, watch, stop or delete it."""
+"""/v1/sweeps: start a sweep, list, watch, stop or delete it; its items, tables and Pareto front."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-from collections.abc import AsyncIterator
-from typing import Annotated
+from collections.abc import AsyncIterator, Awaitable, Callable
+from functools import partial
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from fastapi.responses import StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.contract.documentation import UNDER_WAY_HEADERS, problems, spec_body
+from service.contract.documentation import UNDER_WAY_HEADERS, in_parts, problems, spec_body, tagged
 from service.contract.examples import SWEEPS
-from service.routes.resource_routes import Key, check_key, position_of
+from service.routes.file_routes import PNG, SVG, WORKER_STATUSES, download_headers, in_worker
+from service.routes.resource_routes import Cursor, Key, check_key, position_of
 from service.state import Parts, State
 from service.storage.tables import ItemRow, SweepRow
+from service.sweeps import results, views
 from service.sweeps.store import UNDER_WAY
-from service.sweeps.views import (
-    Sweep,
-    SweepPage,
-    SweepState,
-    SweepSummary,
-    item_of,
-    summary_of,
-    sweep_of,
-    sweep_path,
-)
 from service.wire.body import read_body
+from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
+from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
+from synthesis.exporters.drawing.raster import rasterise
+from synthesis.exporters.options import Colours, PixelColours, PixelWidth
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
-BATCH = 200  # items read at once for a stream of events
-POLL_S = 1.0  # between reads of a sweep that another process works on
+MAX_FRONT = 2000  # items of a front in one answer: about 1 MB
+MAX_DRAWN = 4  # quantities of a drawing: six panels, one for each pair
+QUANTITIES = 8  # that one front may be of
 
 
 async def known(sweep_id: str, parts: Parts) -> SweepRow:
@@ -61,7 +59,7 @@ After = Annotated[int, Depends(_last_event)]
 @router.post(
     "",
     status_code=202,
-    response_model=Sweep,
+    response_model=views.Sweep,
     responses={
         202: {"description": "Running, or finished already: see `state`.",
               "headers": UNDER_WAY_HEADERS},
@@ -72,7 +70,7 @@ After = Annotated[int, Depends(_last_event)]
 )  # fmt: skip
 async def create_sweep(
     request: Request, response: Response, parts: Parts, idempotency_key: Key = None
-) -> Sweep:
+) -> views.Sweep:
     """Many designs out of one: the base with other values in some of its fields.
 
     The same spec gives the same sweep: a second request joins it, or continues it where it was
@@ -83,33 +81,37 @@ async def create_sweep(
     parts.sweeps.check(spec)
     await check_key(parts, idempotency_key, await request.body())
     row = await parts.sweeps.accept(spec)
-    response.headers.update({"Location": sweep_path(row.id), "Retry-After": "1"})
-    return _sweep(parts, row)
+    response.headers.update({"Location": views.sweep_path(row.id), "Retry-After": "1"})
+    return views.sweep_of(row, parts.sweeps)
 
 
 @router.get("", summary="List sweeps", responses=problems(422))
 async def list_sweeps(
     parts: Parts,
     limit: Annotated[int, Query(ge=1, le=200, description="Sweeps on a page.")] = 50,
-    cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
-    state: Annotated[SweepState | None, Query(description="Only those in this state.")] = None,
-) -> SweepPage:
+    cursor: Cursor = None,
+    state: Annotated[
+        views.SweepState | None, Query(description="Only those in this state.")
+    ] = None,
+) -> views.SweepPage:
     """The newest first."""
     before = None if cursor is None else position_of(cursor)
     rows = await parts.sweeps.store.page(before, limit + 1, state)
     following = str(rows[limit - 1].sequence) if len(rows) > limit else None
-    return SweepPage(items=[_summary(parts, row) for row in rows[:limit]], next=following)
+    return views.SweepPage(
+        items=[views.summary_of(row, parts.sweeps) for row in rows[:limit]], next=following
+    )
 
 
 @router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
-async def get_sweep(row: Known, parts: Parts) -> Sweep:
+async def get_sweep(row: Known, parts: Parts) -> views.Sweep:
     """State, progress, counts, rate and time left; the spec; links."""
-    return _sweep(parts, row)
+    return views.sweep_of(row, parts.sweeps)
 
 
 @router.delete(
     "/{sweep_id}",
-    response_model=Sweep,
+    response_model=views.Sweep,
     responses={
         200: {
             "description": "It was running: stopped, and what is done is kept. Or it was finished, "
@@ -132,7 +134,9 @@ async def delete_sweep(
     if stopped is None and not discard:
         stopped = await parts.sweeps.store.find(row.id)
     if stopped is not None:
-        return Response(_sweep(parts, stopped).model_dump_json(), 200, None, "application/json")
+        return Response(
+            views.sweep_of(stopped, parts.sweeps).model_dump_json(), 200, None, "application/json"
+        )
     await parts.sweeps.store.delete(row.sequence)
     return Response(status_code=204)
 
@@ -157,43 +161,217 @@ async def watch_sweep(
     `item` has an id; sent back as Last-Event-ID, as browsers do, the stream continues with the next
     one.
     """
-    async for event in _events(parts, row, after, items):
+    async for event in views.events(parts.sweeps, row, after, items):
         yield event
 
 
-async def _events(
-    parts: State, row: SweepRow, after: int, items: bool
-) -> AsyncIterator[ServerSentEvent]:
-    last: SweepSummary | None = None
-    while True:
-        progress = parts.sweeps.progress(row.id)
-        # Taken before the sweep is read, so that no change after that is missed.
-        change = progress.next_change if progress else asyncio.Event()
-        now = await parts.sweeps.store.find(row.id)
-        if now is None:
-            return
-        while items and (
-            rows := await parts.sweeps.store.items(
-                now.sequence, ItemRow.sequence > after, size=BATCH
-            )
-        ):
-            for each in rows:
-                yield ServerSentEvent(data=item_of(now, each), event="item", id=str(each.sequence))
-            after = rows[-1].sequence
-        summary = _summary(parts, now)
-        if now.state not in UNDER_WAY:
-            yield ServerSentEvent(data=summary, event="end")
-            return
-        if summary != last:
-            yield ServerSentEvent(data=summary, event="progress")
-            last = summary
-        with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(change.wait(), POLL_S)
+@router.get("/{sweep_id}/items", summary="Finished items", responses=problems(404, 422))
+async def list_sweep_items(
+    sweep: Known,
+    parts: Parts,
+    limit: Annotated[int, Query(ge=1, le=1000, description="Items on a page.")] = 100,
+    cursor: Cursor = None,
+    status: Annotated[
+        views.ItemStatus | None, Query(description="Only those with this status.")
+    ] = None,
+) -> views.SweepItemPage:
+    """In the order in which they were finished, so that following `next` misses none."""
+    after = 0 if cursor is None else position_of(cursor)
+    where = [ItemRow.sequence > after]
+    if status is not None:
+        where.append(ItemRow.status == status)
+    rows = await parts.sweeps.store.items(sweep.sequence, *where, size=limit + 1)
+    shown = rows[:limit]
+    # More may follow for as long as the sweep runs.
+    over = len(rows) <= limit and sweep.state not in UNDER_WAY
+    following = None if over else str(shown[-1].sequence if shown else after)
+    return views.SweepItemPage(items=[views.item_of(sweep, row) for row in shown], next=following)
 
 
-def _sweep(parts: State, row: SweepRow) -> Sweep:
-    return sweep_of(row, parts.sweeps.progress(row.id))
+@router.get("/{sweep_id}/items/{number}", summary="One item", responses=problems(404, 422))
+async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> views.SweepItem:
+    """Its values, status and quantities, and the address of its design."""
+    there = 0 <= number < sweep.size
+    row = await parts.sweeps.store.item(sweep.sequence, number) if there else None
+    if row is None:
+        raise ProblemType.UNKNOWN_SWEEP(
+            f"Item {number} of sweep {sweep.id} is not finished, or there is none: "
+            f"they are numbered from 0 to {sweep.size - 1}."
+        )
+    return views.item_of(sweep, row)
 
 
-def _summary(parts: State, row: SweepRow) -> SweepSummary:
-    return summary_of(row, parts.sweeps.progress(row.id))
+# By extension: media type, schema, writer, title, text, and what may go wrong besides.
+TABLES: dict[
+    str,
+    tuple[
+        str, Any, Callable[[results.Columns, results.Pages], AsyncIterator[bytes]], str, str, Any
+    ],
+]
+TABLES = {
+    "csv": (
+        "text/csv; charset=utf-8", {"type": "string"}, results.csv_table, "Finished items as CSV",
+        "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem."
+        "\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.", (),
+    ),
+    "parquet": (
+        "application/vnd.apache.parquet", {"type": "string", "format": "binary"},
+        results.parquet_table, "Finished items as Parquet",
+        "The same table for data frames; axes of numbers and quantities are doubles.", (501,),
+    ),
+}  # fmt: skip
+
+
+def _add_table(extension: str) -> None:
+    media_type, schema, write, title, text, statuses = TABLES[extension]
+
+    async def handler(request: Request, sweep: Known, parts: Parts) -> Response:
+        def body() -> AsyncIterator[bytes]:
+            return write(results.Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
+
+        tag = _tag(request, sweep, extension)
+        if isinstance(tag, Response):
+            return tag
+        headers = download_headers(sweep.name, f"items.{extension}", media_type) | tag
+        if tag:
+            headers |= IN_PARTS
+            if "range" in request.headers:  # Content-Range needs the total: written once to count
+                headers["Content-Length"] = str(sum([len(chunk) async for chunk in body()]))
+        return StreamingResponse(body(), 200, headers, media_type)
+
+    router.add_api_route(
+        f"/{{sweep_id}}/items.{extension}", handler, name=f"get_sweep_items_{extension}",
+        summary=title, description=text, response_class=StreamingResponse,
+        responses={
+            **in_parts(description="The table.", content={media_type: {"schema": schema}}),
+            **problems(404, *statuses),
+        },
+    )  # fmt: skip
+
+
+for _extension in TABLES:
+    _add_table(_extension)
+
+
+def _axes(
+    minimise: Annotated[
+        list[str],
+        Query(max_length=QUANTITIES, description="Quantity to minimise; may be repeated."),
+    ] = [],  # noqa: B006 (never changed)
+    maximise: Annotated[
+        list[str],
+        Query(max_length=QUANTITIES, description="Quantity to maximise; may be repeated."),
+    ] = [],  # noqa: B006
+) -> list[Aim]:
+    return [
+        *(Aim(name, maximise=False) for name in minimise),
+        *(Aim(name, maximise=True) for name in maximise),
+    ]
+
+
+Axes = Annotated[list[Aim], Depends(_axes)]
+
+
+@router.get("/{sweep_id}/pareto", summary="The Pareto front", responses=problems(404, 422))
+async def get_sweep_pareto(
+    sweep: Known,
+    parts: Parts,
+    axes: Axes,
+    limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
+) -> views.ParetoFront:
+    """The certified designs that are not dominated by another in the quantities named.
+
+    `quantities` of the sweep says what can be named. `size` is the number of designs on the front,
+    which may be more than `limit`.
+    """
+    return await results.pareto_front(parts.sweeps.store, sweep, axes, limit)
+
+
+@router.get(
+    "/{sweep_id}/pareto.svg",
+    response_class=Response,
+    responses={
+        **tagged(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
+        **problems(404, 422),
+    },
+    summary="The Pareto front as a drawing",
+)
+async def get_sweep_pareto_svg(
+    request: Request,
+    sweep: Known,
+    parts: Parts,
+    axes: Axes,
+    theme: Annotated[Colours, Query()] = "auto",
+) -> Response:
+    """The front among all certified designs: two to four quantities, a panel for every pair.
+
+    Items that are not shown, such as infeasible designs, are counted. It has a tag once the
+    sweep has ended.
+    """
+
+    async def paint(drawn: TradeOff) -> bytes:
+        return await asyncio.to_thread(trade_off, drawn, theme)
+
+    return await _drawn(request, sweep, parts, axes, ("svg", SVG, theme), paint)
+
+
+@router.get(
+    "/{sweep_id}/pareto.png",
+    response_class=Response,
+    responses={
+        **tagged(
+            description="The picture.",
+            content={PNG: {"schema": {"type": "string", "format": "binary"}}},
+        ),
+        **problems(404, 422, *WORKER_STATUSES),
+    },
+    summary="The Pareto front as pixels",
+)
+async def get_sweep_pareto_png(
+    request: Request,
+    sweep: Known,
+    parts: Parts,
+    axes: Axes,
+    theme: Annotated[PixelColours, Query()] = "light",
+    width_px: Annotated[PixelWidth, Query()] = 1600,
+) -> Response:
+    """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
+
+    async def paint(drawn: TradeOff) -> bytes:
+        return await in_worker(parts, partial(rasterise, trade_off(drawn, theme), width_px))
+
+    options = ("png", PNG, theme, str(width_px))
+    return await _drawn(request, sweep, parts, axes, options, paint)
+
+
+async def _drawn(
+    request: Request,
+    sweep: SweepRow,
+    parts: State,
+    axes: list[Aim],
+    options: tuple[str, ...],
+    paint: Callable[[TradeOff], Awaitable[bytes]],
+) -> Response:
+    """A picture of the front, or 304; ``options``: extension, media type, and what is chosen."""
+    if not 2 <= len(axes) <= MAX_DRAWN:
+        raise ProblemType.INVALID_PARAMETER(
+            f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
+        )
+    extension, media_type, *_ = options
+    tag = _tag(request, sweep, repr(axes), *options)
+    if isinstance(tag, Response):
+        return tag
+    drawing = await paint(await results.compare_designs(parts.sweeps.store, sweep, axes))
+    headers = download_headers(sweep.name, f"pareto.{extension}", media_type) | tag
+    return Response(drawing, 200, headers, media_type)
+
+
+def _tag(request: Request, sweep: SweepRow, *made_by: str) -> dict[str, str] | Response:
+    """The header with the tag of what is made of a sweep's items, or 304 where the caller has it.
+
+    There is no tag until the sweep has ended.
+    """
+    if sweep.state in UNDER_WAY:
+        return {}
+    tag = tag_of(sweep.id, sweep.created.isoformat(), str(sweep.done), *made_by)
+    return not_modified(request, tag) or {"ETag": f'"{tag}"'}

@@ -10,17 +10,16 @@ import csv
 import io
 import json
 from collections import Counter
-from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps.store import SweepStore
 from service.sweeps.views import ParetoAxis, ParetoFront, item_of
 from service.wire.errors import ProblemType
+from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
 from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.pareto import non_dominated
 
@@ -103,31 +102,14 @@ def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
     return written()
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """The certified designs of a sweep that have all quantities of the axes.
-
-    Attributes:
-        numbers: (n,) of the items. values: (n, k). front: indices of the non-dominated ones,
-            ascending in the first quantity. left_out: how many other finished items, by reason.
-    """
-
-    numbers: Sequence[int]
-    values: NDArray[np.float64]
-    front: NDArray[np.intp]
-    left_out: Mapping[str, int]
-
-
-async def compare_designs(
-    store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis]
-) -> Comparison:
-    """Compare the designs of a sweep in the quantities of the axes.
+async def compare_designs(store: SweepStore, sweep: SweepRow, axes: Sequence[Aim]) -> TradeOff:
+    """Compare the certified designs of a sweep that have all these quantities.
 
     Raises:
         ServiceError: no quantity is named, or one that no design of the sweep has.
     """
-    _check(sweep, axes)
-    signs = np.array([1.0 if axis.direction == "minimise" else -1.0 for axis in axes])
+    _check(sweep, [axis.quantity for axis in axes])
+    signs = np.array([-1.0 if axis.maximise else 1.0 for axis in axes])
     numbers: list[int] = []
     values: list[list[float]] = []
     left_out: Counter[str] = Counter()
@@ -144,11 +126,11 @@ async def compare_designs(
                 values.append(known)
     table = np.array(values).reshape(len(values), len(axes))
     front = await asyncio.to_thread(non_dominated, table * signs)
-    return Comparison(numbers, table, front, left_out)
+    return TradeOff(sweep.name, axes, numbers, table, front, left_out)
 
 
 async def pareto_front(
-    store: SweepStore, sweep: SweepRow, axes: Sequence[ParetoAxis], most: int
+    store: SweepStore, sweep: SweepRow, axes: Sequence[Aim], most: int
 ) -> ParetoFront:
     """The non-dominated designs of a sweep in these quantities; see ``compare_designs``."""
     comparison = await compare_designs(store, sweep, axes)
@@ -156,7 +138,12 @@ async def pareto_front(
     shown = await store.items(sweep.sequence, ItemRow.number.in_(best[:most]))
     rows = {item.number: item for item in shown}
     return ParetoFront(
-        axes=list(axes),
+        axes=[
+            ParetoAxis(
+                quantity=axis.quantity, direction="maximise" if axis.maximise else "minimise"
+            )
+            for axis in axes
+        ],
         compared=len(comparison.numbers),
         excluded=sweep.done - len(comparison.numbers),
         size=len(best),
@@ -164,20 +151,16 @@ async def pareto_front(
     )
 
 
-def _check(sweep: SweepRow, axes: Sequence[ParetoAxis]) -> None:
+def _check(sweep: SweepRow, names: Sequence[str]) -> None:
     known = ", ".join(sweep.quantities) or "nothing so far"
-    if not axes:
-        raise ProblemType.INVALID_PARAMETER(
-            f"minimise, maximise: name at least one quantity. Measured in this sweep: {known}."
-        )
-    names = [axis.quantity for axis in axes]
+    fault = None if names else f"name at least one quantity. Measured in this sweep: {known}."
     for name in names:
         if names.count(name) > 1:
-            raise ProblemType.INVALID_PARAMETER(
-                f"minimise, maximise: {name!r} is named twice. Name it once."
+            fault = f"{name!r} is named twice. Name it once."
+        elif name not in sweep.quantities:
+            fault = (
+                f"{name[:80]!r} is not measured on any design of this sweep. Measured are: "
+                f"{known}. The field `quantities` of a sweep's spec adds to these."
             )
-        if name not in sweep.quantities:
-            raise ProblemType.INVALID_PARAMETER(
-                f"minimise, maximise: {name[:80]!r} is not measured on any design of this sweep. "
-                f"Measured are: {known}. The field `quantities` of a sweep's spec adds to these."
-            )
+    if fault is not None:
+        raise ProblemType.INVALID_PARAMETER(f"minimise, maximise: {fault}")

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
 from datetime import datetime
 from typing import Any, Literal
 
+from fastapi.sse import ServerSentEvent
 from pydantic import BaseModel, Field, JsonValue
 
 from service.storage.tables import ItemRow, SweepRow, in_utc
 from service.sweeps.store import STATUSES, UNDER_WAY
-from service.sweeps.sweeps import Progress
+from service.sweeps.sweeps import Sweeps
 from service.workers.tasks import links_to
 from synthesis.studies.sweeps import SweepSpec
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "infeasible", "failed"]
+BATCH = 200  # items read at once for a stream of events
+POLL_S = 1.0  # between reads of a sweep that another process works on
 FILES = ("items", "items.csv", "items.parquet", "pareto", "events")
 PATH = "/v1/sweeps"
 
@@ -121,17 +127,18 @@ def sweep_path(id: str) -> str:
     return f"{PATH}/{id}"
 
 
-def summary_of(row: SweepRow, progress: Progress | None) -> SweepSummary:
+def summary_of(row: SweepRow, sweeps: Sweeps) -> SweepSummary:
     """A sweep as a line of the list."""
-    return SweepSummary(**_fields(row, progress))
+    return SweepSummary(**_fields(row, sweeps))
 
 
-def sweep_of(row: SweepRow, progress: Progress | None) -> Sweep:
+def sweep_of(row: SweepRow, sweeps: Sweeps) -> Sweep:
     """A sweep with its spec."""
-    return Sweep(**_fields(row, progress), spec=SweepSpec.model_validate_json(row.spec))
+    return Sweep(**_fields(row, sweeps), spec=SweepSpec.model_validate_json(row.spec))
 
 
-def _fields(row: SweepRow, progress: Progress | None) -> dict[str, Any]:
+def _fields(row: SweepRow, sweeps: Sweeps) -> dict[str, Any]:
+    progress = sweeps.progress(row.id)
     rate = progress.rate_per_s if progress is not None and row.state in UNDER_WAY else None
     counts = {name: getattr(row, name) for name in ("done", *STATUSES)}
     return {
@@ -157,3 +164,32 @@ def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:
         values=dict(zip(sweep.axes, row.axis_values, strict=True)),
         links=links,
     )
+
+
+async def events(
+    sweeps: Sweeps, row: SweepRow, after: int, items: bool
+) -> AsyncIterator[ServerSentEvent]:
+    """The events of a sweep until it ends: of its items after a sequence number, and progress."""
+    last: SweepSummary | None = None
+    while True:
+        progress = sweeps.progress(row.id)
+        # Taken before the sweep is read, so that no change after that is missed.
+        change = progress.next_change if progress else asyncio.Event()
+        now = await sweeps.store.find(row.id)
+        if now is None:
+            return
+        while items and (
+            rows := await sweeps.store.items(now.sequence, ItemRow.sequence > after, size=BATCH)
+        ):
+            for each in rows:
+                yield ServerSentEvent(data=item_of(now, each), event="item", id=str(each.sequence))
+            after = rows[-1].sequence
+        summary = summary_of(now, sweeps)
+        if now.state not in UNDER_WAY:
+            yield ServerSentEvent(data=summary, event="end")
+            return
+        if summary != last:
+            yield ServerSentEvent(data=summary, event="progress")
+            last = summary
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(change.wait(), POLL_S)
