@@ -10,18 +10,18 @@ import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from service import guide
+from service import pages
 
 ROOT = Path(__file__).resolve().parents[3]
 DOCUMENTS = sorted(
-    [*(p.relative_to(ROOT).as_posix() for p in (ROOT / "docs").rglob("*.md")), *guide.AT_THE_TOP]
+    [*(p.relative_to(ROOT).as_posix() for p in (ROOT / "docs").rglob("*.md")), *pages.AT_THE_TOP]
 )
 
 
 @pytest.fixture(scope="module")
 def client() -> TestClient:
     app = FastAPI()
-    app.include_router(guide.router)
+    app.include_router(pages.router)
     return TestClient(app)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.resources.registry import RESOURCES
+from service.resources import RESOURCES
 from service.wire.body import MAX_ITEMISED, validated
 from service.wire.errors import ServiceError
 from service.wire.schema_walk import all_names
