@@ -9,7 +9,6 @@ import logging
 import socket
 import sys
 import time
-from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -36,9 +35,11 @@ def serve(settings: Settings, listener: socket.socket) -> None:
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     sys.stdout.write("Camwright is starting its workers ...\n")
     sys.stdout.flush()
-    port = listener.getsockname()[1]
+    # The host as a browser on this machine addresses it.
+    host = f"[{settings.host}]" if ":" in settings.host else settings.host
+    host = {"0.0.0.0": "127.0.0.1", "[::]": "[::1]"}.get(host, host)
     with contextlib.suppress(KeyboardInterrupt):  # it has shut down by then
-        _Server(config, app, f"http://{_local_address(settings.host)}:{port}").run([listener])
+        _Server(config, app, f"http://{host}:{listener.getsockname()[1]}").run([listener])
 
 
 def server_config(app: FastAPI) -> uvicorn.Config:
@@ -95,20 +96,12 @@ async def self_check(parts: State) -> str:
         answer = await parts.engine.solve(spec.model_dump_json().encode(), 30.0)
     except Exception as error:  # the service itself has started
         return f"Self-check FAILED: {error}"
-    return _self_check_line(json.loads(answer.body), answer.seconds, time.perf_counter() - started)
-
-
-def _self_check_line(design: dict[str, Any], core_s: float, whole_s: float) -> str:
+    design, whole_s = json.loads(answer.body), time.perf_counter() - started
     certificate, sizes = design["certificate"], design["dimensions"]
     gap = "?" if certificate["gap"] is None else f"{100.0 * certificate['gap']:.2f} %"
     return (
         f"Self-check, {design['name']}: base radius {sizes['base_radius_mm']:.3f} mm, "
         f"offset {sizes['offset_mm']:.3f} mm, gap {gap}, "
         f"{'certified' if certificate['certified'] else 'NOT CERTIFIED'}, "
-        f"{1e3 * core_s:.0f} ms in the core, {1e3 * whole_s:.0f} ms with transfer."
+        f"{1e3 * answer.seconds:.0f} ms in the core, {1e3 * whole_s:.0f} ms with transfer."
     )
-
-
-def _local_address(host: str) -> str:
-    """The host as a browser on this machine addresses it."""
-    return {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(host, f"[{host}]" if ":" in host else host)

@@ -5,7 +5,7 @@
         client.download(design["links"]["profile.csv"], Path("profile.csv"))
 
 Both have the same calls, of `AsyncClient` as coroutines and asynchronous iterators. `exchange`
-sends requests again where that is safe, `download` continues files. Begin with `calls.py`.
+sends requests again where that is safe, and continues downloads. Begin with `calls.py`.
 """
 
 from __future__ import annotations

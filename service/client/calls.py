@@ -14,8 +14,7 @@ from typing import Any, Self
 import httpx2
 from pydantic_core import to_json
 
-from service.client.download import ProgressCallback, download
-from service.client.exchange import Exchange, Request, Retries
+from service.client.exchange import Exchange, ProgressCallback, Request, Retries, download
 
 Json = dict[str, Any]
 Spec = Mapping[str, Any] | Any  # a body, or a model of pydantic that has its fields

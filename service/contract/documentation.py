@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -64,16 +63,13 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 def problems(*statuses: int) -> dict[int | str, Json]:
     """Responses that are problem documents, by reference."""
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
-    return {
-        status: {"description": f"{titles[status]}.", "content": _problem(status)}
-        for status in statuses
-    }
-
-
-def _problem(status: int) -> Json:
-    """The schema of a problem; only that of 504 contains a design, which is large."""
-    model = LateProblem if status == 504 else Problem
-    return {MEDIA_TYPE: {"schema": {"$ref": f"{REFERENCE}{model.__name__}"}}}
+    responses: dict[int | str, Json] = {}
+    for status in statuses:
+        model = LateProblem if status == 504 else Problem  # only 504 has a design, which is large
+        schema = {"$ref": f"{REFERENCE}{model.__name__}"}
+        content = {MEDIA_TYPE: {"schema": schema}}
+        responses[status] = {"description": f"{titles[status]}.", "content": content}
+    return responses
 
 
 def tagged(status: int = 200, **more: Any) -> dict[int | str, Json]:
@@ -136,68 +132,55 @@ def describe(app: FastAPI) -> Json:
         own = {model.__name__: unnamed["$defs"][model.__name__] for model in UNNAMED}
         schemas = {**unnamed["$defs"], **document["components"]["schemas"], **own}
         document["components"]["schemas"] = dict(sorted(schemas.items()))
-        _remove_default_errors(document)
-        _describe_default_objects(document)
-        _share_components(document)
+        _tidy(document)
         app.openapi_schema = document
     return app.openapi_schema
 
 
-def _describe_default_objects(document: Json) -> None:
-    """Move defaults that are objects into descriptions: client generators drop their schemas."""
-    for schema in document["components"]["schemas"].values():
-        for field in schema.get("properties", {}).values():
-            if isinstance(field.get("default"), dict):
-                default = json.dumps(field.pop("default"))
-                text = field.get("description", "")
-                field["description"] = f"{text} Default: `{default}`.".strip()
-
-
-def _remove_default_errors(document: Json) -> None:
-    """Remove FastAPI's own form of 422: the service answers with problem documents."""
-    for unused in ("HTTPValidationError", "ValidationError"):
-        document["components"]["schemas"].pop(unused, None)
-    for operation in _operations(document):
-        added = operation["responses"].get("422", {}).get("content", {})
-        if "application/json" in added:
-            del operation["responses"]["422"]
-
-
-def _share_components(document: Json) -> None:
-    """Move parameters and responses that several operations share to the components.
-
-    Different ones of the same name are numbered. Responses of status 200 stay with their operation,
-    for readers. Titles that only repeat a field's name are removed.
-    """
-    components, operations = document["components"], list(_operations(document))
-    for operation in operations:
-        for parameter in operation.get("parameters", []):
-            _remove_repeated_title(parameter["name"], parameter["schema"])
-    for schema in components["schemas"].values():
-        for name, field in schema.get("properties", {}).items():
-            _remove_repeated_title(name, field)
+def _tidy(document: Json) -> None:
+    """Remove what FastAPI adds, and share what several operations have in common."""
+    components = document["components"]
+    operations = [each for methods in document["paths"].values() for each in methods.values()]
     lists = [operation.get("parameters", []) for operation in operations]
+    answers = [operation["responses"] for operation in operations]
+    # FastAPI's own form of 422: the service answers with problem documents.
+    for unused in ("HTTPValidationError", "ValidationError"):
+        components["schemas"].pop(unused, None)
+    for responses in answers:
+        if "application/json" in responses.get("422", {}).get("content", {}):
+            del responses["422"]
+    fields = [
+        (name, field)
+        for schema in components["schemas"].values()
+        for name, field in schema.get("properties", {}).items()
+    ]
+    for _, field in fields:
+        # Defaults that are objects become text: client generators drop the schemas of their fields.
+        if isinstance(field.get("default"), dict):
+            default = json.dumps(field.pop("default"))
+            field["description"] = f"{field.get('description', '')} Default: `{default}`.".strip()
+    parameters = [(each["name"], each["schema"]) for one in lists for each in one]
+    for name, field in [*fields, *parameters]:
+        if field.get("title") == name.replace("_", " ").title():  # it only repeats the name
+            del field["title"]
     places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
     components["parameters"] = _moved(places, "parameters")
-    answers = [operation["responses"] for operation in operations]
-    named = [(each, at, _named(at)) for each in answers for at in each if at != "200"]
+    # Responses of status 200 stay with their operation, for readers.
+    named = [
+        (each, status, f"{'Problem' if status >= '400' else 'Answer'}{status}")
+        for each in answers
+        for status in each
+        if status != "200"
+    ]
     components["responses"] = _moved(named, "responses")
-
-
-def _operations(document: Json) -> Iterator[Json]:
-    for methods in document["paths"].values():
-        yield from methods.values()
-
-
-def _named(status: str) -> str:
-    return f"{'Problem' if status >= '400' else 'Answer'}{status}"
 
 
 def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
     """What occurs at several places, by name; the places become references to it.
 
     Args:
-        places: container, key and name of each. kind: the section of the components.
+        places: container, key and name of each; different ones of a name are numbered.
+        kind: the section of the components.
     """
     texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
     often, names, parts = Counter(texts), dict[str, str](), Json()
@@ -210,8 +193,3 @@ def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
             parts[names[text]] = holder[key]
         holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
     return parts
-
-
-def _remove_repeated_title(name: str, field: Json) -> None:
-    if field.get("title") == name.replace("_", " ").title():
-        del field["title"]

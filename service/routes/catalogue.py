@@ -169,20 +169,19 @@ async def list_formats() -> Formats:
 @router.get("/limits", summary="Limits and objectives, and what this server allows")
 async def list_limits(parts: Parts) -> Limits:
     """Every limit and objective that a spec may name, and what this server allows."""
-    names = ServerLimits.model_fields.keys() & type(parts.settings).model_fields.keys()
-    own = {name: getattr(parts.settings, name) for name in names - {"workers"}}
+    # Fields of the same name as a setting; the number of workers may be that of a remote scheduler.
+    known: dict[str, Any] = parts.settings.model_dump() | {
+        "max_cams": MAX_CAMS,
+        "max_segments": MAX_SEGMENTS,
+        "max_points_per_degree": MAX_POINTS_PER_DEGREE,
+        "max_points": MAX_POINTS,
+        "min_tolerance_um": MIN_TOLERANCE_UM,
+        "workers": parts.engine.slots,
+    }
     return Limits(
         limits=[Entry(**_entry(limit, limit.title)) for limit in LIMITS],
         objectives=[Entry(**_entry(each, each.title)) for each in OBJECTIVES],
-        server=ServerLimits(
-            **own,
-            max_cams=MAX_CAMS,
-            max_segments=MAX_SEGMENTS,
-            max_points_per_degree=MAX_POINTS_PER_DEGREE,
-            max_points=MAX_POINTS,
-            min_tolerance_um=MIN_TOLERANCE_UM,
-            workers=parts.engine.slots,
-        ),
+        server=ServerLimits.model_validate(known),
     )
 
 

@@ -5,35 +5,23 @@ from __future__ import annotations
 import json
 import time
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from pydantic import JsonValue, ValidationError
 
 from service.wire.errors import ProblemType
 from service.workers.tasks import Answer
-from synthesis.catalogue.objectives import Objective
 from synthesis.design.design import Status
 from synthesis.errors import Cancelled, TimeBudgetExceeded
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
 
 Item = tuple[int, list[JsonValue]]  # its number, and the values of the axes
+SolveDesign = Callable[..., Answer]  # as ``solve_design`` of the workers' tasks
 SLICE_S = 1.0  # after this no further item of a chunk is begun, so that others get the worker
-
-
-class SolveDesign(Protocol):
-    """Solves one design and measures further objectives on it."""
-
-    def __call__(
-        self,
-        spec: bytes,
-        budget_s: float,
-        objectives: Sequence[Objective] = (),
-        warm_start: Any = None,
-    ) -> Answer: ...
 
 
 @dataclass(frozen=True)
@@ -102,8 +90,8 @@ def _answer(
 ) -> ItemAnswer:
     started = time.monotonic()
     try:
-        body = _body(sweep, values)
         try:
+            body = _body(sweep, values)
             answer = solve(body, budget_s, tuple(sweep.quantities), warm_start)
         except ValidationError:
             item_spec(sweep, values)  # raises ServiceError for the same reason

@@ -113,30 +113,22 @@ async def _known(request: Request, error: Exception) -> Response:
 
 async def _http(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    status = error.status_code
+    status, headers = error.status_code, error.headers
     kind = next((kind for kind in STARLETTES if kind.status == status), None)
     title = kind.title if kind else str(error.detail)
     detail = f"{request.method} {request.url.path}: {title}. See /docs for what there is."
-    problem = (
-        problem_document(kind, detail)
-        if kind
-        else {"type": "/problems/http", "title": title, "status": status, "detail": detail}
-    )
-    headers = {"Allow": _allowed(request)} if error.status_code == 405 else error.headers
+    problem = {"type": "/problems/http", "title": title, "status": status, "detail": detail}
+    if kind is not None:
+        problem = problem_document(kind, detail)
+    if kind is ProblemType.METHOD_NOT_ALLOWED:  # a route knows only its own method
+        allowed = [
+            method
+            for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
+            for scope in [{**request.scope, "method": method}]
+            if any(each.matches(scope)[0] == Match.FULL for each in request.app.router.routes)
+        ]
+        headers = {"Allow": ", ".join(allowed)}
     return problem_response(request, problem, headers)
-
-
-def _allowed(request: Request) -> str:
-    """All methods of this path; a route knows only its own."""
-    routes = request.app.router.routes
-    methods = [
-        method
-        for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
-        if any(
-            route.matches({**request.scope, "method": method})[0] == Match.FULL for route in routes
-        )
-    ]
-    return ", ".join(methods)
 
 
 async def _parameters(request: Request, error: Exception) -> Response:

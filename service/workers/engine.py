@@ -37,7 +37,6 @@ log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 Connect = Callable[[], Awaitable[Any]]
 _events: dict[str, Event] = {}  # of the work in this worker process, by name
-ExitReason = Callable[[Any], Awaitable[str]]  # a worker's name to what ended it
 
 CONFIGURATION = {
     "distributed.scheduler.work-stealing": False,
@@ -60,6 +59,7 @@ WATCH_S = 2.0  # between looks at workers that are lost, and at a task that has 
 REPAIR_S = 60.0  # at most, until a restarted worker is there, on a busy machine too
 CANCEL_AGAIN_S = 0.1  # cancellation is repeated: the work may not have begun at the first
 CANCEL_S = 0.5  # that work has to end in; then its worker is restarted
+RETRY = {"Retry-After": "2"}  # [s]: a lost worker is there again by then
 BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
 
 
@@ -102,9 +102,9 @@ class Engine:
     """Runs tasks on workers; refuses what would wait too long, and cancels what overruns."""
 
     def __init__(
-        self, connect: Connect, client: Any, settings: Settings, task: Task, exit_reason: ExitReason
+        self, connect: Connect, client: Any, cluster: Any, settings: Settings, task: Task
     ) -> None:
-        self._connect, self._client, self._exit_reason = connect, client, exit_reason
+        self._connect, self._client, self._cluster = connect, client, cluster
         self._settings, self.task = settings, task
         self._slot_free = asyncio.Condition()
         self._repairs: set[asyncio.Task[None]] = set()
@@ -205,9 +205,8 @@ class Engine:
     async def _wait_for(self, future: Any, result: asyncio.Task[Any], budget_s: float) -> Any:
         allowed = budget_s + self._settings.grace_s
         done, _ = await asyncio.wait({result}, timeout=allowed)
-        if not done and not await self._has_started(
-            future
-        ):  # it waits behind another service's work
+        # Where it waits behind another service's work, its time begins when it does.
+        if not done and not await self._has_started(future):
             while not done and not await self._has_started(future):
                 done, _ = await asyncio.wait({result}, timeout=WATCH_S)
             if not done:
@@ -217,7 +216,8 @@ class Engine:
         try:
             return result.result()
         except KilledWorker as error:
-            reason = await self._exit_reason(error.last_worker.name)
+            name, cluster = error.last_worker.name, self._cluster
+            reason = DIED if cluster is None else await cluster.exit_reason(name)
             raise ProblemType.WORKER_LOST(
                 f"The process working on this design {reason}, perhaps for lack of memory. "
                 "Other work goes on. Try again, or ask for a simpler design.",
@@ -247,7 +247,14 @@ class Engine:
             if not self.closing and not (
                 await self.cancel([future.key], result) and _worker_survived(result)
             ):
-                await self._restart_worker_of(future)
+                # The worker is restarted before the task is cancelled: once that is, the scheduler
+                # takes the worker for free, and may send it a design that the restart would lose.
+                running = await self._client.processing()
+                stuck = [address for address, keys in running.items() if future.key in keys]
+                if stuck:
+                    log.warning("a worker did not end in time and is restarted")
+                    await self._client.restart_workers(stuck, raise_for_error=False)
+                await self._client.cancel([future], force=True)
                 await self._client.wait_for_workers(self.slots, timeout=REPAIR_S)
         except Exception:
             log.exception("a worker could not be restarted")
@@ -257,19 +264,6 @@ class Engine:
             future.release()
             await self._release_slot()
 
-    async def _restart_worker_of(self, future: Any) -> None:
-        """Restart the worker that has this task, and then cancel the task.
-
-        In this order: once a task is cancelled, the scheduler takes its worker for free and may
-        send the next design there, which would be lost in the restart.
-        """
-        running = await self._client.processing()
-        stuck = [address for address, keys in running.items() if future.key in keys]
-        if stuck:
-            log.warning("a worker did not end in time and is restarted")
-            await self._client.restart_workers(stuck, raise_for_error=False)
-        await self._client.cancel([future], force=True)
-
     async def close(self) -> None:
         """End repairs, and disconnect from the workers."""
         self.closing = True
@@ -278,7 +272,7 @@ class Engine:
         await asyncio.gather(*self._repairs, return_exceptions=True)
         await self._client.close()
 
-    async def watch(self, cluster: Any = None) -> None:
+    async def watch(self) -> None:
         """Replace workers that the own cluster has lost; follow how many a remote one has."""
         while True:
             await asyncio.sleep(WATCH_S)
@@ -286,15 +280,12 @@ class Engine:
                 with contextlib.suppress(OSError):
                     self._client = await self._connect()
             workers = await self.workers()
-            if cluster is None:
+            if self._cluster is None:
                 self.slots = max(1, workers)
                 async with self._slot_free:
                     self._slot_free.notify_all()
             else:
-                cluster.replace_lost_workers()
-
-
-RETRY = {"Retry-After": "2"}
+                self._cluster.replace_lost_workers()
 
 
 def new_task_name() -> str:
@@ -313,11 +304,6 @@ def _ignore_result(sent: asyncio.Future[Any]) -> None:
         sent.exception()
 
 
-async def _unknown_reason(name: Any) -> str:
-    """Of a remote worker, only that it died is known."""
-    return DIED
-
-
 @asynccontextmanager
 async def running_engine(
     settings: Settings, task: Task = solve_design, prepare: Callable[[], None] = warm_up
@@ -331,12 +317,11 @@ async def running_engine(
                 address = await cluster.in_process_address()
             connect = partial(_connect, address, WarmUp(prepare, own=cluster is not None))
             client = await connect()
-            exit_reason = cluster.exit_reason if cluster else _unknown_reason
-            engine = Engine(connect, client, settings, task, exit_reason)
+            engine = Engine(connect, client, cluster, settings, task)
             stack.push_async_callback(engine.close)
             if cluster is not None:
                 await client.wait_for_workers(settings.workers)
-            watcher = asyncio.create_task(engine.watch(cluster))
+            watcher = asyncio.create_task(engine.watch())
             stack.callback(watcher.cancel)
             yield engine
 
