@@ -6,8 +6,7 @@ In: a MeasuredCam, points of a profile and a follower given in full. Out: a Prof
 extremes with their uncertainty, dwells, and what the follower does not touch.
 """
 
-from synthesis.studies.measured.answer import ProfileAnalysis
+from synthesis.studies.measured.bodies import MeasuredCam, ProfileAnalysis
 from synthesis.studies.measured.report import read_back
-from synthesis.studies.measured.spec import MeasuredCam
 
 __all__ = ["MeasuredCam", "ProfileAnalysis", "read_back"]

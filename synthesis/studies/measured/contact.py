@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from synthesis.catalogue.followers.base import Follower
 from synthesis.errors import InputError
 from synthesis.numerics.piecewise import Array
-from synthesis.studies.measured.answer import UnreachedHollow
+from synthesis.studies.measured.bodies import MeasuredCam, UnreachedHollow
 from synthesis.studies.measured.outline import Outline
-from synthesis.studies.measured.spec import MeasuredCam
 from synthesis.units import DEGREE, FULL_TURN
 
 LEVEL: Final = 1e-9  # of the position: rounding; so little below the envelope counts as on it

@@ -16,9 +16,10 @@ from synthesis.errors import InputError
 from synthesis.exporters.samples.columns import column_name
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.periodic_spline import DEGREE as SPLINE_DEGREE
-from synthesis.studies.measured.answer import (
+from synthesis.studies.measured.bodies import (
     ContactOffFace,
     Fit,
+    MeasuredCam,
     ProfileAnalysis,
     ReadDwell,
     ReadPeak,
@@ -32,7 +33,6 @@ from synthesis.studies.measured.motion import (
     fit_motion,
 )
 from synthesis.studies.measured.outline import outline
-from synthesis.studies.measured.spec import MeasuredCam
 from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 
 MOTION_SHARE = 0.1  # of the tolerance: allowed distance of the spline from the positions

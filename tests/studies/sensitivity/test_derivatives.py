@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from synthesis.studies.sensitivity.derivatives import Derivatives, Number, differentiate
+from synthesis.studies.sensitivity.sensitivities import Derivatives, Number, differentiate
 
 AT = 3.7
 
