@@ -11,7 +11,7 @@ import pytest
 from synthesis.catalogue.profile import cam_profile
 from synthesis.errors import InputError
 from synthesis.studies.analyse import given_cam
-from synthesis.studies.measured.outline import first_crossing
+from synthesis.studies.measured.follower_path import first_crossing
 from tests.studies.measured.cams import ARM, ROLLER, profile, read, spec
 
 

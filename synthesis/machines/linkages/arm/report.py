@@ -12,20 +12,8 @@ from pydantic import Field
 from synthesis.catalogue.fields import AnswerModel, doc
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.arm.geometry import (
-    RIGHT_ANGLE,
-    Arm,
-    Base,
-    Corner,
-    Edge,
-    Elbow,
-    Joint,
-    Place,
-    Posture,
-    Region,
-    holding_torques,
-    regions,
-)
+from synthesis.machines.linkages.arm import geometry
+from synthesis.machines.linkages.arm.geometry import Base, Corner, Edge, Elbow, Joint, Region
 from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -157,7 +145,7 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
         InputError: the joint limits leave no arm angles.
     """
     limits = spec.limits
-    workspace = regions(spec.arm, limits)
+    workspace = geometry.regions(spec.arm, limits)
     if not workspace:
         openings = [upper - fore for upper in limits.upper for fore in limits.fore]
         raise InputError(
@@ -230,14 +218,14 @@ def _largest_torques(spec: ArmSpec, workspace: Sequence[Region]) -> list[ArmTorq
     """The largest |τ| of either axis: at a crest of its sine or cosine, or at an end."""
     corners = [end for each in workspace for arc in each.border for end in (arc.first, arc.last)]
     torques = []
-    for k, (axis, crest) in enumerate((("upper_arm", RIGHT_ANGLE), ("forearm", 0.0))):
+    for k, (axis, crest) in enumerate((("upper_arm", geometry.RIGHT_ANGLE), ("forearm", 0.0))):
         angles = [corner[k] for corner in corners]
         low, high = min(angles), max(angles)
         crests = (crest + turn * math.pi for turn in (-1, 0, 1))
         places = np.array([low, high, *(at for at in crests if low <= at <= high)])
-        shares = holding_torques((1.0, 1.0), places, places)[k]
+        shares = geometry.holding_torques((1.0, 1.0), places, places)[k]
         at = float(places[np.argmax(np.abs(shares))])
-        torque = float(holding_torques(spec.static_moments, at, at)[k])
+        torque = float(geometry.holding_torques(spec.static_moments, at, at)[k])
         answer = {"axis": axis, "torque_nm": torque, "angle_deg": at / DEGREE}
         torques.append(ArmTorque.model_validate(answer))
     return torques
@@ -259,9 +247,9 @@ def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
     )
 
 
-def _solution(spec: ArmSpec, posture: Posture) -> ArmSolution:
+def _solution(spec: ArmSpec, posture: geometry.Posture) -> ArmSolution:
     joints, exceeded = posture.joints, spec.limits.exceeded(posture.joints)
-    torques = holding_torques(spec.static_moments, joints.upper, joints.fore)
+    torques = geometry.holding_torques(spec.static_moments, joints.upper, joints.fore)
     return ArmSolution(
         base=posture.base,
         elbow=posture.elbow,
@@ -276,7 +264,7 @@ def _solution(spec: ArmSpec, posture: Posture) -> ArmSolution:
     )
 
 
-def _note(arm: Arm, place: Place, solutions: Sequence[ArmSolution]) -> str:
+def _note(arm: geometry.Arm, place: geometry.Place, solutions: Sequence[ArmSolution]) -> str:
     """Why a place cannot be reached and what would help, or that any base angle will do."""
     away = math.hypot(place.x, place.y)
     if not solutions:

@@ -73,38 +73,36 @@ class SampledTurn:
     def columns(self) -> dict[str, Column]:
         """All quantities by name, as columns of a table."""
         motion, drive, travel = self.motion, self.drive, self.travel
-
-        def column(name: str, unit: str, meaning: str, values: Any) -> Column:
-            in_unit = values / DEGREE if unit.startswith("deg") else values
-            return Column(name, unit, meaning, np.asarray(in_unit))
-
-        def with_rates(
-            name: str, unit: str, meaning: str, value: Any, first: Any, second: Any
-        ) -> list[Column]:
-            """A quantity and its time derivatives, from those by the crank angle."""
+        rows: list[tuple[str, str, str, Any]] = [
+            ("crank_travel_deg", "deg", "angle turned by the crank", travel),
+            ("crank_deg", "deg", "crank angle", drive.phi(travel)),
+            ("time_s", "s", "time since the start of the turn", drive.time(travel)),
+        ]
+        # Positions with their time derivatives, from those by the crank angle.
+        for name, unit, meaning, (value, first, second) in (
+            ("ram", "mm", "position of the ram's pin", motion.ram),
+            ("guide", "deg", "angle of the guide", (angle(motion.guide), *motion.guide_turn)),
+            ("coupler", "deg", "angle of the coupler",
+             (angle(motion.coupler), *motion.coupler_turn)),
+        ):  # fmt: skip
             velocity, acceleration = drive.first(first, travel), drive.second(first, second, travel)
-            return [
-                column(f"{name}_{unit}", unit, meaning, value),
-                column(f"{name}_{unit}_per_s", f"{unit}/s", "its velocity", velocity),
-                column(f"{name}_{unit}_per_s2", f"{unit}/s²", "its acceleration", acceleration),
+            rows += [
+                (f"{name}_{unit}", unit, meaning, value),
+                (f"{name}_{unit}_per_s", f"{unit}/s", "its velocity", velocity),
+                (f"{name}_{unit}_per_s2", f"{unit}/s²", "its acceleration", acceleration),
             ]
-
         upright = 0.5 * np.pi - np.abs(np.arcsin(motion.coupler[1]))
-        columns = (
-            column("crank_travel_deg", "deg", "angle turned by the crank", travel),
-            column("crank_deg", "deg", "crank angle", drive.phi(travel)),
-            column("time_s", "s", "time since the start of the turn", drive.time(travel)),
-            *with_rates("ram", "mm", "position of the ram's pin", *motion.ram),
-            *with_rates("guide", "deg", "angle of the guide", angle(motion.guide),
-                        *motion.guide_turn),
-            *with_rates("coupler", "deg", "angle of the coupler", angle(motion.coupler),
-                        *motion.coupler_turn),
-            column("slide_mm", "mm", "crank's pin to the guide's pivot", motion.slide[0]),
-            column("slide_mm_per_s", "mm/s", "velocity of the block along the guide, not the ram's",
-                   drive.first(motion.slide[1], travel)),
-            column("transmission_deg", "deg", "transmission angle at the ram", upright),
-        )  # fmt: skip
-        return {each.name: each for each in columns}
+        sliding = drive.first(motion.slide[1], travel)
+        rows += [
+            ("slide_mm", "mm", "crank's pin to the guide's pivot", motion.slide[0]),
+            ("slide_mm_per_s", "mm/s", "velocity of the block along the guide, not the ram's",
+             sliding),
+            ("transmission_deg", "deg", "transmission angle at the ram", upright),
+        ]  # fmt: skip
+        return {
+            name: Column(name, unit, meaning, values / (DEGREE if unit[:3] == "deg" else 1.0))
+            for name, unit, meaning, values in rows
+        }
 
     def values(self, name: str) -> Array:
         """The values of one quantity, (n,), in its unit."""
