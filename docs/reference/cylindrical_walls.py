@@ -43,7 +43,7 @@ def flat(found: SpatialDesign) -> None:
     for radius in RADII:
         own, wrapped = (
             max(float(np.max(offset_errors(
-                cam, wall_curve(cam, each, THETA, radius), drawn, radius)))
+                cam, wall_curve(cam, each.seat, each.side, THETA, radius), drawn, radius)))
                 for each in cam.walls)
             for drawn in (radius, outer)
         )  # fmt: skip

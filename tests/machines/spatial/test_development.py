@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from synthesis.machines.spatial.files.developed import axis_path, offset_errors, wall_curve
+from synthesis.machines.spatial.files.developed import offset_errors, wall_curve
 from tests.machines.spatial.drums import OUTER, RADIUS, SAMPLES, Array, least_gap
 
 DEEP = 50.9
@@ -24,7 +24,7 @@ def test_its_curves_are_touched_by_rollers_and_not_cut(
     sample, turns = SAMPLES[name], 1 if rotation == "ccw" else -1
     cam = sample.cam(rotation=rotation)
     for each in cam.walls:
-        line = wall_curve(cam, each, np.linspace(0.1, 6.2, 43), radius)
+        line = wall_curve(cam, each.seat, each.side, np.linspace(0.1, 6.2, 43), radius)
         angle = -turns * line.phi
         points = np.stack([radius * np.cos(angle), radius * np.sin(angle), line.z])
         gap = least_gap(sample, points, turns, 0.0)
@@ -39,7 +39,7 @@ def test_paths_are_where_the_rollers_axes_are(name: str, rotation: str) -> None:
     cam, theta = sample.cam(rotation=rotation), np.linspace(0.1, 6.2, 43)
     # the first roller is the one ahead
     for each, (y, z) in zip(cam.walls, reversed(sample.ways(theta)), strict=True):
-        line = axis_path(cam, each.seat, theta, DEEP)
+        line = wall_curve(cam, each.seat, 0, theta, DEEP)
         there = DEEP * np.exp(1j * turns * (theta - line.phi))
         assert there.imag == pytest.approx(y, abs=1e-9)
         assert there.real == pytest.approx(line.rho, abs=1e-9)
@@ -53,11 +53,11 @@ def test_departures_are_distances_from_the_curve_drawn(name: str, drawn: float) 
     cam = SAMPLES[name].cam()
     t = np.linspace(-0.3, 6.5, 100_001)
     for each in cam.walls:
-        axis = axis_path(cam, each.seat, t, drawn).plane(drawn)
+        axis = wall_curve(cam, each.seat, 0, t, drawn).plane(drawn)
         curve = axis + each.side * RADIUS * normals(axis, t)
         curve[0] *= DEEP / drawn
         cloud = curve - each.side * 3.0 * normals(curve, t)
-        line = wall_curve(cam, each, np.linspace(0.1, 6.2, 67), DEEP)
+        line = wall_curve(cam, each.seat, each.side, np.linspace(0.1, 6.2, 67), DEEP)
         away = KDTree(cloud.T).query(line.plane(DEEP).T)[0]
         assert offset_errors(cam, line, drawn, DEEP) == pytest.approx(away - 3.0, abs=2e-6)
 
@@ -83,7 +83,7 @@ def test_a_helix_departs_by_the_closed_form(rotation: str) -> None:
     across = DEEP * math.asin(RADIUS * math.sin(alpha) / DEEP)
     true = across * math.sin(beta) + RADIUS * math.cos(alpha) * math.cos(beta)
     for each in cam.walls:
-        line = wall_curve(cam, each, np.array([1.2, 1.5]), DEEP)
+        line = wall_curve(cam, each.seat, each.side, np.array([1.2, 1.5]), DEEP)
         found = offset_errors(cam, line, DEEP, DEEP)
         assert found == pytest.approx(true - RADIUS, abs=1e-10)
         wrapped = RADIUS * math.cos(beta) / math.cos(outer)
@@ -95,7 +95,7 @@ def test_a_roller_that_does_not_reach_the_cylinder_leaves_nothing_there() -> Non
     """The turret's first roller passes 3.3 mm beside the axis where it rests, then farther."""
     cam = SAMPLES["turret"].cam()
     first = next(each for each in cam.walls if each.seat.number == 1)
-    at_rest, farther = axis_path(cam, first.seat, np.array([0.0, 1.5]), 8.1).z
+    at_rest, farther = wall_curve(cam, first.seat, 0, np.array([0.0, 1.5]), 8.1).z
     assert np.isnan(farther)
-    assert np.isnan(wall_curve(cam, first, np.array([1.5]), 8.1).z).all()
+    assert np.isnan(wall_curve(cam, first.seat, first.side, np.array([1.5]), 8.1).z).all()
     assert at_rest == pytest.approx(103.7 * math.sin(math.radians(22.5)))

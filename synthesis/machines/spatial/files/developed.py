@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -28,11 +28,10 @@ from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
-from synthesis.machines.spatial.cam import SpatialCam, Wall
+from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.identification import json_file
 from synthesis.machines.spatial.machine import Seat
-from synthesis.numerics.geometry.swept_roller import FollowerState
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -40,7 +39,7 @@ MAX_ITERATIONS = 40  # of the fixed point; it converges within about ten
 CONVERGED = 1e-13  # of the cylinder's radius
 MAX_STEPS, LAST_STEP = 12, 1e-8  # Gauss–Newton to the nearest point: steps, and the last one [rad]
 DIFFERENCE = 1e-5  # rad: central differences; they only lead to the nearest point
-Curve = Callable[[Array], Array]
+PER_POINT = "theta", "phi", "z", "rho", "departure"  # of a curve
 FRAME = (
     "A cylinder about the cam's axis, unrolled. angle_deg is the cam angle at which a point passes "
     "the roller's side of the cam, arc_mm its length on the cylinder; z_mm is along the axis, in "
@@ -59,6 +58,7 @@ class WallCurve:
         seat: the roller. side: its side; 0: the path of its axis.
         theta: (n,) cam angles of the contacts [rad]. phi, z: (n,) points on the cylinder [rad, mm].
         rho: (n,) places on the roller's axis [mm].
+        departure: (n,) from the offset drawn in the plane [mm]; NaN where it is not known.
     """
 
     seat: Seat
@@ -67,6 +67,7 @@ class WallCurve:
     phi: Array
     z: Array
     rho: Array
+    departure: Array
 
     @property
     def name(self) -> str:
@@ -78,27 +79,31 @@ class WallCurve:
         return np.stack([radius * self.phi, self.z])
 
 
-def axis_path(cam: SpatialCam, seat: Seat, theta: Array, radius: float) -> WallCurve:
-    """Where a roller's axis crosses the cylinder of this radius [mm]; NaN where it does not."""
-    y, z = _axis_offset(cam, cam.place(seat, theta))
-    rho = _square_root(radius**2 - y**2)
-    phi = theta - cam.swept.hand * np.arctan2(y, rho)
-    return WallCurve(seat, 0, theta, phi, np.where(np.isnan(rho), np.nan, z), rho)
+def wall_curve(cam: SpatialCam, seat: Seat, side: int, theta: Array, radius: float) -> WallCurve:
+    """Where a wall crosses the cylinder of this radius [mm]; NaN where it does not.
 
+    Args:
+        side: of the roller; 0 for the path of its axis.
+    """
+    swept, place = cam.swept, cam.place(seat, theta)
+    transverse = np.cross(swept.axis, swept.along)
 
-def wall_curve(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> WallCurve:
-    """Where a wall crosses the cylinder of this radius [mm]; NaN where it does not."""
-    place = cam.place(which.seat, theta)
-    rho = _square_root(radius**2 - _axis_offset(cam, place)[0] ** 2)
-    for _ in range(MAX_ITERATIONS):
-        contact = cam.swept.contacts(place, rho[:, None], which.side).point[:, :, 0]
-        y = _transverse(cam) @ (contact - cam.swept.centre[:, None])
-        before, rho = rho, _square_root(radius**2 - y**2)
+    def crossing(point: Array) -> tuple[Array, Array, Array]:
+        """Offset across the cam's axis, height and ρ where lines along x cross the cylinder."""
+        away = point[:, :, 0] - swept.centre[:, None]
+        y = transverse @ away
+        square = radius**2 - y**2
+        return y, swept.axis @ away, np.sqrt(np.where(square > 0.0, square, np.nan))
+
+    y, z, rho = crossing(swept.joint.move_points(swept.origin.reshape(3, 1, 1), place.q))
+    # A contact's offset depends on its ρ: a fixed point, by iteration from the axis's.
+    for _ in range(MAX_ITERATIONS if side else 0):
+        before = rho
+        y, z, rho = crossing(swept.contact_points(place, rho[:, None], side)[0])
         if not np.any(np.abs(rho - before) > CONVERGED * radius):
             break
-    z = cam.swept.axis @ (contact - cam.swept.centre[:, None])
-    phi = theta - cam.swept.hand * np.arctan2(y, rho)
-    return WallCurve(which.seat, which.side, theta, phi, z, rho)
+    phi, z = theta - swept.hand * np.arctan2(y, rho), np.where(np.isnan(rho), np.nan, z)
+    return WallCurve(seat, side, theta, phi, z, rho, np.full(len(theta), np.nan))
 
 
 def offset_errors(cam: SpatialCam, line: WallCurve, drawn: float, radius: float) -> Array:
@@ -113,9 +118,17 @@ def offset_errors(cam: SpatialCam, line: WallCurve, drawn: float, radius: float)
         point near the wall's.
     """
 
-    def offset(theta: Array) -> Array:
-        return _plane_offset(cam, line.seat, line.side, theta, drawn, radius)
+    def path(theta: Array) -> Array:
+        return wall_curve(cam, line.seat, 0, theta, drawn).plane(drawn)
 
+    def offset(theta: Array) -> Array:
+        """The roller's path unrolled and offset at one radius, in the plane of the other."""
+        axis = wall_curve(cam, line.seat, 0, theta, drawn)
+        roller = cam.swept.roller.profile(axis.rho)[0]
+        drawing = axis.plane(drawn) + line.side * roller * _normal(_derivative(path, theta))
+        return np.stack([drawing[0] * radius / drawn, drawing[1]])
+
+    # The nearest point of the drawing to each of the wall's, by Gauss–Newton's method.
     point, theta = line.plane(radius), line.theta
     for _ in range(MAX_STEPS):
         slope, away = _derivative(offset, theta), point - offset(theta)
@@ -123,42 +136,17 @@ def offset_errors(cam: SpatialCam, line: WallCurve, drawn: float, radius: float)
         if not np.any(np.abs(step) > LAST_STEP):
             break
         theta = theta + step
-    normal = np.stack([-slope[1], slope[0]]) / np.hypot(*slope)
-    beyond = line.side * (away * normal).sum(axis=0)
+    beyond = line.side * (away * _normal(slope)).sum(axis=0)
     return np.where(np.abs(step) <= LAST_STEP, beyond, np.nan)
 
 
-def _plane_offset(
-    cam: SpatialCam, seat: Seat, side: int, theta: Array, drawn: float, radius: float
-) -> Array:
-    """The roller's path unrolled and offset at one radius, in the plane of another."""
-    centre = axis_path(cam, seat, theta, drawn)
-    slope = _derivative(lambda t: axis_path(cam, seat, t, drawn).plane(drawn), theta)
-    normal = np.stack([-slope[1], slope[0]]) / np.hypot(*slope)
-    roller = cam.swept.roller.profile(centre.rho)[0]
-    offset = centre.plane(drawn) + side * roller * normal
-    return np.stack([offset[0] * radius / drawn, offset[1]])
-
-
-def _derivative(curve: Curve, theta: Array) -> Array:
+def _derivative(curve: Callable[[Array], Array], theta: Array) -> Array:
     return (curve(theta + DIFFERENCE) - curve(theta - DIFFERENCE)) / (2.0 * DIFFERENCE)
 
 
-def _axis_offset(cam: SpatialCam, place: FollowerState) -> tuple[Array, Array]:
-    """Offset y and height z of the roller's axis, across and along the cam's axis, (n,) [mm]."""
-    swept = cam.swept
-    at = swept.joint.move_points(swept.origin.reshape(3, 1, 1), place.q)[:, :, 0]
-    away = at - swept.centre[:, None]
-    return _transverse(cam) @ away, swept.axis @ away
-
-
-def _transverse(cam: SpatialCam) -> Array:
-    return np.cross(cam.swept.axis, cam.swept.along)
-
-
-def _square_root(square: Array) -> Array:
-    """The square root; NaN where there is none."""
-    return np.asarray(np.sqrt(np.where(square > 0.0, square, np.nan)))
+def _normal(slope: Array) -> Array:
+    """Unit normals (2, n) to the left of tangents."""
+    return np.asarray(np.stack([-slope[1], slope[0]]) / np.hypot(*slope))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,18 +171,16 @@ class Development:
     """The walls and the paths of the rollers' axes on a cylinder, in continuous runs.
 
     Attributes:
-        radius: of the cylinder [mm].
-        curves: each with its departure (n,) from the offset drawn in the plane [mm], NaN on the
-            path of a roller's axis.
+        radius: of the cylinder [mm]. curves: on it.
     """
 
     radius: float
-    curves: list[tuple[WallCurve, Array]]
+    curves: list[WallCurve]
 
     @cached_property
     def error(self) -> float | None:
         """Largest departure [mm]; None where the drawing has no point near any wall."""
-        values = np.concatenate([np.abs(departure) for _, departure in self.curves])
+        values = np.concatenate([np.abs(line.departure) for line in self.curves])
         known = values[~np.isnan(values)]
         return float(known.max()) if len(known) else None
 
@@ -227,7 +213,7 @@ def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
             "Choose a radius between these.",
         )  # fmt: skip
     curves = list(_curves(design.cam, radius, outer, options.points_per_degree / DEGREE))
-    if not any(line.side for line, _ in curves):
+    if not any(line.side for line in curves):
         raise InputError(
             "/radius_mm", radius, "All rollers pass beside the cylinder of this radius.",
             f"Choose a larger one, up to {outer:.9g}.",
@@ -235,31 +221,31 @@ def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
     return Development(radius, curves)
 
 
-def _curves(
-    cam: SpatialCam, radius: float, drawn: float, density: float
-) -> Iterator[tuple[WallCurve, Array]]:
+def _curves(cam: SpatialCam, radius: float, drawn: float, density: float) -> Iterator[WallCurve]:
+    """Walls with their departures, and the rollers' axes, in runs in which they reach the cylinder.
+
+    Args:
+        drawn: as in ``offset_errors``. density: points per rad.
+    """
     pathed = set()
     for wall in cam.walls:
         for start, end in wall.spans:
             theta = np.linspace(start, end, max(2, int(np.ceil((end - start) * density)) + 1))
+            lines = []
             if (wall.seat, start) not in pathed:
                 pathed.add((wall.seat, start))
-                axis = axis_path(cam, wall.seat, theta, radius)
-                yield from _runs(axis, np.full(len(theta), np.nan))
-            line = wall_curve(cam, wall, theta, radius)
-            yield from _runs(line, offset_errors(cam, line, drawn, radius))
+                lines.append(wall_curve(cam, wall.seat, 0, theta, radius))
+            line = wall_curve(cam, wall.seat, wall.side, theta, radius)
+            lines.append(replace(line, departure=offset_errors(cam, line, drawn, radius)))
+            for line in lines:
+                there = np.flatnonzero(~np.isnan(line.z))
+                for run in np.split(there, np.flatnonzero(np.diff(there) > 1) + 1):
+                    parts = {name: getattr(line, name)[run] for name in PER_POINT}
+                    if len(run) > 1:
+                        yield replace(line, **parts)
 
 
-def _runs(line: WallCurve, departure: Array) -> Iterator[tuple[WallCurve, Array]]:
-    """The continuous runs in which the roller reaches the cylinder."""
-    there = np.flatnonzero(~np.isnan(line.z))
-    for run in np.split(there, np.flatnonzero(np.diff(there) > 1) + 1):
-        if len(run) > 1:
-            parts = {name: getattr(line, name)[run] for name in ("theta", "phi", "z", "rho")}
-            yield replace(line, **parts), departure[run]
-
-
-def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
+def _columns(line: WallCurve, radius: float) -> list[Column]:
     count = len(line.theta)
     return [
         Column("roller", "1", "number of the roller", np.full(count, line.seat.number)),
@@ -270,35 +256,29 @@ def _columns(line: WallCurve, departure: Array, radius: float) -> list[Column]:
         Column("z_mm", "mm", "place along the cam's axis", line.z),
         Column("rho_mm", "mm", "place on the roller's axis", line.rho),
         Column(
-            "departure_mm",
-            "mm",
+            "departure_mm", "mm",
             "of the true wall from the offset in the plane; 0 where that has no point near it",
-            np.where(np.isnan(departure), 0.0, departure),
+            np.nan_to_num(line.departure),
         ),
-    ]
+    ]  # fmt: skip
 
 
 def _csv(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     unrolled = develop(design, options)
-    return unrolled.file(
-        csv_table(concatenate([_columns(*each, unrolled.radius) for each in unrolled.curves]))
-    )
+    columns = [_columns(line, unrolled.radius) for line in unrolled.curves]
+    return unrolled.file(csv_table(concatenate(columns)))
 
 
 def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
-    unrolled = develop(design, options)
+    unrolled, curves = develop(design, options), []
+    for line in unrolled.curves:
+        columns = _columns(line, unrolled.radius)[2 : None if line.side else -1]
+        head = {"name": line.name, "roller": line.seat.number, "side": line.side}
+        curves.append(head | {column.name: column.values.tolist() for column in columns})
     body = {
-        "radius_mm": unrolled.radius,
-        "flat_offset_error_mm": unrolled.error,
-        "curves": [_curve(*each, unrolled.radius) for each in unrolled.curves],
-    }
+        "radius_mm": unrolled.radius, "flat_offset_error_mm": unrolled.error, "curves": curves,
+    }  # fmt: skip
     return unrolled.file(json_file(design, "development", FRAME, body))
-
-
-def _curve(line: WallCurve, departure: Array, radius: float) -> dict[str, Any]:
-    columns = _columns(line, departure, radius)[2 : None if line.side else -1]
-    values = {column.name: column.values.tolist() for column in columns}
-    return {"name": line.name, "roller": line.seat.number, "side": line.side, **values}
 
 
 PURPOSE = (

@@ -78,14 +78,14 @@ class _Plane:
 
 def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
     unrolled = develop(design, options)
-    levels = np.concatenate([line.z for line, _ in unrolled.curves])
+    levels = np.concatenate([line.z for line in unrolled.curves])
     room = MARGIN * float(np.ptp(levels))
     u = FULL_TURN * unrolled.radius / (SHEET - LEFT - RIGHT)
     low, high = float(levels.min()) - room, float(levels.max()) + room
     plane = _Plane(unrolled.radius, low, high, design.cam.swept.hand, u)
     width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
     scale = shown_at(width)
-    lines = [line for line, _ in unrolled.curves]
+    lines = unrolled.curves
     body = [
         *above(design, LEFT * u, width - RIGHT * u, u),
         *_clipped(plane, [*_grooves(plane, lines), *_curves(plane, lines)]),
@@ -161,7 +161,7 @@ def _legend(plane: _Plane, unrolled: Development, scale: float) -> list[str]:
     u = plane.u
     top, left = HEADER * u + plane.height + 13.0 * u, LEFT * u
     middle = left + 0.5 * plane.width
-    walls = ", ".join(dict.fromkeys(line.name for line, _ in unrolled.curves if line.side))
+    walls = ", ".join(dict.fromkeys(line.name for line in unrolled.curves if line.side))
     lines = [
         ("line outline", f"walls {walls}"),
         ("line pitch", "path of the roller's axis"),
