@@ -25,7 +25,6 @@ from synthesis.numerics.geometry.swept_roller import (
     FollowerState,
     SweptRoller,
     dot,
-    rotate,
 )
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -128,13 +127,6 @@ class SpatialCam:
         """Directions (3, n, …) of the machine's frame at θ (n,), in the files' frame."""
         centre = self.swept.centre.reshape((3,) + (1,) * (direction.ndim - 1))
         return self.frame_points(theta, centre + direction)
-
-    def surface(self, wall: Wall, theta: Array, rho: Array) -> tuple[Array, Array]:
-        """Points [mm] and unit normals out of the material, in the cam's frame: (3, n, m) each."""
-        swept = self.swept
-        point, normal = swept.contact_points(self.place(wall.seat, theta), rho, wall.side)
-        outward = rotate(-normal, -swept.hand * theta, swept.axis)
-        return swept.on_cam(theta, point), outward
 
 
 def build_cam(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -99,6 +99,13 @@ class SpatialDesign(AnswerModel):
         """The cam from which files are made."""
         sizes = {name: self.dimensions[name] for name in self.spec.machine.sizes()}
         return build_cam(self.spec, sizes, self.curve)
+
+    @property
+    def identification(self) -> dict[str, Any]:
+        """What JSON files say of the cam that they are of."""
+        names = ("id", "name", "engine_version", "status", "machine", "dimensions", "rotation",
+                 "speed_rpm")  # fmt: skip
+        return {name: getattr(self, name) for name in names}
 
 
 def spatial_design_id(spec: SpatialCamSpec) -> str:

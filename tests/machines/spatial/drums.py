@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.catalogue.motion import Motion
-from synthesis.machines.spatial.cam import SpatialCam, build_cam
+from synthesis.machines.spatial.cam import SpatialCam, Wall, build_cam
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
@@ -154,6 +154,11 @@ def least_gap(sample: Sample, points: Array, turns: int, crown: float) -> Array:
             away += sag(np.where(within, x, 0.5 * (INNER + OUTER)), crown)
             least = np.minimum(least, np.where(within, away, np.inf).min(axis=0))
     return least
+
+
+def cam_points(cam: SpatialCam, wall: Wall, theta: Array, rho: Array) -> Array:
+    """Contacts of a wall at cam angles and places, as the cam has them: (3, n, m)."""
+    return cam.swept.on_cam(theta, cam.contacts(wall, theta, rho).point)
 
 
 @cache

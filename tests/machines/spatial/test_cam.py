@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
+from tests.machines.spatial.drums import cam_points
 
 Array = NDArray[np.float64]
 
@@ -90,7 +91,7 @@ def test_a_right_hand_thread_is_a_right_hand_screw(kind: str, hand: str, rotatio
     e = cam.swept.axis
     wall = next(wall for wall in cam.walls if wall.name == "2L")
     theta = np.linspace(0.6, 1.4, 9)
-    points, _ = cam.surface(wall, theta, np.array([cam.swept.roller.middle]))
+    points = cam_points(cam, wall, theta, np.array([cam.swept.roller.middle]))
     along = e @ points[:, :, 0]
     across = points[:, :, 0] - np.outer(e, along)
     turn = np.cross(across[:, :-1], across[:, 1:], axis=0)
@@ -130,7 +131,7 @@ def test_seen_from_the_other_end_the_cam_is_the_same() -> None:
     points = []
     for rotation in ("ccw", "cw"):
         cam = cam_of(SpatialCamSpec(**body(), rotation=rotation))
-        points.append(cam.surface(cam.walls[3], np.array([0.7]), np.array([80.0]))[0])
+        points.append(cam_points(cam, cam.walls[3], np.array([0.7]), np.array([80.0])))
     assert np.array_equal(*points)
 
 

@@ -20,7 +20,7 @@ from synthesis.machines.spatial.files.cutter_path import (
     flank_poses,
     roller_poses,
 )
-from tests.machines.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, Array, designed
+from tests.machines.spatial.drums import INNER, OUTER, RADIUS, SAMPLES, Array, cam_points, designed
 
 THIN = 6.1
 
@@ -52,7 +52,7 @@ def test_a_thin_cutter_leaves_the_wall_within_what_is_told(design: SpatialDesign
         here = (columns["roller"] == wall.seat.number) & (columns["side"] == wall.side)
         at, along = lines(columns, here)
         angles = np.concatenate([np.linspace(a, b, 25)[1:-1] for a, b in wall.spans])
-        found, _ = cam.surface(wall, angles, np.linspace(INNER, OUTER, 5))
+        found = cam_points(cam, wall, angles, np.linspace(INNER, OUTER, 5))
         gap = nearest(found.reshape(3, -1).T, at, along) - THIN
         assert gap.min() > -1.05 * told - 2e-6
         assert gap.max() < 1.05 * told + 4e-4  # between two of the lines
@@ -74,7 +74,7 @@ def test_it_stays_off_the_other_wall_of_the_groove() -> None:
     assert set(columns["side"]) == {1.0}
     at, along = lines(columns, columns["side"] == 1.0)
     other = next(wall for wall in design.cam.walls if wall.name == "1L")
-    found, _ = design.cam.surface(other, np.linspace(0.0, 6.2, 61), np.linspace(INNER, OUTER, 3))
+    found = cam_points(design.cam, other, np.linspace(0.0, 6.2, 61), np.linspace(INNER, OUTER, 3))
     gap = nearest(found.reshape(3, -1).T, at, along) - THIN
     assert gap.min() > 2.0 * (RADIUS - THIN) - 0.1
 

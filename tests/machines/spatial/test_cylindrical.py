@@ -23,6 +23,7 @@ from tests.machines.spatial.drums import (
     SLIDE,
     SWING_ARM,
     Array,
+    cam_points,
     designed,
     least_gap,
     program,
@@ -37,7 +38,7 @@ def angles(wall: Wall, count: int) -> Array:
 
 
 def wall_points(cam: SpatialCam, wall: Wall, theta: Array) -> Array:
-    return cam.surface(wall, theta, RHO)[0].reshape(3, -1)
+    return cam_points(cam, wall, theta, RHO).reshape(3, -1)
 
 
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
@@ -125,7 +126,7 @@ def test_the_rib_s_thickness_is_the_least_distance_of_its_walls() -> None:
     cam = design.cam
     told = next(each for each in design.extremes if each.quantity == "rib_thickness")
     theta, rho = np.linspace(0.0, 2.0 * math.pi, 1501), np.linspace(INNER, OUTER, 9)
-    one, other = (cam.surface(wall, theta, rho)[0].reshape(3, -1).T for wall in cam.walls)
+    one, other = (cam_points(cam, wall, theta, rho).reshape(3, -1).T for wall in cam.walls)
     away = KDTree(one).query(other)[0].min()
     assert told.value == pytest.approx(away, abs=2e-3)
     assert told.value < APART - 2.0 * RADIUS

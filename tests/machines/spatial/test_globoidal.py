@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.spec import SpatialCamSpec
+from tests.machines.spatial.drums import cam_points
 from tests.machines.spatial.test_cam import body, cam_of
 
 Array = NDArray[np.float64]
@@ -77,7 +78,7 @@ def test_no_roller_cuts_a_wall_and_every_wall_is_touched(
             first, last = np.searchsorted(TRIED, (low, high))
             theta = TRIED[first + 1 : last : 37]
             inside = cam.between_faces(cam.contacts(wall, theta, rho).point)
-            points = cam.surface(wall, theta, rho)[0][:, inside]
+            points = cam_points(cam, wall, theta, rho)[:, inside]
             found = gaps(points, places, 1 if hand == "left" else -1)
             assert found.min() > -1e-9, wall.name
             assert found.max() < 1e-9, wall.name

@@ -29,7 +29,7 @@ from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 from synthesis.units import DEGREE
-from tests.machines.spatial.drums import SAMPLES
+from tests.machines.spatial.drums import SAMPLES, cam_points
 from tests.machines.spatial.test_cam import body, cam_of
 
 Array = NDArray[np.float64]
@@ -191,7 +191,7 @@ def test_a_rib_is_as_thick_as_the_next_roller_leaves_it(indexer: SpatialDesign) 
     for name, start in (("1L", -30.0), ("2L", -90.0), ("2R", 30.0), ("3R", -30.0)):
         wall = next(wall for wall in cam.walls if wall.name == name)
         there = cam.between_faces(cam.contacts(wall, theta, rho).point)
-        points = cam.surface(wall, theta, rho)[0][:, there]
+        points = cam_points(cam, wall, theta, rho)[:, there]
         skin = KDTree(roller_skins(cam, math.radians(start)))
         nearest = min(nearest, float(skin.query(points.T)[0].min(initial=math.inf)))
     assert found.value == pytest.approx(nearest, abs=2e-2)

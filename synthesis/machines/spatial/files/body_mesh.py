@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
 from synthesis.machines.spatial.body import (
     Blank,
     BlankOptions,
@@ -29,7 +29,6 @@ from synthesis.machines.spatial.body import (
 )
 from synthesis.machines.spatial.cam import FRAME
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.identification import json_file
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.machine import Seat
 from synthesis.numerics.piecewise import Array
@@ -140,9 +139,8 @@ def _surfaces(design: SpatialDesign, options: SurfaceOptions) -> bytes:
     blank = Blank.of(cuts, options, DEPTHS)
     parts = min(PARTS, blank.chart.parts)
     body = build_body(cuts, blank, round(360.0 * options.points_per_degree), parts)
-    return json_file(
-        design, "surfaces", FRAME, {"body": _grid(body), "follower": _follower(design)}
-    )
+    head = {"kind": "surfaces", "frame": FRAME, "design": design.identification}
+    return compact_json({**head, "body": _grid(body), "follower": _follower(design)})
 
 
 def _grid(body: Body) -> dict[str, Any]:

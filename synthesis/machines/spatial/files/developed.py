@@ -24,13 +24,12 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.identification import json_file
 from synthesis.machines.spatial.machine import Seat
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -276,9 +275,10 @@ def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
         head = {"name": line.name, "roller": line.seat.number, "side": line.side}
         curves.append(head | {column.name: column.values.tolist() for column in columns})
     body = {
+        "kind": "development", "frame": FRAME, "design": design.identification,
         "radius_mm": unrolled.radius, "flat_offset_error_mm": unrolled.error, "curves": curves,
     }  # fmt: skip
-    return unrolled.file(json_file(design, "development", FRAME, body))
+    return unrolled.file(compact_json(body))
 
 
 PURPOSE = (

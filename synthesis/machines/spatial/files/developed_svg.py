@@ -23,7 +23,7 @@ from synthesis.machines.spatial.files.developed import (
     WallCurve,
     develop,
 )
-from synthesis.machines.spatial.files.identification import above
+from synthesis.machines.spatial.files.motion import above
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
 

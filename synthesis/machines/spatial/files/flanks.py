@@ -17,13 +17,12 @@ from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
 from synthesis.exporters.options import Decimals, Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.spatial.cam import FRAME, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.identification import json_file
 from synthesis.numerics.geometry.swept_roller import Contacts
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -67,21 +66,15 @@ class FlankOptions(Options):
     flank: Flank = ""
     points_per_degree: Density = 1.0
     points: Count = None
-    depths: Depths = 2
+    depths: Depths = 5
 
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenFlankOptions(FlankOptions):
-    """As ``FlankOptions``, and the decimals of a point file."""
+    """As ``FlankOptions``, of two depths, and the decimals of a point file."""
 
+    depths: Depths = 2
     decimals: Decimals = 10
-
-
-@dataclass(frozen=True, kw_only=True)
-class TableOptions(FlankOptions):
-    """As ``FlankOptions``, of more depths."""
-
-    depths: Depths = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +206,7 @@ def _ibl(design: SpatialDesign, options: WrittenFlankOptions) -> FileContent:
     return FileContent("".join(lines).encode("ascii"), metadata)
 
 
-def _csv(design: SpatialDesign, options: TableOptions) -> bytes:
+def _csv(design: SpatialDesign, options: FlankOptions) -> bytes:
     return csv_table(concatenate([_columns(each) for each in patches(design, options)]))
 
 
@@ -244,9 +237,10 @@ def _columns(each: Patch) -> list[Column]:
     ]  # fmt: skip
 
 
-def _json(design: SpatialDesign, options: TableOptions) -> bytes:
+def _json(design: SpatialDesign, options: FlankOptions) -> bytes:
     flanks = [_flank(each) for each in patches(design, options)]
-    return json_file(design, "flanks", FRAME, {"flanks": flanks})
+    head = {"kind": "flanks", "frame": FRAME, "design": design.identification}
+    return compact_json({**head, "flanks": flanks})
 
 
 def _flank(each: Patch) -> dict[str, Any]:
@@ -278,13 +272,13 @@ FLANKS = FileFormat(
 )  # fmt: skip
 CSV = FileFormat(
     "flanks.csv", "Contact lines, comma separated", "text/csv; charset=utf-8; header=present",
-    ".csv", _csv, TableOptions,
+    ".csv", _csv, FlankOptions,
     "A row for every contact: cam angle, roller, side, place on the roller, point and normal of "
     "the flank in the cam's frame, pressure angle.",
 )  # fmt: skip
 JSON = FileFormat(
     "flanks.json", "Contact lines, as grids", "application/json",
-    ".json", _json, TableOptions,
+    ".json", _json, FlankOptions,
     "Every flank as a grid over cam angle and place on the roller: points, normals, pressure "
     "angles.",
 )  # fmt: skip

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH, motion_sheet
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.cam import Turn
 from synthesis.exporters.samples.columns import motion_columns
 from synthesis.exporters.tables import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.identification import above, origin
 
 
 def _turn(design: SpatialDesign) -> Turn:
@@ -27,7 +28,7 @@ def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
     body = {
         "kind": "motion",
         "segments": [each.model_dump(mode="json", exclude_none=True) for each in design.motion],
-        "design": origin(design),
+        "design": design.identification,
         "sampling": asdict(options),
         "rows": len(columns[0].values),
     }
@@ -38,6 +39,16 @@ def _svg(design: SpatialDesign, options: DiagramOptions) -> bytes:
     heading = above(design, LEFT, WIDTH - RIGHT, 1.0)
     name = design.name or design.id
     return motion_sheet(_turn(design), name, design.motion, heading, options)
+
+
+def above(design: SpatialDesign, left: float, right: float, u: float) -> list[str]:
+    """Heading of a drawing between two abscissae: name, machine, speed, status, id."""
+    kind = design.spec.machine.title
+    line = (
+        f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
+        f"{design.status} · {design.id[:8]}"
+    )
+    return two_lines(design.name.strip() or kind.capitalize(), line, left, right, u)
 
 
 PURPOSE = "The follower's displacement, velocity, acceleration and jerk over the cam angle."

@@ -125,16 +125,15 @@ class Models:
         contact is the same at every angle relative to the cam: one box.
         """
         parts, roller = self.parts, self.cam.swept.roller
+        low, high = np.array([(part.low, part.high) for part in parts]).T
+        ends = (np.full(len(parts), end) for end in (roller.inner, roller.outer))
+        whole = Boxes(np.arange(len(parts)), low, high, *ends)
+        rests = np.array([part.rests for part in parts])
         angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
-        counts = np.array([1 if part.rests else angles for part in parts])
-        patch = np.repeat(np.arange(len(parts)), counts)
-        nth = np.arange(len(patch)) - np.repeat(np.cumsum(counts) - counts, counts)
-        start, end = np.array([(part.low, part.high) for part in parts]).T[:, patch]
-        step, last = (end - start) / counts[patch], nth + 1 == counts[patch]
-        low, high = start + nth * step, np.where(last, end, start + (nth + 1) * step)
-        edges = np.linspace(roller.inner, roller.outer, PLACES + 1)
-        cut = (patch[:, None], low[:, None], high[:, None], edges[:-1], edges[1:])
-        boxes = Boxes(*(part.ravel() for part in np.broadcast_arrays(*cut)))
+        resting = whole.split(rests, (1, PLACES))
+        moving = whole.split(~rests, (angles, PLACES))
+        both = zip(vars(resting).values(), vars(moving).values(), strict=True)
+        boxes = Boxes(*map(np.concatenate, both))
         with np.errstate(all="ignore"):
             return boxes, SweptAxis(self, boxes)
 

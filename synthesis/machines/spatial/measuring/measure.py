@@ -9,8 +9,7 @@ from operator import mul
 
 import numpy as np
 
-from synthesis.catalogue.limits.motion import EXACT, TRAVEL, SegmentBound
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.limits.motion import EXACT, TRAVEL
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialExtreme
 from synthesis.machines.spatial.machine import LEFT, RIGHT
@@ -155,41 +154,27 @@ def segment_bound_extremes(
     travel = spec.machine.travel
     for placed, segment in zip(cam.motion.segments, spec.program, strict=True):
         for limit in segment.segment_bounds(placed.index):
-            rate = travel.wire_factor(limit.order, spec.omega)
-            unit = travel.derivative_unit(limit.order)
-            size = abs(placed.lift) / placed.angle**limit.order * rate
+            order, rate = limit.order, travel.wire_factor(limit.order, spec.omega)
+            size = abs(placed.lift) / placed.angle**order * rate
             rounding = EXACT * size if limit.equality else 0.0
+            # A travel is measured from the start of its segment, in the segment's direction.
+            factor = -rate if order == TRAVEL and placed.lift < 0.0 else rate
+            start = factor * placed.s_start if order == TRAVEL else 0.0
+            low, high = (placed.start + x * placed.angle for x in limit.interval)
+            curve = placed.placed()
             for bound, largest in ((limit.max, True), (limit.min, False)):
                 if bound is None:
                     continue
-                end = "max" if largest else "min"
+                sign = 1.0 if largest == (factor > 0.0) else -1.0
+                if low < high:
+                    most, theta = maximise(curve.restrict(low, high), [0.0] * order + [sign])
+                else:  # a point; a derivative may jump there
+                    both = (curve(np.array([low]), order, side) for side in ("left", "right"))
+                    most, theta = max(sign * float(each[0]) for each in both), low
+                value, end = factor * sign * most - start, "max" if largest else "min"
                 name = limit.name if limit.name.endswith(end) else f"{limit.name}_{end}"
                 allowed = Bound(bound + (rounding if largest else -rounding), limit.field)
-                value, theta = _extreme(limit, placed, rate, largest)
                 yield (
-                    Quantity(name, unit, largest, required=allowed),
+                    Quantity(name, travel.derivative_unit(order), largest, required=allowed),
                     Extremum(value, value, STATIONARY, theta),
                 )
-
-
-def _extreme(
-    limit: SegmentBound, segment: PlacedSegment, rate: float, largest: bool
-) -> tuple[float, float]:
-    """The extreme on the wire, and where [rad].
-
-    A travel is measured from the start of its segment, in the segment's direction.
-    """
-    order = limit.order
-    back = order == TRAVEL and segment.lift < 0.0
-    factor = -rate if back else rate
-    start = factor * segment.s_start if order == TRAVEL else 0.0
-    low, high = (segment.start + x * segment.angle for x in limit.interval)
-    curve = segment.placed()
-    sign = 1.0 if largest == (factor > 0.0) else -1.0
-    if low == high:
-        at = np.array([low])
-        both = [float(curve(at, order, side)[0]) for side in ("left", "right")]
-        value = max(both, key=lambda each: sign * each)
-        return factor * value - start, low
-    most, theta = maximise(curve.restrict(low, high), [0.0] * order + [sign])
-    return factor * sign * most - start, theta
