@@ -26,20 +26,24 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.bound import in_core_units
 from synthesis.optimise.heuristics.ipopt_search import (
+    NonlinearModel,
     NonlinearSolution,
     recover_problem,
     solve_ipopt,
     solve_with_exchange,
 )
-from synthesis.optimise.heuristics.nonlinear_program import NonlinearModel
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.constraint_samples import ConstraintSamples
 from synthesis.optimise.recovery.smooth_limits import sample, violation
 
-DRAWN = 1e-7  # relative: how far smooth limits are drawn in, and may be exceeded between spots
+TIGHTENING = 1e-7
+"""Relative, of smooth limits; between samples they may be exceeded by as much."""
 ACCURACY = 1e-10
-KEPT = 1e-6  # relative: as far as rows may be exceeded where the optimum is said to keep them
-BROKEN = 1e-6  # excess of a smooth limit from which on a cone program does not know enough
+"""Relative, of the optimum: differences over steps of 1e-4 keep five digits."""
+KEPT = 1e-6
+"""Relative excess of rows up to which the optimum is said to satisfy them."""
+VIOLATED = 1e-6
+"""Excess of a smooth limit from which on a cone program does not know enough."""
 
 
 class PerturbedOptimum(ABC):
@@ -84,7 +88,8 @@ class ConvexOptimum(PerturbedOptimum):
         if solution.stopped not in USABLE:
             return None
         problem, size = recover_problem(model, solution.x)
-        if _short(problem, size) or violation(problem, sample(problem), size) > BROKEN:
+        violated = violation(problem, sample(problem), size) > VIOLATED
+        if violated or _is_below_least_radius(problem, size):
             return None
         return ConvexOptimum(model, solution)
 
@@ -104,12 +109,12 @@ class ConvexOptimum(PerturbedOptimum):
         return ConvexOptimum.sought(model, deadline)
 
 
-def _short(problem: Problem, size: tuple[float, ...]) -> bool:
+def _is_below_least_radius(problem: Problem, size: tuple[float, ...]) -> bool:
     """Whether a size stays below a least radius, the inner edge of a ring that no cone knows."""
     prime = problem.machine.follower.radius_norm().value(size)
     rings = [(prime, problem.sizing.min_norm)]
     rings += [(cone.norm.value(size), cone.lower) for cone in problem.norm_bounds]
-    return any(radius < least * (1.0 - BROKEN) for radius, least in rings)
+    return any(radius < least * (1.0 - VIOLATED) for radius, least in rings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,21 +122,23 @@ class NonlinearOptimum(PerturbedOptimum):
     """Of the nonlinear program with every limit in it: a local optimum."""
 
     model: ConicModel
-    found: NonlinearSolution
-    eased: int
+    result: NonlinearSolution
+    relaxed_count: int
     noise = 2e-7
 
     @staticmethod
     def sought(
-        model: ConicModel, start: Array, eased: int, deadline: float = inf
+        model: ConicModel, start: Array, relaxed_count: int, deadline: float = inf
     ) -> NonlinearOptimum | None:
         """The local optimum that IPOPT comes to from a point."""
-        found = solve_ipopt(model, start, deadline, DRAWN, ACCURACY, eased=eased)
-        return NonlinearOptimum(model, found, eased) if found.stopped in USABLE else None
+        result = solve_ipopt(
+            model, start, deadline, TIGHTENING, ACCURACY, relaxed_count=relaxed_count
+        )
+        return NonlinearOptimum(model, result, relaxed_count) if result.stopped in USABLE else None
 
     @property
     def value(self) -> float:
-        return self.model.program.value(self.found.x)
+        return self.model.program.value(self.result.x)
 
     def moved(self, model: ConicModel) -> float | None:
         there = self._stated(model)
@@ -148,34 +155,38 @@ class NonlinearOptimum(PerturbedOptimum):
         return same and bool(np.all(kept))
 
     def again(self, model: ConicModel, deadline: float) -> NonlinearOptimum | None:
-        spots, guess = self._placed(model), self.found.guess
-        found = solve_with_exchange(model, spots, guess, deadline, DRAWN, ACCURACY, self.eased)
-        if found.stopped in USABLE:
-            return NonlinearOptimum(model, found, self.eased)
-        return NonlinearOptimum.sought(model, self.found.x, self.eased, deadline)
+        result = solve_with_exchange(
+            model, self._placed(model), self.result.end, deadline, TIGHTENING, ACCURACY,
+            self.relaxed_count,
+        )  # fmt: skip
+        if result.stopped in USABLE:
+            return NonlinearOptimum(model, result, self.relaxed_count)
+        return NonlinearOptimum.sought(model, self.result.x, self.relaxed_count, deadline)
 
     def _placed(self, model: ConicModel) -> list[ConstraintSamples]:
-        """The spots on the motion of another model, whose unit of length may be another one."""
+        """The samples on the motion of another model, whose unit of length may be another one."""
         ratio = model.problem.length / self.model.problem.length
-        return [replace(spot, s=spot.s * ratio) for spot in self.found.spots]
+        return [replace(one, s=one.s * ratio) for one in self.result.samples]
 
     @cached_property
     def _here(self) -> SmoothProgram:
         return self._stated(self.model)
 
     def _stated(self, model: ConicModel) -> SmoothProgram:
-        return NonlinearModel(model, self.found.x, self.eased).stated(self._placed(model), DRAWN)
+        return NonlinearModel(model, self.result.x, self.relaxed_count).program(
+            self._placed(model), TIGHTENING
+        )
 
     def _at_optimum(self, program: SmoothProgram) -> tuple[float, Array]:
         """Objective and rows of a program at x*."""
         both = casadi.Function("both", [program.x], [program.objective, program.rows])
-        value, rows = (np.asarray(part, dtype=float).ravel() for part in both(self.found.guess.x))
+        value, rows = (np.asarray(part, dtype=float).ravel() for part in both(self.result.end.x))
         return float(value[0]), rows
 
     def _lagrangian(self, program: SmoothProgram) -> float:
         """f(x*) + z · (g(x*) − b), b the side on which a row is held."""
         value, rows = self._at_optimum(program)
-        z = np.zeros(len(rows)) if self.found.guess.rows is None else self.found.guess.rows
+        z = np.zeros(len(rows)) if self.result.end.rows is None else self.result.end.rows
         z = np.pad(z, (0, len(rows) - len(z)))
         side = np.where(z > 0.0, program.upper, program.lower)
         held = np.isfinite(side)  # the multiplier of a side that is open is rounding

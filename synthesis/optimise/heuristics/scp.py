@@ -36,12 +36,19 @@ from synthesis.optimise.recovery.constraint_samples import (
 
 Vector = tuple[float, ...]
 ROUNDS = 12
-NEAR = -0.6  # limits slacker than this, relative, get no rows
-REACH = 0.4  # of the value: by how much a cam may shrink in the first round
-BACK = 0.25  # of that, once nothing smaller was found on the way
-LEAST_STEP, BOLD = 1.0 / 16.0, 0.5  # of the way; from the latter on tangents move all the way
-KEPT = 1e-6  # relative: by how much a start may break rows
-STEP = 1e-6  # of a natural unit, for differences
+"""Convex programs at most; three or four suffice where the iteration converges."""
+NEAR = -0.6
+"""Relative value of a smooth limit below which it gets no tangent."""
+REACH = 0.4
+"""Share of the value by which a cam may shrink in the first round: the trust region."""
+BACK = 0.25
+"""Factor on the trust region where no smaller cam lies on the way."""
+LEAST_STEP, BOLD = 1.0 / 16.0, 0.5
+"""Shares of the way to the target: the least that is tried; from which on tangents move there."""
+KEPT = 1e-6
+"""Relative excess of rows by a start that counts as rounding."""
+STEP = 1e-6
+"""Of a natural unit, for central differences: their error is about its square."""
 SOURCE = "tangents"
 
 
@@ -51,7 +58,7 @@ class ScpTarget:
 
     Attributes:
         close: how far above what the tangents allow its value may lie.
-        drawn: by how much smooth limits are drawn in at the points where they are written.
+        tightened: by how much smooth limits are tightened at the points where they are written.
         anew: whether a larger cam than that of the start is welcome: it keeps these.
         sufficient: a value of the objective [core units] at which to stop.
     """
@@ -67,12 +74,12 @@ class ScpResult:
     """Where it ended.
 
     Attributes:
-        cam: the best cam, None where there is none. settled: whether it is a local optimum.
+        cam: the best cam, None where there is none. converged: whether it is a local optimum.
         rounds, rows, iterations: cone programs, rows of the last, and iterations of all of them.
     """
 
     cam: Candidate | None
-    settled: bool
+    converged: bool
     rounds: int
     rows: int
     iterations: int
@@ -80,20 +87,15 @@ class ScpResult:
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """One expression of a limit at some places of the turn, to first order.
+    """One expression of a limit at some points of the turn, to first order; its rows.
 
-    ``number``: of the expression. ``tightened``: by how much it is drawn in.
+    ``number``: of the expression.
     """
 
-    place: ConstraintSamples
+    samples: ConstraintSamples
     number: int
     cuts: PointInequalities
-    tightened: float
-
-    @property
-    def finite(self) -> bool:
-        """Whether the limit has a value and slopes there."""
-        return bool(np.isfinite(self.cuts.upper).all())
+    block: LinearBlock
 
 
 def solve_scp(
@@ -103,54 +105,55 @@ def solve_scp(
 
     Args:
         model: the relaxation; its objective is a norm of the size.
-        laws, size: where to begin [mm], best at a cam that keeps all limits.
+        laws, size: where to begin [core length units], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
         goal: how near an optimum shall be.
     """
     here = recover_cam(model.problem, *model.recover(model.point(laws, size)), keep_hint=True)
-    grown, peaks = enlarge_until_feasible(here), list[ConstraintSamples]()
-    keeps = grown is not None and not goal.anew and _satisfies_rows(model, grown)
-    best = grown if keeps else None
-    here, reach, rows, iterations = grown or here, REACH, 0, 0
-    for number in range(ROUNDS):
+    enlarged, peaks = enlarge_until_feasible(here), list[ConstraintSamples]()
+    keeps = enlarged is not None and not goal.anew and _satisfies_rows(model, enlarged)
+    best = enlarged if keeps else None
+    here, reach = enlarged or here, REACH
+    converged, rounds, rows, iterations = False, 0, 0, 0
+    while rounds < ROUNDS and (left := deadline - clock.now()) > 0.0:
         # 1. Linearise smooth limits where they nearly bind, within a trust region of the size.
-        left = deadline - clock.now()
-        tangents = list(_tangents(model, here, peaks, goal.tightened)) if left > 0.0 else None
-        if tangents is None or not all(each.finite for each in tangents):
-            return ScpResult(best, False, number, rows, iterations)
-        blocks = [_block(model, each.place, each.cuts) for each in tangents]
-        full = with_rows(model, [*blocks, _trust_region(model, here, reach)])
-        # 2. The convex program with these tangents; its cam may break the limits themselves.
-        found = solve(full.program, left)
-        rows, iterations = len(full.program.rhs), iterations + found.iterations
-        if found.stopped not in USABLE:
-            return ScpResult(best, False, number + 1, rows, iterations)
-        target = recover_cam(model.problem, *model.recover(found.x), keep_hint=True)
-        # 3. The farthest cam on the way there that keeps them once enlarged, and is smaller.
-        taken, step = _line_search(model, here, target, inf if best is None else best.value)
-        peaks += add_violated(
-            target.problem, target.size
-        )  # where tangents at places said too little
-        if taken is None:
+        tangents = list(_tangents(model, here, peaks, goal.tightened))
+        if not all(np.isfinite(each.cuts.upper).all() for each in tangents):
+            break
+        trust = _trust_region(model, here, reach)
+        full = with_rows(model, [*(each.block for each in tangents), trust])
+        # 2. The convex program with these tangents; its cam may violate the limits themselves.
+        solution = solve(full.program, left)
+        rounds, rows = rounds + 1, len(full.program.rhs)
+        iterations += solution.iterations
+        if solution.stopped not in USABLE:
+            break
+        target = recover_cam(model.problem, *model.recover(solution.x), keep_hint=True)
+        # 3. The farthest cam on the way there that satisfies them once enlarged, and is smaller.
+        candidate, step = _line_search(model, here, target, inf if best is None else best.value)
+        # where the limits are violated between the points of the tangents, more of these
+        peaks += add_violated(target.problem, target.size)
+        if candidate is None:
             if best is None or here is best:
-                return ScpResult(best, False, number + 1, rows, iterations)
+                break
             here, reach = best, BACK * reach
             continue
-        best = taken
+        best = candidate
         if best.value <= goal.sufficient:
-            return ScpResult(best, True, number + 1, rows, iterations)
+            converged = True
+            break
         # 4. Stop where tangents at this cam would let it shrink by no more than the tolerance:
         #    the multipliers bound, to first order, what is left to gain.
         free = target.size[-1] > here.size[-1] - 0.99 * reach * here.value
-        least = target.value - max(
-            _remaining_gain(full, tangents, blocks, target, found.multipliers), 0.0
-        )
+        gain = _remaining_gain(full, tangents, goal.tightened, target, solution.multipliers)
+        least = target.value - max(gain, 0.0)
         if step == 1.0 and free and best.value <= least * (1.0 + goal.close):
-            return ScpResult(best, True, number + 1, rows, iterations)
+            converged = True
+            break
         # tangents are nearest to the truth at the size where the next optimum lies
-        here = target if step >= BOLD else taken
+        here = target if step >= BOLD else candidate
         reach *= 2.0 if step == 1.0 else step
-    return ScpResult(best, False, ROUNDS, rows, iterations)
+    return ScpResult(best, converged, rounds, rows, iterations)
 
 
 def _satisfies_rows(model: ConicModel, cam: Candidate) -> bool:
@@ -167,25 +170,20 @@ def _satisfies_rows(model: ConicModel, cam: Candidate) -> bool:
 def _line_search(
     model: ConicModel, here: Candidate, target: Candidate, value: float
 ) -> tuple[Candidate | None, float]:
-    """The target cam or one on the way there, grown, that is below a value; and its step."""
-    step, tried = 1.0, target
+    """The target cam or one on the way there, enlarged, that is below a value; and its step."""
+    step, trial = 1.0, target
     while step >= LEAST_STEP:
-        found = enlarge_until_feasible(tried)
-        if found is not None and found.value < value:
-            return found, step
+        cam = enlarge_until_feasible(trial)
+        if cam is not None and cam.value < value:
+            return cam, step
         step *= 0.5
-        tried = _between(model, here, target, step)
+        laws = [
+            SplineLaw(b.space, a.coefficients + step * (b.coefficients - a.coefficients))
+            for a, b in zip(here.laws, target.laws, strict=True)
+        ]
+        size = tuple(a + step * (b - a) for a, b in zip(here.size, target.size, strict=True))
+        trial = recover_cam(model.problem, laws, size, keep_hint=True)
     return None, step
-
-
-def _between(model: ConicModel, one: Candidate, other: Candidate, share: float) -> Candidate:
-    """What lies on the way from one cam to another of the same knots."""
-    laws = [
-        SplineLaw(b.space, a.coefficients + share * (b.coefficients - a.coefficients))
-        for a, b in zip(one.laws, other.laws, strict=True)
-    ]
-    size = tuple(a + share * (b - a) for a, b in zip(one.size, other.size, strict=True))
-    return recover_cam(model.problem, laws, size, keep_hint=True)
 
 
 def _trust_region(model: ConicModel, here: Candidate, reach: float) -> LinearBlock:
@@ -199,78 +197,74 @@ def _tangents(
     model: ConicModel, here: Candidate, peaks: Sequence[ConstraintSamples], tightened: float
 ) -> Iterator[Tangent]:
     """Smooth limits to first order, wherever they are near to binding."""
-    places = samples_near(here.problem, here.size, NEAR)
-    places += [move_samples(peak, here.problem) for peak in peaks]
-    for place in places:
-        slopes = zip(*_slopes(here.problem, place, here.size), strict=True)
+    points = samples_near(here.problem, here.size, NEAR)
+    points += [move_samples(peak, here.problem) for peak in peaks]
+    for samples in points:
+        slopes = zip(*_slopes(here.problem, samples, here.size), strict=True)
         for number, (value, motion, size) in enumerate(slopes):
-            upper = np.sum(motion * place.s, axis=0) + np.array(here.size) @ size - value
-            yield Tangent(
-                place, number, PointInequalities(motion, size, upper - tightened), tightened
-            )
+            upper = np.sum(motion * samples.s, axis=0) + np.array(here.size) @ size - value
+            cuts = PointInequalities(motion, size, upper - tightened)
+            yield Tangent(samples, number, cuts, _block(model, samples, cuts))
 
 
 def _remaining_gain(
-    full: ConicModel,
-    tangents: Sequence[Tangent],
-    blocks: Sequence[LinearBlock],
-    target: Candidate,
-    z: Array,
+    full: ConicModel, tangents: Sequence[Tangent], tightened: float, target: Candidate, z: Array
 ) -> float:
     """What tangents at the target cam would let it shrink by, to first order: by multipliers."""
     program, gain = full.program, 0.0
-    at = program.equalities + program.inequalities - 1 - sum(len(each.rhs) for each in blocks)
-    for tangent, own in zip(tangents, blocks, strict=True):
-        place, cuts = move_samples(tangent.place, target.problem), tangent.cuts
-        value = _expressions(target.problem, place)(place.s, target.size)[tangent.number]
-        linear = np.sum(cuts.coefficients * place.s, axis=0) + np.array(target.size) @ cuts.size
-        at_target = _block(
-            full, place, replace(cuts, upper=linear - value - tangent.tightened), bare=True
-        )
-        gain += float(z[at : at + len(own.rhs)] @ (at_target.rhs - own.rhs))
-        at += len(own.rhs)
+    counts = [len(each.block.rhs) for each in tangents]
+    at = program.equalities + program.inequalities - 1 - sum(counts)
+    for tangent, count in zip(tangents, counts, strict=True):
+        samples, cuts = move_samples(tangent.samples, target.problem), tangent.cuts
+        value = _expressions(target.problem, samples)(samples.s, target.size)[tangent.number]
+        linear = np.sum(cuts.coefficients * samples.s, axis=0) + np.array(target.size) @ cuts.size
+        moved = replace(cuts, upper=linear - value - tightened)
+        change = _block(full, samples, moved, bare=True).rhs - tangent.block.rhs
+        gain += float(z[at : at + count] @ change)
+        at += count
     return gain * full.scales.size
 
 
 def _block(
-    model: ConicModel, place: ConstraintSamples, cuts: PointInequalities, *, bare: bool = False
+    model: ConicModel, samples: ConstraintSamples, cuts: PointInequalities, *, bare: bool = False
 ) -> LinearBlock:
-    """The rows at the points of a place; where the law is given they are about the size alone."""
-    segment = model.problem.segments[place.position]
+    """The rows at some points; where the law is given they are about the size alone."""
+    segment = model.problem.segments[samples.position]
     if segment.law is None:
         position = model.problem.free.index(segment)
-        grid = Grid(model.grids[position].space, place.x)
+        grid = Grid(model.grids[position].space, samples.x)
         return cut_block(
             cuts, SOURCE, position, segment, grid, model.scales, Tightening(), bare=bare
         )
     size = cuts.size.T * model.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
-    room = cuts.upper - np.sum(cuts.coefficients * place.s, axis=0)
+    room = cuts.upper - np.sum(cuts.coefficients * samples.s, axis=0)
     return LinearBlock.of_size(size / scale[:, None], room / scale, SOURCE)
 
 
-def _expressions(settled: Problem, place: ConstraintSamples) -> Callable[[Array, Vector], Array]:
-    """A limit's expressions at its places as a function of motion (4, k) and size: (rows, k)."""
-    segment, limit = settled.segments[place.position], settled.limits[place.limit]
-    theta = segment.start + segment.angle * place.x
-    return lambda s, z: np.stack(limit.smooth_constraints(segment, settled.machine, theta, s, z))
+def _expressions(problem: Problem, samples: ConstraintSamples) -> Callable[[Array, Vector], Array]:
+    """A limit's expressions at its points as a function of motion (4, k) and size: (rows, k)."""
+    segment, limit = problem.segments[samples.position], problem.limits[samples.limit]
+    theta = segment.start + segment.angle * samples.x
+    return lambda s, z: np.stack(limit.smooth_constraints(segment, problem.machine, theta, s, z))
 
 
-def _slopes(settled: Problem, place: ConstraintSamples, size: Vector) -> tuple[Array, Array, Array]:
-    """A limit's expressions at its places: values (rows, k), slopes (rows, 4, k), (rows, n, k).
+def _slopes(
+    problem: Problem, samples: ConstraintSamples, size: Vector
+) -> tuple[Array, Array, Array]:
+    """A limit's expressions at its points: values (rows, k), slopes (rows, 4, k), (rows, n, k).
 
     By central differences: a limit is stated once, for numbers and symbols alike.
     """
-    expressions, step = _expressions(settled, place), STEP * settled.length
-    angle, motion, sizes = settled.segments[place.position].angle, list[Array](), list[Array]()
-    for order in range(4):
-        by = step / angle**order * np.eye(4)[:, [order]]
-        motion.append(
-            (expressions(place.s + by, size) - expressions(place.s - by, size)) / (2.0 * by[order])
-        )
-    for axis in range(len(size)):
-        more, less = (
-            tuple(v + sign * step * (k == axis) for k, v in enumerate(size)) for sign in (1.0, -1.0)
-        )
-        sizes.append((expressions(place.s, more) - expressions(place.s, less)) / (2.0 * step))
-    return expressions(place.s, size), np.stack(motion, 1), np.stack(sizes, 1)
+    expressions, step = _expressions(problem, samples), STEP * problem.length
+    angle, z = problem.segments[samples.position].angle, np.array(size)
+
+    def slope(ds: Array, dz: Array, by: float) -> Array:
+        more = expressions(samples.s + ds, tuple(z + dz))
+        return (more - expressions(samples.s - ds, tuple(z - dz))) / (2.0 * by)
+
+    still, same = np.zeros((4, 1)), np.zeros(len(z))
+    steps = step / angle ** np.arange(4)
+    motion = [slope(by * row[:, None], same, by) for row, by in zip(np.eye(4), steps, strict=True)]
+    sizes = [slope(still, step * row, step) for row in np.eye(len(z))]
+    return expressions(samples.s, size), np.stack(motion, 1), np.stack(sizes, 1)

@@ -50,7 +50,7 @@ def tangents(spec: DesignSpec, close: float = CLOSE, intervals: int = 14) -> tup
 @pytest.mark.parametrize("name", SCENES)
 def test_as_good_as_the_local_optimum_of_a_nonlinear_program(name: str) -> None:
     found, model = tangents(SCENES[name])
-    assert found.settled
+    assert found.converged
     assert found.cam is not None
     nearby = solve_ipopt(model, model.point(found.cam.laws, found.cam.size), tighten=1e-6)
     best = recover_cam(model.problem, *model.recover(nearby.x), keep_hint=True).value
@@ -75,7 +75,7 @@ def test_from_an_offset_far_aside_it_comes_to_the_same_cam(name: str, aside: flo
     assert near.cam is not None
     e, s0 = near.cam.size
     far = solve_scp(model, near.cam.laws, (e + aside * s0, 1.3 * s0), inf, ScpTarget(CLOSE, 1e-6))
-    assert far.settled
+    assert far.converged
     assert far.cam is not None
     assert far.cam.value == pytest.approx(near.cam.value, rel=2.0 * CLOSE)
 
@@ -85,7 +85,7 @@ def test_time_that_is_over_leaves_the_cam_it_began_at() -> None:
     assert near.cam is not None
     laws, (e, s0) = near.cam.laws, near.cam.size
     found = solve_scp(model, laws, (e, 1.1 * s0), 0.0, ScpTarget(CLOSE, 1e-6))
-    assert (found.settled, found.rounds) == (False, 0)
+    assert (found.converged, found.rounds) == (False, 0)
     assert found.cam is not None
     assert found.cam.size == pytest.approx((e, 1.1 * s0))
 
