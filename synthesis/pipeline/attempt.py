@@ -124,7 +124,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
 
-        numbered, _, stage = choose_parameters(question.scaled, goal.stop)
+        numbered, stage = choose_parameters(question.scaled, goal.stop)
         stages.append(StageReport(**vars(stage)))
         question = question.with_scaled(numbered)
         physical = question.physical

@@ -1,41 +1,71 @@
-"""Numbers left free, angles, lifts and an arm's length: searched for around the convex program.
+"""The outer search over numbers left free: angles, lifts and an arm's length.
 
-With them fixed all is as ever. Of angles and lifts a few cone programs on coarse grids say what
-they are worth; an arm's length changes what limits say of the size, not convex, and costs a whole
-search each. The best point found is solved in full: that no other is better is not proven.
+With them fixed all is as ever, so they are searched for around the convex program, and the best
+point is solved in full: that no other is better is not proven.
+
+* Angles and lifts: a few cone programs on coarse grids give a point's value. Samples give starts;
+  a bundle method descends from the best, first on a coarse mesh, then on the knots of the full
+  search.
+* A length of the machine changes what limits say of the size, and not in a convex way, so each one
+  costs a whole search: over all its range, then near the best. A given law's size is exact, so
+  that the length can be too; free laws leave some noise. What else can be fixed, the pivot's
+  distance, is often best at an end of its range.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from math import inf
+from math import exp, inf, log
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import BundlePoint, Function, minimise
-from synthesis.optimise.parameters.arm_length import search_length
 from synthesis.optimise.parameters.value_function import ValueFunction
+from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state.solve_state import Stage
 from synthesis.spec.design_spec import DesignSpec
 
-TRIED = 33  # lengths of a machine, to find one that serves
-SAMPLED, COARSE = 12, 24  # spline intervals: to look around, to descend
-CORNERS = 4  # per free direction, towards which samples are taken
-SHARES = (0.5, 0.95)  # of the way from the middle to a corner
+SAMPLED, COARSE = 12, 24
+"""Spline intervals: of samples, of a descent."""
+CORNERS = 4
+"""Per free direction, towards which samples are taken."""
+SHARES = (0.5, 0.95)
+"""Of the way from the middle to a corner, where samples lie."""
 STARTS = 3
-APART = 0.1  # of the box: starts that are nearer than this lead to the same place
+DISTANCE = 0.1
+"""Of the box, between starts: nearer ones lead to the same place."""
 RADIUS, ROUNDS = 0.15, 25
-LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # on the knots that the full search came to
-POLISHED = 4  # times at most
-SHARE_OF_TIME = 0.6  # of what is left
+"""First step of a descent, of the box, and steps at most."""
+LAST_RADIUS, LAST_ROUNDS = 0.03, 20
+"""The same on the knots of the full search."""
+POLISHED = 4
+"""Descents on such knots at most; each gives new ones."""
+SHARE_OF_TIME = 0.6
+"""Of what is left: the best point is still to be solved in full."""
+TRIED = 33
+"""Lengths of a machine, to find one that reaches its cam."""
+ROUGH, FINE = 2e-2, 4e-3
+"""Tolerances of whole searches with free laws, first and last."""
+FEW, MANY = 8, 33
+"""Lengths tried first, evenly in their logarithm; the latter where a whole search is cheap."""
+ROUGHLY, CLOSELY = 5e-3, 1e-7
+"""Relative distance to the best length: with free laws, with given ones."""
+NOTHING = 1e30
+"""Value of a length at which nothing fits."""
+NEAR = 0.1
+"""Of a value: so near to an end of its range the end is tried too."""
+INWARDS = 0.02
+"""Of the way from an end of the range to the next length tried: whether the end itself is best."""
+
+Trial = tuple[BundlePoint, Candidate | None]
+"""A point with its value, and the cam of a whole search there."""
 
 
-def choose_parameters(
-    spec: DesignSpec, deadline: float = inf
-) -> tuple[DesignSpec, list[float], Stage]:
+def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, Stage]:
     """The spec with numbers in place of all that it leaves free to be searched.
 
     Args:
@@ -43,23 +73,34 @@ def choose_parameters(
             what is left.
 
     Returns:
-        the spec, the numbers in the order of its free parameters, and what it took.
+        the spec, and what the search took.
     """
     started = time.perf_counter()
     now, parameters = clock.now(), spec.free_parameters
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
     worth = ValueFunction(spec.without_deferred(), parameters, stop)
+    # The program's numbers first, then the machine's lengths one by one.
     middle = _middle(worth)
-    best = _found(worth, middle)
+    best = None
+    if len(parameters.machine_indices) < len(parameters.parameters):
+        best = _search_program(worth, middle)
+    for position in parameters.machine_indices:
+        middle = middle if best is None else best.u
+        best = search_length(worth, middle, position) or best
     numbers = parameters.values_at(middle if best is None else best.u)
     freedom = parameters.polytope.directions.shape[1]
+    late = clock.now() >= stop
+    if best is None or best.value == inf:
+        status = "out of time" if late else "nothing found"
+    else:
+        status = "out of time, with the best so far" if late else "searched"
     stage = Stage(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
-        _ended(best, late=clock.now() >= stop),
+        status,
         "angles and lifts by cutting planes from several starts, lengths one by one",
     )  # fmt: skip
-    return spec.with_values(numbers), numbers, stage
+    return spec.with_values(numbers), stage
 
 
 def _middle(worth: ValueFunction) -> Array:
@@ -72,26 +113,7 @@ def _middle(worth: ValueFunction) -> Array:
     return middle
 
 
-def _ended(best: BundlePoint | None, *, late: bool) -> str:
-    """Why the search stopped."""
-    if best is None or best.value == inf:
-        return "out of time" if late else "nothing found"
-    return "out of time, with the best so far" if late else "searched"
-
-
-def _found(worth: ValueFunction, middle: Array) -> BundlePoint | None:
-    """The best point found: of the program's numbers, then of the machine's."""
-    machine, best = worth.free_parameters.machine_indices, None
-    if len(machine) < len(worth.free_parameters.parameters):
-        best = _search(worth, middle)
-        middle = middle if best is None else best.u
-    for position in machine:
-        best = search_length(worth, middle, position) or best
-        middle = middle if best is None else best.u
-    return best
-
-
-def _search(worth: ValueFunction, middle: Array) -> BundlePoint | None:
+def _search_program(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     """The best point found: samples, descents from the best of them, and a polish."""
     polytope = worth.free_parameters.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
@@ -99,7 +121,7 @@ def _search(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     rough = worth.uniform(middle, SAMPLED)
     around = _best_of(worth.on(rough), points) or _possible(worth, points)
     coarse = worth.on(worth.uniform(middle, COARSE))
-    starts = _best_of(coarse, [found.u for found in _apart(around)])
+    starts = _best_of(coarse, [one.u for one in _distant(around)])
     ends = [minimise(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
     if not ends:
         return next(iter(around), None)
@@ -128,14 +150,83 @@ def _possible(worth: ValueFunction, points: Iterable[Array]) -> list[BundlePoint
 
 def _best_of(function: Function, points: Iterable[Array]) -> list[BundlePoint]:
     """Those of the points where the function has a value, the best first."""
-    found = [BundlePoint(u, value) for u in points if (value := function(u)) is not None]
-    return sorted(found, key=lambda one: one.value)
+    results = [BundlePoint(u, value) for u in points if (value := function(u)) is not None]
+    return sorted(results, key=lambda one: one.value)
 
 
-def _apart(found: list[BundlePoint]) -> list[BundlePoint]:
+def _distant(points: list[BundlePoint]) -> list[BundlePoint]:
     """The best few that are not close together."""
     kept: list[BundlePoint] = []
-    for one in found:
-        if all(float(np.max(np.abs(one.u - other.u))) > APART for other in kept):
+    for one in points:
+        if all(float(np.max(np.abs(one.u - other.u))) > DISTANCE for other in kept):
             kept.append(one)
     return kept[:STARTS]
+
+
+def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePoint | None:
+    """The best point along one number's range, the others as they are; None where nothing fits."""
+    for count in (FEW, MANY):
+        trials = _along(worth, start, position, count)
+        best, cam = min(trials, key=_value)
+        if cam is not None:
+            break
+    else:
+        return None
+    if cam.laws:
+        return min([(best, cam), *_closer(worth, trials, position, ROUGHLY)], key=_value)[0]
+    # Given laws: with the pivot's distance fixed at the cam's, and at the ends of its range.
+    fixable, fixed = cam.problem.machine.follower.fixable_dimension(), list[float | None]([None])
+    if fixable is not None:
+        at = min(max(fixable.value_in(cam.size), fixable.low), fixable.high)
+        near = (x for x in (fixable.low, fixable.high) if x != at and abs(x - at) <= NEAR * at)
+        fixed = [at, *near]
+    every: list[Trial] = [(best, cam)]
+    for distance in fixed:
+        trials = _along(worth, start, position, MANY, distance)
+        every += [*trials, *_closer(worth, trials, position, CLOSELY, distance)]
+    return min(every, key=_value)[0]
+
+
+def _along(
+    worth: ValueFunction, start: Array, position: int, count: int, fixed: float | None = None
+) -> list[Trial]:
+    points = worth.free_parameters.points_along(start, position, count)
+    return [_trial(worth, u, ROUGH, fixed) for u in points]
+
+
+def _trial(worth: ValueFunction, u: Array, tolerance: float, fixed: float | None) -> Trial:
+    cam = worth.solved(u, tolerance, fixed)
+    if cam is None:
+        return BundlePoint(u, NOTHING), None
+    return BundlePoint(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine)), cam
+
+
+def _value(trial: Trial) -> float:
+    return trial[0].value
+
+
+def _closer(
+    worth: ValueFunction, trials: list[Trial], position: int, close: float,
+    fixed: float | None = None,
+) -> list[Trial]:  # fmt: skip
+    """Points between the neighbours of the best one, to a relative distance."""
+    parameters, more = worth.free_parameters, list[Trial]()
+    at = int(np.argmin([_value(trial) for trial in trials]))
+    best, cam = trials[at]
+    if cam is None:
+        return []
+    logarithms = [log(parameters.values_at(point.u)[position]) for point, _ in trials]
+
+    def value(logarithm: float) -> float:
+        u = parameters.with_value(best.u, position, exp(logarithm))
+        more.append(_trial(worth, u, FINE, fixed))
+        return _value(more[-1])
+
+    last = len(trials) - 1
+    low, high = logarithms[max(at - 1, 0)], logarithms[min(at + 1, last)]
+    if at in (0, last):
+        inwards = (high if at == 0 else low) - logarithms[at]
+        if value(logarithms[at] + INWARDS * inwards) >= best.value:
+            return more  # the end of the range is best
+    minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": close})
+    return more

@@ -18,117 +18,97 @@ from synthesis.optimise.parameters.spring_program import ChosenSpring, SpringPro
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDS: Final = 3  # of cam and spring
-SAME: Final = 1e-3  # of the peak force: two springs that are as good as one
+SAME: Final = 1e-3  # of the peak force: springs nearer than this are as good as one
 Solver = Callable[[DesignSpec], Design]
 Numbers = dict[str, float]
 
 
-def design_with_spring(question: DesignSpec, solve: Solver) -> Design:
+def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
     """The cam and its spring.
 
     Args:
-        question: with a load whose spring is free. solve: designs a cam with everything given.
+        spec: with a load whose spring is free. solve: designs a cam with everything given.
     """
-    kept = [limit for limit in question.limits if not limit.needs_load]
-    first = solve(_given(question, _least(question)).model_copy(update={"limits": kept}))
-    if not first.motion:
-        return _answer(question, _least(question), first, first, [])
-    found, peak, chosen, stages = first, float("inf"), _least(question), list[StageReport]()
-    for _ in range(ROUNDS):
-        spring = _best(question, found)
-        if found is not first and spring.peak >= peak * (1.0 - SAME):
+    load = spec.load
+    assert load is not None
+
+    def given(numbers: Numbers) -> DesignSpec:
+        return spec.model_copy(update={"load": load.with_spring(numbers)})
+
+    # 1. The cam without limits on forces: the spring, at its least, has no say in it.
+    kept = [limit for limit in spec.limits if not limit.needs_load]
+    numbers = {name: low for name, (low, _) in load.free_spring.items()}
+    first = solve(given(numbers).model_copy(update={"limits": kept}))
+    design, peak, stages = first, float("inf"), list[StageReport]()
+    for _ in range(ROUNDS if first.motion else 0):
+        # 2. The best spring for its motion; the end where that is no better than the last one.
+        spring, chosen = _best_spring(spec, design)
+        if design is not first and spring.peak >= peak * (1.0 - SAME):
             break
-        tried = solve(_given(question, _wire(question, spring)))
-        if found is not first and tried.status == "infeasible":
+        # 3. The cam with this spring and all limits.
+        candidate = solve(given(chosen))
+        if design is not first and candidate.status == "infeasible":
             break
-        found, chosen, peak = tried, _wire(question, spring), spring.peak
+        design, numbers, peak = candidate, chosen, spring.peak
         stages.append(StageReport(**asdict(spring.stage)))
-        if len(kept) == len(question.limits) or not found.certificate.certified:
+        if len(kept) == len(spec.limits) or not design.certificate.certified:
             break
-    return _answer(question, chosen, found, first, stages)
+    return _answer(spec, numbers, design, first, stages)
 
 
-def _least(question: DesignSpec) -> Numbers:
-    """The free numbers of the spring at their least."""
-    assert question.load is not None
-    return {name: low for name, (low, _) in question.load.free_spring.items()}
-
-
-def _given(question: DesignSpec, numbers: Numbers) -> DesignSpec:
-    """The question with these numbers for its spring."""
-    assert question.load is not None
-    return question.model_copy(update={"load": question.load.with_spring(numbers)})
-
-
-def _best(question: DesignSpec, found: Design) -> ChosenSpring:
-    """The best spring for the motion of a cam."""
-    built = found.completed_spec.model_copy(update={"load": question.load})
-    machine = built.machine()
-    load = built.load
+def _best_spring(spec: DesignSpec, design: Design) -> tuple[ChosenSpring, Numbers]:
+    """The best spring for the motion of a cam, and its numbers that were free, as on the wire."""
+    complete = design.completed_spec.model_copy(update={"load": spec.load})
+    machine, load = complete.machine(), complete.load
     assert load is not None
     assert load.spring is not None
     assert machine.load is not None
-    unit = _units(built)
-    ranges = (
-        (low * each, high * each)
-        for (low, high), each in zip(load.spring.ranges, unit, strict=True)
+    # Rate and preload along the displacement of one unit of each on the wire [N/mm, N].
+    names = load.spring.requested
+    reduced = load.with_spring(dict.fromkeys(names, 1.0)).reduced(complete.follower, 1.0)
+    units = (reduced.rate, reduced.preload)
+    rates, preloads = (
+        (low * unit, high * unit)
+        for (low, high), unit in zip(load.spring.ranges, units, strict=True)
     )
-    rates, preloads = ranges
-    forces = (limit for limit in question.limits if isinstance(limit, ContactForce))
+    forces = (limit for limit in spec.limits if isinstance(limit, ContactForce))
     floor = max((limit.min_n or 0.0 for limit in forces), default=0.0)
-    size = tuple(found.size)
-    return SpringProgram(found.curve, machine, machine.load, size, rates, preloads, floor).chosen()
-
-
-def _units(built: DesignSpec) -> tuple[float, float]:
-    """Rate and preload along the displacement of one unit of each on the wire [N/mm, N]."""
-    load = built.load
-    assert load is not None
-    assert load.spring is not None
-    one = load.with_spring(dict.fromkeys(load.spring.requested, 1.0))
-    reduced = one.reduced(built.follower, 1.0)
-    return reduced.rate, reduced.preload
-
-
-def _wire(question: DesignSpec, spring: ChosenSpring) -> Numbers:
-    """The numbers that were free, in the units of the wire."""
-    load = question.load
-    assert load is not None
-    assert load.spring is not None
-    found = zip(load.spring.requested, (spring.rate, spring.preload), _units(question), strict=True)
-    free = load.free_spring
-    told = {name: value / unit for name, value, unit in found if name in free}
-    return {name: min(max(told[name], low), high) for name, (low, high) in free.items()}
+    size = tuple(design.size)
+    program = SpringProgram(design.curve, machine, machine.load, size, rates, preloads, floor)
+    spring = program.chosen()
+    values = dict(zip(names, (spring.rate / units[0], spring.preload / units[1]), strict=True))
+    free = load.free_spring.items()
+    return spring, {name: min(max(values[name], low), high) for name, (low, high) in free}
 
 
 def _answer(
-    question: DesignSpec, numbers: Numbers, found: Design, first: Design, stages: list[StageReport]
+    spec: DesignSpec, numbers: Numbers, design: Design, first: Design, stages: list[StageReport]
 ) -> Design:
-    """The cam as the answer to the question, with bounds that hold for every spring."""
+    """The cam as the answer to the spec, with bounds that hold for every spring."""
     fields = {f"load/spring/{name}": value for name, value in numbers.items()}
-    proofs = [found.certificate, *found.certificate.other_objectives]
+    proofs = [design.certificate, *design.certificate.other_objectives]
     bounds = [first.certificate, *first.certificate.other_objectives]
     # in the order of the objectives; of no cam there is a single proof, which has no value
     for_all = [_for_all(one, other) for one, other in zip(proofs, bounds, strict=False)]
     certificate = Certificate(
-        certified=found.certificate.certified,
+        certified=design.certificate.certified,
         other_objectives=for_all[1:],
         **for_all[0].model_dump(),
     )
-    close = all(p.gap is not None and p.gap <= question.tolerance for p in for_all)
-    status = found.status
+    close = all(p.gap is not None and p.gap <= spec.tolerance for p in for_all)
+    status = design.status
     if status == "optimal" and not close:
         status = "feasible"
-    report = found.report.model_copy(
+    report = design.report.model_copy(
         update={
-            "stages": [*(first.report.stages if stages else ()), *stages, *found.report.stages],
-            "seconds": found.report.seconds + (first.report.seconds if stages else 0.0),
+            "stages": [*(first.report.stages if stages else ()), *stages, *design.report.stages],
+            "seconds": design.report.seconds + (first.report.seconds if stages else 0.0),
         }
     )
-    return found.model_copy(
+    return design.model_copy(
         update={
-            "id": design_id(question), "spec": question,
-            "free_parameters": {**found.free_parameters, **fields},
+            "id": design_id(spec), "spec": spec,
+            "free_parameters": {**design.free_parameters, **fields},
             "certificate": certificate, "status": status, "report": report,
         }
     )  # fmt: skip
@@ -137,11 +117,11 @@ def _answer(
 def _for_all(proof: Proof, without: Proof) -> Proof:
     """A proof with the bound that was found without limits on forces: it holds for any spring."""
     value, lower = proof.value, without.lower_bound
-    told = Proof.model_validate(proof.model_dump(include=set(Proof.model_fields)))
+    own = Proof.model_validate(proof.model_dump(include=set(Proof.model_fields)))
     if value is None or lower is None or proof.lower_bound == lower:
-        return told
+        return own
     gap = max(value - lower, 0.0) / max(abs(value), 1e-300)
     over = f"{without.bound_valid_for}, any spring, without limits on forces"
-    return told.model_copy(
+    return own.model_copy(
         update={"lower_bound": min(lower, value), "gap": gap, "bound_valid_for": over}
     )

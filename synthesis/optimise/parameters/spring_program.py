@@ -69,14 +69,6 @@ class _Rows:
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return _Rows(*(np.concatenate(pair) for pair in pairs))
 
-    def least(self, rate: float, preload: float) -> Array:
-        """The least force at each place over the speeds [N]."""
-        return np.asarray((self.s * rate + preload + self.low) / self.grip)
-
-    def most(self, rate: float, preload: float) -> Array:
-        """The largest [N]."""
-        return np.asarray((self.s * rate + preload + self.high) / self.grip)
-
 
 @dataclass(frozen=True, eq=False)
 class SpringProgram:
@@ -108,15 +100,14 @@ class SpringProgram:
         for _ in range(ROUNDS):
             steps += 1
             spring = self._solved(rows)
-            rate, preload, peak, lacking = spring
-            missed = self._missed(curve, rate, preload, peak, lacking)
-            if missed is None:
+            violated = self._violated(curve, *spring)
+            if violated is None:
                 break
-            rows = rows.joined(missed)
+            rows = rows.joined(violated)
         seconds = time.perf_counter() - started
         stage = Stage(
             "spring", "LP", "HiGHS", 4, 2 * len(rows.s), steps, seconds, "solved",
-            f"least peak of the contact force for this motion: {peak:.6g} N",
+            f"least peak of the contact force for this motion: {spring[2]:.6g} N",
         )  # fmt: skip
         return ChosenSpring(*spring, stage)
 
@@ -136,46 +127,39 @@ class SpringProgram:
         program = LinearRows(sparse.csc_matrix(matrix), rhs, 0, low, high)
         # of springs of one peak the softest
         price = np.array([1e-9, 1e-9, 1.0, FLOATING])
-        (found,) = minimise_each(program, [price])
-        if found.stopped is not StopReason.SOLVED:
-            raise SolverFailed("HiGHS", found.stopped.value, "The spring's program has no answer.")
-        rate, preload, peak, lacking = (found.x * unit).tolist()
+        (result,) = minimise_each(program, [price])
+        if result.stopped is not StopReason.SOLVED:
+            raise SolverFailed("HiGHS", result.stopped.value, "The spring's program has no answer.")
+        rate, preload, peak, lacking = (result.x * unit).tolist()
         return rate, preload, peak, lacking if lacking > SPARE * force else 0.0
 
-    def _missed(
+    def _violated(
         self, curve: Piecewise, rate: float, preload: float, peak: float, lacking: float
     ) -> _Rows | None:
-        """Rows at the worst places of every piece where the spring breaks them; None: nowhere."""
-        found = []
-        allowed = MISSED * abs(peak)
+        """Rows at the worst places of every piece where the spring violates them; None: nowhere."""
+        result, pieces, allowed = None, np.arange(curve.count), MISSED * abs(peak)
         for largest in (True, False):
             piece, x = _spread(curve, DENSE)
             reach = np.diff(curve.breaks) / (DENSE - 1)
             for _ in range(ZOOMS):
                 rows = self._at(curve, piece, x)
-                value = self._excess(rows, rate, preload, peak, lacking, largest=largest)
-                table = value.reshape(curve.count, -1)
+                spring = rows.s * rate + preload
+                if largest:
+                    excess = (spring + rows.high) / rows.grip - peak
+                else:
+                    excess = self.floor - lacking - (spring + rows.low) / rows.grip
+                table = excess.reshape(curve.count, -1)
                 best = np.argmax(table, axis=1)
-                x = x.reshape(table.shape)[np.arange(curve.count), best]
-                worst = table[np.arange(curve.count), best]
-                centre, reach = x, reach / 3.0
+                worst, centre = table[pieces, best], x.reshape(table.shape)[pieces, best]
+                reach = reach / 3.0
                 spread = centre[:, None] + reach[:, None] * FAN
                 x = np.clip(spread, curve.breaks[:-1, None], curve.breaks[1:, None]).ravel()
-                piece = np.repeat(np.arange(curve.count), len(FAN))
-            broken = np.flatnonzero(worst > allowed)
-            if len(broken):
-                found.append(self._at(curve, broken, centre[broken]))
-        if not found:
-            return None
-        return found[0] if len(found) == 1 else found[0].joined(found[1])
-
-    def _excess(
-        self, rows: _Rows, rate: float, preload: float, peak: float, lacking: float, *,
-        largest: bool,
-    ) -> Array:  # fmt: skip
-        if largest:
-            return np.asarray(rows.most(rate, preload) - peak)
-        return np.asarray(self.floor - lacking - rows.least(rate, preload))
+                piece = np.repeat(pieces, len(FAN))
+            beyond = np.flatnonzero(worst > allowed)
+            if len(beyond):
+                rows = self._at(curve, beyond, centre[beyond])
+                result = rows if result is None else result.joined(rows)
+        return result
 
     def _at(self, curve: Piecewise, piece: Indices, x: Array) -> _Rows:
         """What the force is made of at cam angles of pieces."""

@@ -1,20 +1,69 @@
-"""Tables smoothed before anything else: what they are to join, and the motion that comes out."""
+"""Tables smoothed before anything else: least mean square jerk within a tolerance at every row.
+
+Each table joins what is known beside it. The ideal motion is a quintic spline with its knots at the
+rows that bind, so uniform knots are halved until that gains no more. Unknowns are the coefficients,
+in tolerances from a least-squares spline: so the rows are of size one whatever the tolerance is,
+and the solver's own accuracy is a small part of it.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+from typing import Any
 
 import numpy as np
+from scipy import sparse
+from scipy.interpolate import BSpline
+from scipy.sparse.linalg import splu
 
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics import clock
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.parameters.table_fit import Fit, Rows, smooth_table
+from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.state.solve_state import Stage
+
+FIRST, MOST = 16, 2048  # intervals
+GAIN = 1e-2  # relative: halving the knots is worth it from this gain on
+TIGHTENING = 1e-4  # of the tolerance: what the solver's accuracy may use up
+JERK = 3
+SPARE = 1.01  # of the least deviation there is, so that the jerk has something to gain
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What a fit has to meet, normalised: x in [0, 1], displacement g in units of the table.
+
+    Attributes:
+        x, g: (m,) the rows. tolerance: how far the spline may pass them.
+        start, end: known g, g', … at x = 0 and x = 1.
+        closed: how many derivatives have to be equal at both ends (a table of a whole turn).
+    """
+
+    x: Array
+    g: Array
+    tolerance: float
+    start: Array
+    end: Array
+    closed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The spline found, how far it passes the rows at most, ∫ (g''')² dx, and what it cost."""
+
+    space: SplineSpace
+    coefficients: Array
+    deviation: float
+    energy: float
+    unknowns: int
+    rows: int
+    iterations: int
+    stopped: StopReason
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,28 +76,34 @@ class Tables:
 
 
 def smooth_tables(segments: Sequence[PlacedSegment], deadline: float = inf) -> Tables:
-    """Smooth every table in the order of the program; each joins what is settled beside it.
+    """Smooth every table in the order of the program; each joins what is known beside it.
 
     Args:
         segments: the program on the cam.
         deadline: ``time.monotonic()`` after which no solve goes on.
     """
-    found = list(segments)
+    result = list(segments)
     splines, stages = {}, []
-    turning = [i for i, segment in enumerate(found) if segment.angle > 0.0]
+    turning = [i for i, segment in enumerate(result) if segment.angle > 0.0]
     for place, i in enumerate(turning):
-        free = found[i].free
-        if found[i].table is None or free is None:
+        free = result[i].free
+        if result[i].table is None or free is None:
             continue
         started = time.perf_counter()
-        left, right = found[turning[place - 1]], found[turning[(place + 1) % len(turning)]]
-        rows = _rows(found[i], left, right)
+        left, right = result[turning[place - 1]], result[turning[(place + 1) % len(turning)]]
+        rows = _rows(result[i], left, right)
         left_s = max(deadline - clock.now(), 1e-3)
         fit = smooth_table(rows, free.smoothness + 1, left_s)
-        found[i] = found[i].with_law(fit.space.curve(fit.coefficients))
+        result[i] = result[i].with_law(fit.space.curve(fit.coefficients))
         splines[i] = (fit.space, fit.coefficients)
-        stages.append(_stage(i, fit, time.perf_counter() - started))
-    return Tables(tuple(found), splines, tuple(stages))
+        intervals = len(fit.space.breaks) - 1
+        stages.append(
+            Stage(
+                f"table program/{i}", f"QP, {intervals} spline intervals", "Clarabel", fit.unknowns,
+                fit.rows, fit.iterations, time.perf_counter() - started, fit.stopped.value,
+            )
+        )  # fmt: skip
+    return Tables(tuple(result), splines, tuple(stages))
 
 
 def _rows(segment: PlacedSegment, left: PlacedSegment, right: PlacedSegment) -> Rows:
@@ -67,25 +122,183 @@ def _rows(segment: PlacedSegment, left: PlacedSegment, right: PlacedSegment) -> 
 
 
 def _known(segment: PlacedSegment, neighbour: PlacedSegment, *, at_start: bool) -> Array:
-    """g, g', … at an end: of the settled neighbour, but for what is asked for."""
+    """g, g', … at an end: of the known neighbour, but for what is required."""
     assert segment.free is not None
     level = 0.0 if at_start else segment.lift / segment.scale
     state = segment.start_state if at_start else segment.end_state
-    asked = state.normalised(segment.angle, segment.scale)
+    required = state.normalised(segment.angle, segment.scale)
     if neighbour.law is None or neighbour is segment:
-        return np.array([level, *(value for value in asked if value is not None)])
+        return np.array([level, *(value for value in required if value is not None)])
     curve = neighbour.placed()
     x = curve.breaks[-1:] if at_start else curve.breaks[:1]
     values = curve.derivatives(x, 2, "left" if at_start else "right")[:, 0]
     scaled = values * segment.angle ** np.arange(3) / segment.scale
-    v, a = (own if value is None else value for own, value in zip(scaled[1:], asked, strict=True))
-    count = 3 if asked[1] is not None else 1 + min(2, segment.free.continuity_at(at_start=at_start))
+    v, a = (
+        own if value is None else value for own, value in zip(scaled[1:], required, strict=True)
+    )
+    count = (
+        3 if required[1] is not None else 1 + min(2, segment.free.continuity_at(at_start=at_start))
+    )
     return np.array([level, v, a][:count])
 
 
-def _stage(index: int, fit: Fit, seconds: float) -> Stage:
-    intervals = len(fit.space.breaks) - 1
-    return Stage(
-        f"table program/{index}", f"QP, {intervals} spline intervals", "Clarabel", fit.unknowns,
-        fit.rows, fit.iterations, seconds, fit.stopped.value,
-    )  # fmt: skip
+def smooth_table(rows: Rows, degree: int, time_limit: float = inf) -> Fit:
+    """The smoothest spline of a degree through all rows; through them as near as can be if none is.
+
+    Args:
+        rows: what to meet. degree: of the spline. time_limit: for each solve [s].
+    """
+    best: Fit | None = None
+    iterations, most = 0, min(MOST, max(FIRST, 2 * len(rows.x)))
+    intervals = FIRST
+    while intervals <= most:
+        fit = _fit(rows, SplineSpace(degree, np.linspace(0.0, 1.0, intervals + 1)), time_limit)
+        if fit is not None:
+            iterations += fit.iterations
+            if best is not None and fit.energy > (1.0 - GAIN) * best.energy:
+                return replace(min(fit, best, key=lambda one: one.energy), iterations=iterations)
+            best = fit
+        intervals *= 2
+    if best is not None:
+        return replace(best, iterations=iterations)
+    finest = SplineSpace(degree, np.linspace(0.0, 1.0, intervals // 2 + 1))
+    return _nearest(rows, finest, time_limit)
+
+
+def _fit(rows: Rows, space: SplineSpace, time_limit: float) -> Fit | None:
+    """The smoothest spline of one space that meets all rows, None where there is none."""
+    frame = _Frame.of(rows, space)
+    n, q = frame.basis.shape[1], frame.jerk.shape[0]
+    unit = max(1.0, sqrt(float(np.mean(frame.jerk_before**2)) * q))
+    slack = 1.0 - TIGHTENING
+    roots = sparse.hstack([rows.tolerance / unit * frame.jerk, -sparse.eye(q)])
+    matrix = _stacked(roots, _wide(frame.closed, q), _wide(frame.basis, q), _wide(-frame.basis, q))
+    rhs = np.concatenate(
+        [-frame.jerk_before / unit, frame.closed_rhs, frame.miss + slack, slack - frame.miss]
+    )
+    quadratic = sparse.csc_matrix(sparse.diags(np.repeat([0.0, 2.0], [n, q])))
+    quadratic.eliminate_zeros()
+    equalities = q + frame.closed.shape[0]
+    program = ConeProgram(quadratic, np.zeros(n + q), matrix, rhs, equalities, 2 * len(rows.x), ())
+    solution = solve(program, time_limit)
+    if solution.stopped not in USABLE:
+        return None
+    return frame.fit(solution, solution.x[:n], program)
+
+
+def _nearest(rows: Rows, space: SplineSpace, time_limit: float) -> Fit:
+    """The smoothest of the splines that come (almost) as near to the rows as any of the space."""
+    frame = _Frame.of(rows, space)
+    n, m = frame.basis.shape[1], len(rows.x)
+    one = sparse.csc_matrix(-np.ones((m, 1)))
+    matrix = _stacked(
+        _wide(frame.closed, 1),
+        sparse.hstack([frame.basis, one]),
+        sparse.hstack([-frame.basis, one]),
+    )
+    rhs = np.concatenate([frame.closed_rhs, frame.miss, -frame.miss])
+    least = np.zeros(n + 1)
+    least[n] = 1.0
+    nothing = sparse.csc_matrix((n + 1, n + 1))
+    program = ConeProgram(nothing, least, matrix, rhs, frame.closed.shape[0], 2 * m, ())
+    solution = solve(program, time_limit)
+    nearest = frame.fit(solution, solution.x[:n], program)
+    wider = replace(rows, tolerance=SPARE * max(nearest.deviation, rows.tolerance))
+    return _fit(wider, space, time_limit) or nearest
+
+
+def _stacked(*blocks: Any) -> sparse.csc_matrix:
+    """Blocks of rows on top of each other."""
+    return sparse.csc_matrix(sparse.vstack(blocks))
+
+
+def _wide(matrix: sparse.csr_matrix, more: int) -> Any:
+    """The matrix with so many empty columns added."""
+    return sparse.hstack([matrix, sparse.csr_matrix((matrix.shape[0], more))])
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """The rows on one space, about a least-squares spline that has the known ends.
+
+    Attributes:
+        around: all coefficients of that spline. inner: which of them are unknown.
+        basis: (m, n) values at the rows, jerk: (q, n) g''' at Gauss points times the roots of
+            their weights, both of the unknown ones. jerk_before: (q,) that of ``around``.
+        miss: (m,) the table less ``around``, in tolerances.
+        closed, closed_rhs: rows of equal derivatives at both ends.
+    """
+
+    rows: Rows
+    space: SplineSpace
+    around: Array
+    inner: slice
+    basis: sparse.csr_matrix
+    jerk: sparse.csr_matrix
+    jerk_before: Array
+    miss: Array
+    closed: sparse.csr_matrix
+    closed_rhs: Array
+
+    @classmethod
+    def of(cls, rows: Rows, space: SplineSpace) -> _Frame:
+        basis, jerk = sparse_basis(space, rows.x), _jerk_roots(space)
+        around = _least_squares(basis, jerk, rows.g)
+        first, last = len(rows.start), len(rows.end)
+        inner = slice(first, space.size - last)
+        starts, ends = (
+            space.end_derivatives(x, max(first, last, rows.closed + 1)) for x in (0.0, 1.0)
+        )
+        around[:first] = np.linalg.solve(starts[:first, :first], rows.start)
+        around[inner.stop :] = np.linalg.solve(ends[:last, inner.stop :], rows.end)
+        closed = (ends - starts)[1 : rows.closed + 1]
+        closed /= np.abs(closed).max(axis=1, keepdims=True)
+        return cls(
+            rows, space, around, inner, basis[:, inner], jerk[:, inner], jerk @ around,
+            (rows.g - basis @ around) / rows.tolerance,
+            sparse.csr_matrix(closed[:, inner]), -closed @ around / rows.tolerance,
+        )  # fmt: skip
+
+    def fit(self, solution: ConeSolution, step: Array, program: ConeProgram) -> Fit:
+        """The spline at a point of a program."""
+        coefficients = self.around.copy()
+        coefficients[self.inner] += self.rows.tolerance * step
+        miss = self.miss - self.basis @ step
+        jerk = self.jerk_before + self.rows.tolerance * (self.jerk @ step)
+        deviation = float(np.max(np.abs(miss))) * self.rows.tolerance
+        height, width = program.matrix.shape
+        return Fit(
+            self.space, coefficients, deviation, float(jerk @ jerk), width, height,
+            solution.iterations, solution.stopped,
+        )  # fmt: skip
+
+
+def sparse_basis(space: SplineSpace, x: Array, order: int = 0) -> sparse.csr_matrix:
+    """The ``order``-th derivative of every basis function at x in [0, 1]: (len(x), size)."""
+    knots, matrix = space.knots, sparse.csr_matrix(sparse.eye(space.size))
+    for k in range(order):
+        p, n = space.degree - k, space.size - k - 1
+        rise = knots[k + p + 1 : len(knots) - k - 1] - knots[k + 1 : len(knots) - k - p - 1]
+        row = np.repeat(np.arange(n), 2)
+        column = row + np.tile([0, 1], n)
+        steps = np.repeat(p / rise, 2) * np.tile([-1.0, 1.0], n)
+        matrix = sparse.csr_matrix((steps, (row, column)), shape=(n, n + 1)) @ matrix
+    inner = knots[order : len(knots) - order]
+    values = BSpline.design_matrix(x, inner, space.degree - order)
+    return sparse.csr_matrix(values) @ matrix
+
+
+def _jerk_roots(space: SplineSpace) -> sparse.csr_matrix:
+    """R with ‖R c‖² = ∫ (g''')² dx: Gauss points on every interval."""
+    nodes, shares = np.polynomial.legendre.leggauss(space.degree - JERK + 1)
+    left, width = space.breaks[:-1], np.diff(space.breaks)
+    x = (left[:, None] + width[:, None] * (nodes + 1.0) / 2.0).ravel()
+    root = np.sqrt((width[:, None] * shares / 2.0).ravel())
+    return sparse.csr_matrix(sparse.diags(root) @ sparse_basis(space, x, JERK))
+
+
+def _least_squares(basis: sparse.csr_matrix, jerk: sparse.csr_matrix, g: Array) -> Array:
+    """The spline nearest to the rows; a trace of the jerk fills what they leave open."""
+    near, bend = basis.T @ basis, jerk.T @ jerk
+    trace = 1e-10 * near.diagonal().mean() / bend.diagonal().mean()
+    return np.asarray(splu((near + trace * bend).tocsc()).solve(basis.T @ g), dtype=float)

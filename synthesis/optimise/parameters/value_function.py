@@ -1,4 +1,4 @@
-"""What numbers left free are worth: problems with them in place, solved roughly or in full."""
+"""The value of numbers left free: problems with them in place, solved roughly or in full."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from synthesis.optimise.strategy.phase_one import least_excess
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.spec.free_parameters import FreeParameters
 
-INSIDE = 0.01  # relative amount by which limits are drawn in while anything possible is sought
+INSIDE = 0.01
+"""Relative tightening of limits while any feasible point is sought: the next search needs room."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Knots of every free law, that follow the windows while angles change.
+    """Knots of every free law that follow the windows while angles change.
 
     Attributes:
-        breaks: per free law. needed: per free law, those among them that windows and points ask
-            for.
+        breaks: per free law. needed: per free law, those of its windows and points.
     """
 
     breaks: tuple[Array, ...]
@@ -59,7 +59,7 @@ def _needed(problem: Problem) -> Iterator[Array]:
 
 @dataclass(eq=False)
 class ValueFunction:
-    """What numbers are worth: the relaxation's optimum with the first objective [wire]."""
+    """The value of numbers: the relaxation's optimum with the first objective [wire]."""
 
     spec: DesignSpec
     free_parameters: FreeParameters
@@ -68,7 +68,7 @@ class ValueFunction:
     level: float = 1.0
 
     def problem(self, u: Array) -> Problem | None:
-        """The question at a point of the unit box; None where a given law cannot be run there."""
+        """The problem at a point of the unit box; None where a given law cannot be run there."""
         spec = self.spec.with_values(self.free_parameters.values_at(u))
         try:
             segments = smooth_tables(spec.placed_segments(), self.deadline).segments
@@ -100,26 +100,29 @@ class ValueFunction:
             self.calls += 1
             if problem is None:
                 return None
-            found = estimate(problem, mesh.grids(problem), self.level, self.deadline)
-            self.level = found or self.level
-            return None if found is None else describe_parameters(problem, found)
+            result = estimate(problem, mesh.grids(problem), self.level, self.deadline)
+            if result is None:
+                return None
+            self.level = result or self.level
+            # the core's unit may depend on the numbers, that of the wire does not
+            return problem.objective.to_wire(result, problem.machine)
 
         return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
-    def solved(self, u: Array, tolerance: float, pin: float | None = None) -> Candidate | None:
+    def solved(self, u: Array, tolerance: float, fixed: float | None = None) -> Candidate | None:
         """The best cam that a whole search finds; None where it finds none.
 
         Args:
             u: where. tolerance: of a search that has one; half-planes are met exactly.
-            pin: a value for what can be pinned; None: free, as asked.
+            fixed: a value for what can be fixed; None: free, as in the spec.
         """
         problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
             return None
         self.calls += 1
-        pinning = problem.machine.follower.fixable_dimension()
-        if pin is not None and pinning is not None:
-            problem = problem.with_follower(pinning.fixed_at(pin))
+        fixable = problem.machine.follower.fixable_dimension()
+        if fixed is not None and fixable is not None:
+            problem = problem.with_follower(fixable.fixed_at(fixed))
         return optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
 
     def excess(self, mesh: Mesh) -> Function:
@@ -130,12 +133,7 @@ class ValueFunction:
             if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
-            found = least_excess(problem, mesh.grids(problem), INSIDE)
-            return None if found is None else found + problem.vibration_excess
+            result = least_excess(problem, mesh.grids(problem), INSIDE)
+            return None if result is None else result + problem.vibration_excess
 
         return value
-
-
-def describe_parameters(problem: Problem, value: float) -> float:
-    """A value of the objective on the wire: the core's unit may depend on the numbers."""
-    return problem.objective.to_wire(value, problem.machine)

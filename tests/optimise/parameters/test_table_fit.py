@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 
 from synthesis.catalogue.laws import LAWS
 from synthesis.numerics.bspline import SplineSpace
-from synthesis.optimise.parameters.table_fit import Rows, smooth_table, sparse_basis
+from synthesis.optimise.parameters.table_smoothing import Rows, smooth_table, sparse_basis
 
 RNG = np.random.default_rng(20240817)
 BREAKS = np.array([0.0, 0.0731, 0.1812, 0.294, 0.433, 0.6178, 0.7719, 0.8803, 1.0])
