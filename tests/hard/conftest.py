@@ -5,8 +5,17 @@ import time
 import pytest
 
 from synthesis.numerics import clock
+from synthesis.pipeline import conflict
 
 
 @pytest.fixture(autouse=True)
 def budgets_of_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What would suffice in a conflict is sought coarsely: whether it does is asked elsewhere."""
     monkeypatch.setattr(clock, "now", time.process_time)
+    monkeypatch.setattr(conflict, "ACCURACY", 0.3)
+
+
+@pytest.fixture
+def short_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Why a random spec has no cam is found out for a tenth of the time; ``make hard`` takes all."""
+    monkeypatch.setattr(conflict, "DIAGNOSIS_S", 0.1 * conflict.DIAGNOSIS_S)

@@ -9,6 +9,8 @@ import pytest
 from tests.hard.loaded_specs import FOLLOWERS, loaded_spec
 from tests.hard.run import outcome
 
+pytestmark = pytest.mark.usefixtures("short_diagnosis")
+
 # of every follower, answered and refused, each in a tenth of a second or a few
 QUICK = (
     6, 17, 20, 22, 23, 33, 50, 69, 78, 79, 88, 93, 98, 106, 107, 109, 126, 128, 160, 169, 183,

@@ -14,6 +14,7 @@ SHARE = range(5, COUNT, STRIDE)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("short_diagnosis")
 @pytest.mark.parametrize("batch", range(BATCHES))
 def test_every_claim_is_confirmed(batch: int) -> None:
     """No false claim, no crash, no hang, no refusal that a cam of the verifier's own refutes."""
