@@ -17,5 +17,5 @@ def budgets_of_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def short_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Why a random spec has no cam is found out for a tenth of the time; ``make hard`` takes all."""
+    """Conflicts of random specs are sought for a tenth of the time; ``make hard`` takes all."""
     monkeypatch.setattr(conflict, "DIAGNOSIS_S", 0.1 * conflict.DIAGNOSIS_S)
