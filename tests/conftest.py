@@ -1,12 +1,16 @@
-"""Hypothesis: the same examples on every run; HYPOTHESIS_PROFILE=thorough looks further.
+"""What all tests share: how Hypothesis looks for examples, and how conflicts are explained.
 
-A failing run of the first kind says so at once: looking for a simpler example takes minutes when
-each is a whole cam, and is left to the thorough one.
+Hypothesis has the same examples on every run; HYPOTHESIS_PROFILE=thorough looks further. A failing
+run of the first kind says so at once: looking for a simpler example takes minutes when each is a
+whole cam, and is left to the thorough one.
 """
 
 import gc
 import os
+from collections.abc import Callable, Iterator
+from math import inf
 
+import pytest
 from hypothesis import HealthCheck, Phase, settings
 
 # What collecting the tests creates (modules, classes, syntax trees, test items) lives to the end of
@@ -38,3 +42,42 @@ settings.register_profile(
     max_examples=2000,
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+# Why a spec has no cam: to find that out takes many searches, for five seconds at most.
+
+CONFLICT = "synthesis.pipeline.conflict"
+
+
+@pytest.fixture(scope="module")
+def diagnosis_without_a_clock() -> Iterator[None]:
+    """Conflicts are found to their end, however busy the machine is.
+
+    Values that suffice end within one part in a hundred of the way: four trials fewer for each.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(f"{CONFLICT}.DIAGNOSIS_S", inf)
+        patch.setattr(f"{CONFLICT}.ACCURACY", 1e-2)
+        yield
+
+
+@pytest.fixture
+def explain_only(
+    diagnosis_without_a_clock: None, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], None]:
+    """Sets the field that conflicts are explained by: each number takes searches of its own."""
+    from synthesis.pipeline.relaxable import relaxable_numbers
+
+    def only(field: str) -> None:
+        monkeypatch.setattr(
+            f"{CONFLICT}.relaxable_numbers",
+            lambda spec: [n for n in relaxable_numbers(spec) if field in n.paths],
+        )
+
+    return only
+
+
+@pytest.fixture
+def unexplained(explain_only: Callable[[str], None]) -> None:
+    """Of a spec without a cam that is told alone, with its proof, and none of its numbers tried."""
+    explain_only("")

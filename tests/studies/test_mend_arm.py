@@ -26,7 +26,7 @@ def body(sense: str) -> dict[str, Any]:
 
 def moves() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """φ, φ', φ'' of the 3-4-5 rise and of the cycloidal return, (m, 1) each."""
-    x = np.linspace(0.0, 1.0, 401)[:, None]
+    x = np.linspace(0.0, 1.0, 101)[:, None]
     up = (10 * x**3 - 15 * x**4 + 6 * x**5, 30 * x**2 * (1 - x) ** 2,
           60 * x * (1 - x) * (1 - 2 * x))  # fmt: skip
     turn = 2.0 * np.pi * x

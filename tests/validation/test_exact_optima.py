@@ -37,6 +37,7 @@ def test_value_above_and_bound_below(name: str, tolerance: float) -> None:
     assert (design.status == "optimal") == ((name, tolerance) not in REACHED)
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("name", THRESHOLDS)
 def test_peak_velocity_just_above_the_least_and_just_below(name: str) -> None:
     case = THRESHOLDS[name]

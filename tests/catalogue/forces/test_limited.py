@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -159,8 +160,11 @@ def test_each_limit_bites(free: Design, limit: dict[str, Any], name: str, short:
     assert design.dimensions["base_radius_mm"] > free.dimensions["base_radius_mm"]
 
 
-def test_a_force_that_nothing_can_keep_is_named_in_the_conflict() -> None:
-    design = limited({"kind": "contact_force", "min_n": 1e6})
+def test_a_force_that_nothing_can_keep_is_named_in_the_conflict(
+    explain_only: Callable[[str], None],
+) -> None:
+    explain_only("limits/2/min_n")
+    design = limited({"kind": "contact_force", "min_n": 1e3})
     assert design.status == "infeasible"
     named = {change.limit for change in design.conflict.relaxations}
     assert "contact_force_min" in named
