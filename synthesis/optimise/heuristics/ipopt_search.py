@@ -27,12 +27,14 @@ from synthesis.optimise.conic.assembly import ConeBlock
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.recovery.constraint_samples import (
+from synthesis.optimise.recovery.smooth_limits import (
     ConstraintSamples,
     add_violated,
     initial_samples,
+    peaks,
+    sample,
+    violation,
 )
-from synthesis.optimise.recovery.smooth_limits import peaks, sample, violation
 
 ROUNDS = 6
 """Programs at most, each with the peaks that violated a limit at the solution before."""

@@ -33,8 +33,7 @@ from synthesis.optimise.heuristics.ipopt_search import (
     solve_with_exchange,
 )
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.recovery.constraint_samples import ConstraintSamples
-from synthesis.optimise.recovery.smooth_limits import sample, violation
+from synthesis.optimise.recovery.smooth_limits import ConstraintSamples, sample, violation
 
 TIGHTENING = 1e-7
 """Relative, of smooth limits; between samples they may be exceeded by as much."""

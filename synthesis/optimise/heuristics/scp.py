@@ -27,7 +27,7 @@ from synthesis.optimise.conic.tangent_cuts import cut_block
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasible, recover_cam
-from synthesis.optimise.recovery.constraint_samples import (
+from synthesis.optimise.recovery.smooth_limits import (
     ConstraintSamples,
     add_violated,
     move_samples,

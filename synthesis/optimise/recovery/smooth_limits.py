@@ -1,9 +1,14 @@
-"""Limits that are not convex, on given motion: worst violation, and growing out of it."""
+"""Nonconvex limits by their smooth form on given motion: where they are violated, and enlarging.
+
+A limit's smooth expressions are at most 0 where it holds. A cam is enlarged until they hold all
+along the laws (``enlarged_size``); local searches write them at samples, evenly spread and at their
+peaks (``initial_samples``, ``samples_near``, ``add_violated``).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 
@@ -17,13 +22,15 @@ from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
 DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
-PEAK_ROUNDS = 4
+PEAK_ROUNDS = 4  # of enlarging; each samples the peaks that the last one left
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
 CROSSED = 1e-9  # relative: how closely a size is raised
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
-# points that are slacker than this are not looked at while growing, in turn: few do as a rule
+# points that are slacker than this are not looked at while enlarging, in turn: few do as a rule
 WATCHED = (-0.15, -0.7, -0.7, -0.7)
 MANY = 24  # pieces of a law: what is far from binding is seen where they begin
+POINTS = 128  # of initial samples on a segment, about; ends of pieces are always among them
+SAME_PLACE = 1e-9  # of a segment: points nearer than this are one
 FACTORIALS = np.array([[1.0], [1.0], [2.0], [6.0]])
 
 
@@ -95,7 +102,7 @@ def enlarged_size(problem: Problem, size: Vector, margin: float, *, densely: boo
 
     Raising enlarges the prime radius and lowers pressure angle and curvature alike; None where
     even the largest size allowed does not do. Peaks that lie between the samples are looked for
-    on the grown cam and sampled too, until none is left.
+    on the enlarged cam and sampled too, until none is left.
 
     Args:
         densely: sample the laws densely even where the limits seem to be far from binding.
@@ -231,3 +238,121 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
             f_low *= 0.5 if moved < 0 else 1.0
             high, f_high, moved = middle, value, -1
     return high
+
+
+@dataclass(frozen=True, eq=False)
+class ConstraintSamples:
+    """Points of one segment where one limit is written.
+
+    Attributes:
+        limit, position: among the problem's limits and segments.
+        x: (k,) where on the segment, 0 to 1.
+        s: (4, k) s to s''' there [length/rad^k]; where the law is given, they stay.
+    """
+
+    limit: int
+    position: int
+    x: Array
+    s: Array
+
+
+def initial_samples(problem: Problem, size: Vector) -> list[ConstraintSamples]:
+    """Points all along the turn, for every limit that has a smooth form."""
+    return _constraint_samples(problem, size, -np.inf, [np.inf] * len(problem.limits))
+
+
+def samples_near(problem: Problem, size: Vector, above: float) -> list[ConstraintSamples]:
+    """Points all along the turn where a smooth limit exceeds a value, and peaks between these."""
+    return _constraint_samples(problem, size, above, [above] * len(problem.limits))
+
+
+def add_violated(
+    problem: Problem, size: Vector, relaxed_count: int = 0, above: float = 0.0
+) -> list[ConstraintSamples]:
+    """Peaks at which a smooth limit is exceeded, refined by a parabola.
+
+    Args:
+        problem: the problem, laws fixed. size: the size [length].
+        relaxed_count: how many of the last limits may be exceeded, and by how much (``above``).
+    """
+    allowed = [0.0] * (len(problem.limits) - relaxed_count) + [above] * relaxed_count
+    return _constraint_samples(problem, size, np.inf, allowed)
+
+
+def _constraint_samples(
+    problem: Problem, size: Vector, spread_above: float, peaks_above: list[float]
+) -> list[ConstraintSamples]:
+    """Evenly spread points above a value; peaks above one for every limit."""
+    result = list[ConstraintSamples]()
+    for position, samples in enumerate(sample(problem)):
+        segment, curve = samples.segment, samples.segment.placed()
+        for limit, above in enumerate(peaks_above):
+            values = _value(problem, limit, position, samples.theta, samples.s, size)
+            if not len(values):
+                continue
+            table = values.reshape(curve.count, -1)
+            wanted = (values > spread_above) | (spread_above == -np.inf)
+            kept = wanted & _evenly_spread(samples, table.shape).ravel()
+            theta, s = samples.theta[kept], samples.s[:, kept]
+            if above < np.inf:
+                top, piece = _peaks(samples.theta.reshape(table.shape), table)
+                at_top = curve.jet(top, piece, 3)
+                high = _value(problem, limit, position, top, at_top, size) > above
+                theta = np.concatenate([theta, top[high]])
+                s = np.concatenate([s, at_top[:, high]], axis=1)
+            if not len(theta):
+                continue
+            # Each point once: a free law is smooth where pieces meet, and a dwell is one point; a
+            # given law may jump.
+            x = np.clip((theta - segment.start) / segment.angle, 0.0, 1.0)
+            marks = s if segment.free is None else np.round(x / SAME_PLACE)[None, :]
+            _, first = np.unique(marks, axis=1, return_index=True)
+            result.append(ConstraintSamples(limit, position, x[first], s[:, first]))
+    return result
+
+
+def move_samples(samples: ConstraintSamples, problem: Problem) -> ConstraintSamples:
+    """The same points with the displacements of another motion; where it is given, as they are."""
+    segment = problem.segments[samples.position]
+    if segment.free is None:
+        return samples
+    curve, theta = segment.placed(), segment.start + samples.x * segment.angle
+    return replace(samples, s=curve.jet(theta, curve.piece_of(theta), 3))
+
+
+def _value(
+    problem: Problem, limit: int, position: int, theta: Array, s: Array, size: Vector
+) -> Array:
+    """The largest of a limit's expressions at every point; empty where it has none."""
+    segment, machine = problem.segments[position], problem.machine
+    expressions = problem.limits[limit].smooth_constraints(segment, machine, theta, s, size)
+    return np.max(np.stack(expressions), axis=0) if expressions else np.zeros(0)
+
+
+def _evenly_spread(samples: Samples, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Evenly spread samples, the ends of all pieces among them: (pieces, samples)."""
+    breaks, last = samples.segment.placed().breaks, shape[1] - 1
+    wanted = np.ceil(POINTS * np.diff(breaks) / samples.segment.angle)
+    each: Array = np.clip(wanted, 1.0, last)[:, None]
+    return np.asarray(np.arange(shape[1]) * each % last < each)
+
+
+def _peaks(theta: Array, values: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Local maxima of sampled pieces, moved to the top of the parabola through three samples.
+
+    One at an end of a piece may top between the last two samples.
+    """
+    padded = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
+    before, after = padded[:, :-2], padded[:, 2:]
+    piece, column = np.nonzero((values > before) & (values >= after))
+    middle = np.clip(column, 1, values.shape[1] - 2)
+    left, top, right = (values[piece, middle + k] for k in (-1, 0, 1))
+    finite = np.isfinite(left) & np.isfinite(top) & np.isfinite(right)
+    left, top, right = (np.where(finite, each, 0.0) for each in (left, top, right))
+    fall = 2.0 * top - left - right
+    curved = fall > 0.0
+    move = np.where(curved, 0.5 * (right - left), 0.0) / np.where(curved, fall, 1.0)
+    step = theta[piece, 1] - theta[piece, 0]
+    return np.where(
+        curved, theta[piece, middle] + step * np.clip(move, -1.0, 1.0), theta[piece, column]
+    ), piece
