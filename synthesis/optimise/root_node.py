@@ -27,8 +27,12 @@ from synthesis.optimise.heuristics.local_search import local_search
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
-from synthesis.optimise.refinement.knot_polish import polish_knots
-from synthesis.optimise.refinement.mesh import add_midpoints, halve_intervals, refine_mesh
+from synthesis.optimise.refinement.mesh import (
+    add_midpoints,
+    halve_intervals,
+    polish_knots,
+    refine_mesh,
+)
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import Relaxed, relax
 from synthesis.optimise.state.solve_state import SolveState, Stage

@@ -32,8 +32,8 @@ class PointRuns:
         points: (r + each n,) strictly ascending.
         rows: (r,) indices of the rows' own points in ``points``.
         inner: (n, each) indices of the points between two rows in ``points``.
-        left: (n,) number of the row before them. ahead, left_share: (n,) shares of the rows before
-            and after that belong there.
+        left: (n,) number of the row before them. right_share, left_share: (n,) shares of the
+            multipliers of the rows before and after that belong there.
     """
 
     points: Array
@@ -65,8 +65,8 @@ class PointRuns:
         points[inner] = x[left, None] + gaps[left + 1, None] * (np.arange(each) + 0.5) / each
         return cls(points, rows, inner, left, ahead, behind)
 
-    def distribute(self, z: Array, chosen: NDArray[Any]) -> Array:
-        """Multipliers (…, r) of the rows as masses at all points; spread in the n ``chosen``."""
+    def distribute(self, z: Array, chosen: NDArray[Any] | float) -> Array:
+        """Multipliers (…, r) of the rows as masses at all points; spread where ``chosen`` (n,)."""
         own = z[..., self.left] * self.right_share * chosen
         following = z[..., self.left + 1] * self.left_share * chosen
         kept = np.array(z)
@@ -82,8 +82,8 @@ class PointRuns:
     def sum_between(self, breaks: Array, amounts: Array) -> Array:
         """Sums of amounts (…, pieces) over what lies between the rows: (…, n)."""
         sums = np.concatenate([np.zeros((*amounts.shape[:-1], 1)), np.cumsum(amounts, axis=-1)], -1)
-        costates = (self.points[self.rows[k]] for k in (self.left, self.left + 1))
-        first, last = (np.searchsorted(breaks, end) for end in costates)
+        ends = (self.points[self.rows[k]] for k in (self.left, self.left + 1))
+        first, last = (np.searchsorted(breaks, end) for end in ends)
         return np.asarray(sums[..., last] - sums[..., first])
 
 
@@ -109,12 +109,19 @@ class MultiplierDensity:
         """
         result = list[tuple[LinearBlock, PointRuns | None]]()
         for block in model.blocks[: len(model.blocks) - len(denser)]:
-            arc = _uniform_runs(block, each)
-            result.append((block if arc is None else _rows_at(block, arc.points), arc))
+            runs = None
+            uniform = block.kind == "point" and block.alpha.ndim == 1 and block.spans is None
+            jumps = uniform and block.alpha[2] and not block.alpha[3] and not block.exact
+            if jumps and block.ascending:
+                runs = PointRuns.of(block.x, ((0.0, 1.0),), each)
+                # the splines' matrix is left out, which bounds do not read
+                rhs = np.full(len(runs.points), block.rhs[0])
+                block = replace(block, law_matrix=None, x=runs.points, rhs=rhs)
+            result.append((block, runs))
         result += denser
         dense = tuple(block for block, _ in result)
         program = replace(model.program, inequalities=sum(len(block.rhs) for block in dense))
-        return cls(replace(model, blocks=dense, program=program), tuple(arc for _, arc in result))
+        return cls(replace(model, blocks=dense, program=program), tuple(runs for _, runs in result))
 
     def distribute(self, quantities: Quantities, z: Array, costates: Array) -> Array:
         """The other model's multipliers (q, m) as this one's.
@@ -123,23 +130,20 @@ class MultiplierDensity:
             quantities: the quantities that they are for. z: the multipliers.
             costates: costates of the laws' ends.
         """
-        none, everywhere = (
-            self._masses(
-                z, [None if a is None else np.full(len(a.left), c) for a in self.point_runs]
+        # ∫ |ψ| between every two rows, with their multipliers at points, and spread between them.
+        points, spread = (
+            switching_functions(
+                self.model, quantities, self._masses(z, [share] * len(self.point_runs)), costates
             )
-            for c in (0, 1)
+            for share in (0.0, 1.0)
         )
-        both = [
-            switching_functions(self.model, quantities, masses, costates)
-            for masses in (none, everywhere)
-        ]
-        chosen = list[NDArray[Any] | None]()
-        for arc, block in zip(self.point_runs, self.model.blocks, strict=True):
-            if arc is None or block.segment is None:
-                chosen.append(None)
-                continue
-            as_they_are, spread = (arc.sum_between(*laws[block.segment]) for laws in both)
-            chosen.append(spread < as_they_are)
+        chosen: list[NDArray[Any] | float] = []
+        for runs, block in zip(self.point_runs, self.model.blocks, strict=True):
+            if runs is None or block.segment is None:
+                chosen.append(0.0)
+            else:
+                k = block.segment
+                chosen.append(runs.sum_between(*spread[k]) < runs.sum_between(*points[k]))
         return self._masses(z, chosen)
 
     def distribute_single(self, z: Array, costates: Array) -> Array:
@@ -148,28 +152,13 @@ class MultiplierDensity:
         nothing = Quantities(np.zeros(1, dtype=int), np.zeros(1), np.zeros((1, 3)), none)
         return np.asarray(self.distribute(nothing, z[None], costates)[0])
 
-    def _masses(self, z: Array, chosen: Sequence[NDArray[Any] | None]) -> Array:
+    def _masses(self, z: Array, chosen: Sequence[NDArray[Any] | float]) -> Array:
+        """Multipliers of all rows, spread where chosen, block by block."""
         at = self.model.program.equalities
         parts = [z[..., :at]]
-        for arc, block, here in zip(self.point_runs, self.model.blocks, chosen, strict=True):
-            rows = len(block.rhs)
-            if arc is not None and here is not None:
-                rows -= arc.inner.size
-                parts.append(arc.distribute(np.maximum(z[..., at : at + rows], 0.0), here))
-            else:
-                parts.append(z[..., at : at + rows])
-            at += rows
+        for runs, block, here in zip(self.point_runs, self.model.blocks, chosen, strict=True):
+            count = len(block.rhs) - (0 if runs is None else runs.inner.size)
+            own = z[..., at : at + count]
+            parts.append(own if runs is None else runs.distribute(np.maximum(own, 0.0), here))
+            at += count
         return np.concatenate([*parts, z[..., at:]], axis=-1)
-
-
-def _uniform_runs(block: LinearBlock, each: int) -> PointRuns | None:
-    """The points of a limit that holds all along a law and reads the same everywhere."""
-    everywhere = block.kind == "point" and block.alpha.ndim == 1 and block.spans is None
-    if not everywhere or block.alpha[3] or not block.alpha[2] or block.exact or not block.ascending:
-        return None
-    return PointRuns.of(block.x, ((0.0, 1.0),), each)
-
-
-def _rows_at(block: LinearBlock, x: Array) -> LinearBlock:
-    """The same rows at other points; the splines' matrix left out, which bounds do not read."""
-    return replace(block, law_matrix=None, x=x, rhs=np.full(len(x), block.rhs[0]))

@@ -26,14 +26,92 @@ from synthesis.optimise.dual_bound.multiplier_density import PointRuns
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
-from synthesis.optimise.propagation.point_bounds import PointBounds
 
-APART = 0.05  # of a law, between nodes of the bounds
-OPEN = 1e9  # strokes: nothing known
+NODE_DISTANCE = 0.05  # of a law
+UNBOUNDED = 1e9  # strokes
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = tuple[tuple[float, float], ...]
 Parts = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class PointBounds:
+    """Bounds at nodes of a free law: low ≤ (X, u) ≤ high, (2, n) each; of (X, u, s'') (3, n).
+
+    Sums of motion and size are bounded more narrowly than motion and size one by one: what makes a
+    cam larger makes its law slower.
+
+    Attributes:
+        nodes: (n,) in [0, 1]. parts: first and last node of every part of interest.
+        angle: of the law [rad]. cap: cap of |u''| [length/rad²].
+        monotone: whether X can only rise (1) or fall (−1) along the law; 0: either.
+        offsets: least and largest e.
+    """
+
+    nodes: Array
+    parts: tuple[tuple[float, float], ...]
+    angle: float
+    cap: float
+    monotone: int
+    low: Array
+    high: Array
+    offsets: tuple[float, float]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no cam keeps to it."""
+        return bool(np.any(self.low > self.high)) or self.offsets[0] > self.offsets[1]
+
+    @property
+    def width(self) -> float:
+        """How far X and u are open at a node, on average [length]."""
+        return float(np.mean(self.high[:2] - self.low[:2]))
+
+    def at(self, x: Array) -> tuple[Array, Array]:
+        """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each."""
+        left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
+        before = self.angle * (x - self.nodes[left])
+        after = self.angle * (self.nodes[left + 1] - x)
+        # |u''| is capped: u leaves its chord by no more than this
+        deviation = 0.5 * self.cap * before * after
+        slow = np.interp(x, self.nodes, self.low[1]) - deviation
+        fast = np.interp(x, self.nodes, self.high[1]) + deviation
+        least, most = (speed[left] for speed in self._interval_speed_bounds())
+        low = np.maximum(self.low[0, left] + before * least, self.low[0, left + 1] - after * most)
+        high = np.minimum(
+            self.high[0, left] + before * most, self.high[0, left + 1] - after * least
+        )
+        one = np.ones_like(x)
+        return (
+            np.stack([low, slow, self.offsets[0] * one]),
+            np.stack([high, fast, self.offsets[1] * one]),
+        )
+
+    def acceleration_bounds(self, x: Array) -> tuple[Array, Array]:
+        """Bounds of s'' at any x between the first node and the last: (m,) each.
+
+        Infinite where they are not known at nodes.
+        """
+        if len(self.low) < 3:
+            return np.full_like(x, -np.inf), np.full_like(x, np.inf)
+        left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
+        before = self.cap * self.angle * (x - self.nodes[left])
+        after = self.cap * self.angle * (self.nodes[left + 1] - x)
+        low = np.maximum(self.low[2, left] - before, self.low[2, left + 1] - after)
+        return low, np.minimum(self.high[2, left] + before, self.high[2, left + 1] + after)
+
+    def _interval_speed_bounds(self) -> tuple[Array, Array]:
+        """Bounds of X' = u + e over every interval."""
+        width = self.angle * np.diff(self.nodes)
+        over = 0.125 * self.cap * width**2
+        slow = np.minimum(self.low[1, :-1], self.low[1, 1:]) - over + self.offsets[0]
+        fast = np.maximum(self.high[1, :-1], self.high[1, 1:]) + over + self.offsets[1]
+        if self.monotone > 0:
+            slow = np.maximum(slow, 0.0)
+        if self.monotone < 0:
+            fast = np.minimum(fast, 0.0)
+        return slow, fast
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +149,7 @@ class ImprovingRegion:
 
     @property
     def mean_width(self) -> float:
-        """How far the hulls are open, on average [length]."""
+        """How far the point's bounds are apart, on average [length]."""
         return float(np.mean([bounds.width for bounds in self.point_bounds.values()] or [0.0]))
 
     def restrict(self, sizes: Sizes) -> ImprovingRegion:
@@ -105,23 +183,12 @@ class ImprovingRegion:
         ]
 
     def rows(self, model: ConicModel, *, sparing: bool = False) -> list[LinearBlock]:
-        """Rows that limits imply along the hulls: tight in the middle, and at the guess.
+        """Rows that limits imply within the bounds: tight in the middle, and at the reference.
 
-        ``sparing``: at the guess alone, where there is one: multipliers of two rows that say
+        ``sparing``: at the reference alone, where there is one: multipliers of two rows that say
         nearly the same at a knot alternate, and the bound pays for it.
         """
-        return [
-            block
-            for (position, _), implied, bounds in self._traced_limits(model.problem)
-            for block in self._blocks(
-                model,
-                position,
-                implied,
-                bounds,
-                _row_points(bounds, model, position),
-                sparing=sparing,
-            )
-        ]
+        return [block for block, _ in self.rows_between(model, 0, sparing=sparing)]
 
     def rows_between(
         self, model: ConicModel, each: int, *, sparing: bool = False
@@ -131,59 +198,38 @@ class ImprovingRegion:
         ``each``: points between two of these.
         """
         result = list[tuple[LinearBlock, PointRuns]]()
-        for (position, _), implied, bounds in self._traced_limits(model.problem):
-            arc = PointRuns.of(_row_points(bounds, model, position), bounds.parts, each)
-            written = self._blocks(
-                model, position, implied, bounds, arc.points, bare=True, sparing=sparing
-            )
-            result += [(block, arc) for block in written]
+        for position, implied, bounds in self._traced_limits(model.problem):
+            # at every knot, so that each has a row of its own
+            segment, breaks = model.problem.free[position], model.grids[position].space.breaks
+            inside = [(low <= breaks) & (breaks <= high) for low, high in bounds.parts]
+            runs = PointRuns.of(breaks[np.any(inside, axis=0)], bounds.parts, each)
+            x, (low, high) = runs.points, bounds.at(runs.points)
+            grid = Grid(model.grids[position].space, x)
+            near = self._tangent_at(position, segment, implied.coordinates, x)
+            for about in near if sparing and near else (None, *near):
+                traced, moving = (None, None) if about is None else (about[:3], about[3:])
+                motion = self._motion_bounds(segment, implied, bounds, x, moving)
+                cut = implied.relax(low, high, traced, motion)
+                if cut is not None:
+                    block = cuts.cut_block(
+                        cut, implied.source, position, segment, grid, model.scales, Tightening(),
+                        bare=each > 0,
+                    )  # fmt: skip
+                    result.append((block, runs))
         return result
 
-    def _traced_limits(
-        self, problem: Problem
-    ) -> Iterator[tuple[tuple[int, SlideCoordinates], CurvatureBound, PointBounds]]:
+    def _traced_limits(self, problem: Problem) -> Iterator[tuple[int, CurvatureBound, PointBounds]]:
         for position, segment in enumerate(problem.free):
             for limit in problem.limits:
                 for implied in limit.curvature_bounds(segment, problem.machine):
                     key = position, implied.coordinates
                     if key in self.point_bounds:
-                        yield key, implied, self.point_bounds[key]
-
-    def _blocks(
-        self,
-        model: ConicModel,
-        position: int,
-        implied: CurvatureBound,
-        bounds: PointBounds,
-        x: Array,
-        *,
-        bare: bool = False,
-        sparing: bool = False,
-    ) -> Iterator[LinearBlock]:
-        segment, grid = model.problem.free[position], Grid(model.grids[position].space, x)
-        low, high = bounds.at(x)
-        near = self._tangent_at(position, segment, implied.coordinates, x)
-        for about in near if sparing and near else (None, *near):
-            moving = self._motion_bounds(
-                segment, implied, bounds, x, None if about is None else about[3:]
-            )
-            result = implied.relax(low, high, None if about is None else about[:3], moving)
-            if result is not None:
-                yield cuts.cut_block(
-                    result,
-                    implied.source,
-                    position,
-                    segment,
-                    grid,
-                    model.scales,
-                    Tightening(),
-                    bare=bare,
-                )
+                        yield position, implied, self.point_bounds[key]
 
     def _tangent_at(
         self, position: int, segment: PlacedSegment, coordinates: SlideCoordinates, x: Array
     ) -> list[Array]:
-        """X, u and e, s, s' and s'' of the guess: (6, n); nothing where there is none."""
+        """X, u and e, s, s' and s'' of the reference: (6, n); nothing where there is none."""
         if self.reference is None:
             return []
         law = self.reference.laws[position].curve()
@@ -199,7 +245,7 @@ class ImprovingRegion:
         x: Array,
         about: Array | None,
     ) -> MotionBox | None:
-        """What hulls say of the motion itself, to rows that ask for it."""
+        """What the bounds say of the motion itself, to rows that ask for it."""
         if not implied.needs_motion_bounds:
             return None
         low, high = (
@@ -220,34 +266,28 @@ class ImprovingRegion:
 def initial_region(
     problem: Problem, controls: Sequence[Control], parts: Mapping[int, Parts]
 ) -> ImprovingRegion:
-    """All that the problem allows; hulls with nodes all over the parts of the free laws."""
+    """All that the problem allows; bounds with nodes all over the parts of the free laws."""
     sizes = problem.sizing.bounds
     point_bounds = {}
     for position, ranges in parts.items():
         segment, cap = problem.free[position], controls[position].cap
         assert segment.free is not None
-        nodes = np.concatenate(
-            [np.linspace(a, b, 1 + max(2, int(np.ceil((b - a) / APART)))) for a, b in ranges]
-        )
+        counts = (1 + max(2, int(np.ceil((b - a) / NODE_DISTANCE))) for a, b in ranges)
+        both = zip(ranges, counts, strict=True)
+        nodes = np.concatenate([np.linspace(*ends, count) for ends, count in both])
         known = dict[SlideCoordinates, int]()  # how many of X, u and s'' are asked for
         for limit in problem.limits:
             for implied in limit.curvature_bounds(segment, problem.machine):
                 count = 3 if implied.needs_motion_bounds else 2
                 known[implied.coordinates] = max(count, known.get(implied.coordinates, 0))
         for coordinates, rows in known.items():
-            wide = np.full((rows, len(nodes)), OPEN * problem.length)
+            wide = np.full((rows, len(nodes)), UNBOUNDED * problem.length)
             sense = 0 if segment.free.overshoot else int(np.sign(segment.lift)) * coordinates.sign
             bend = abs(segment.lift) / segment.angle**3 * cap
             point_bounds[position, coordinates] = PointBounds(
-                nodes,
-                ranges,
-                segment.angle,
-                bend,
-                sense,
-                -wide,
-                wide,
+                nodes, ranges, segment.angle, bend, sense, -wide, wide,
                 coordinates.offset_range(sizes),
-            )
+            )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))
 
 
@@ -271,10 +311,3 @@ def cone_tangents(model: ConicModel, cone: ConeBlock, sizes: Sizes) -> Iterator[
         directions = images[norms > 0.0] / norms[norms > 0.0, None]
     for y in directions:
         yield LinearBlock.of_size(y @ matrix, np.array([cone.radius - y @ cone.shift]), cone.source)
-
-
-def _row_points(bounds: PointBounds, model: ConicModel, position: int) -> Array:
-    """Where rows are written along a bounds: at every knot, so that each has a say of its own."""
-    breaks = model.grids[position].space.breaks
-    inside = [(low <= breaks) & (breaks <= high) for low, high in bounds.parts]
-    return np.asarray(breaks[np.any(inside, axis=0)])

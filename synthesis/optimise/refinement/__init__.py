@@ -3,6 +3,5 @@
 In: a solution and its dual bound. Out: knots where the law costs more than the ideal one, and
 collocation points where rows are violated between theirs.
 
-``mesh.py`` chooses knots, ``row_violations.py`` finds points, ``knot_polish.py`` moves knots onto
-the switches of the best law.
+``mesh.py`` chooses knots, ``row_violations.py`` finds points.
 """

@@ -1,25 +1,47 @@
-"""Where the next round's knots and points go: where the law pays more than the ideal one."""
+"""The next mesh: knots where the law costs more than the ideal one, points where rows are violated.
+
+Where a tolerance asks for its last digits, knots are moved onto the switches of the best law
+(``polish_knots``). Its highest derivative is often constant but for steps: ±cap, 0, or what a
+quadratic objective leaves. A spline's is constant between knots; where a step falls between two of
+them, that interval has a value in between, and its share of either level says where the step is.
+With knots there the spline is the best law itself, and the bound gets its best multipliers.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.optimise.dual_bound.bound import Bound
+from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
 from synthesis.optimise.problem.grid import (
     CLOSEST_KNOTS,
     Grid,
     grid_through,
     merge_knots,
     ramp_knots,
+    uniform_grid,
 )
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
+from synthesis.optimise.state.solve_state import SolveState, Stage
 
-MOST_INTERVALS = 240
+MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than they gain
+COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
+FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
+POLISH_INTERVALS: Final = 48  # equal ones between the switches
+POLISH_ROUNDS: Final = 6
+STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
+STEP: Final = 0.02  # share of the derivative's range: less is no switch
+FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
+
+SolveOnce = Callable[[SolveState, int], tuple[SolveState, Candidate | None]]
 
 
 def add_midpoints(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
@@ -30,7 +52,7 @@ def add_midpoints(grids: tuple[Grid, ...]) -> tuple[Grid, ...]:
 def refine_mesh(
     problem: Problem,
     grids: tuple[Grid, ...],
-    found: Candidate | None,
+    cam: Candidate | None,
     lower: Bound | None,
     missed: Sequence[Array],
 ) -> tuple[Grid, ...]:
@@ -39,25 +61,20 @@ def refine_mesh(
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
         breaks = grid.space.breaks
-        if found is None or lower is None or not lower.switching:
+        if cam is None or lower is None or not lower.switching:
             breaks = _halved(breaks, np.full(len(breaks) - 1, True))
         else:
             softer = segment.free.smoothness + 1 - lower.order
-            curve = found.laws[position].curve()
+            curve = cam.laws[position].curve()
             needed = segment.free.knots
             breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         chosen.append(grid_through(segment, breaks).with_points(missed[position]))
-    if all(_alike(new, grid) for new, grid in zip(chosen, grids, strict=True)):
+    before, after = ([grid.space.breaks for grid in each] for each in (grids, chosen))
+    if _alike(after, before, CLOSEST_KNOTS):
         return halve_intervals(problem, grids, missed)
     return tuple(chosen)
-
-
-def _alike(new: Grid, grid: Grid) -> bool:
-    """Whether new knots are no other than the present ones."""
-    breaks, present = new.space.breaks, grid.space.breaks
-    return len(breaks) == len(present) and bool(np.all(abs(breaks - present) <= CLOSEST_KNOTS))
 
 
 def halve_intervals(
@@ -81,18 +98,18 @@ def _where_it_pays(
     softer: int,
     needed: Sequence[float],
 ) -> Array:
-    """Knots at the ideal law's switches inside the dear intervals; those without one are halved.
+    """Knots at the ideal law's switches inside the costly intervals; those without one are halved.
 
     Those that are ``needed`` stay.
     """
     psi, control = lower.switching[position], lower.controls[position]
     losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
-    dear = losses > 0.05 * np.sum(losses) / len(losses)
+    costly = losses > COSTLY * np.sum(losses) / len(losses)
     switches = np.zeros(0) if control.weight else psi.sign_changes()
-    inside = np.clip(np.searchsorted(breaks, switches, "right") - 1, 0, len(dear) - 1)
-    counts = np.bincount(inside, minlength=len(dear))
-    single = dear & (counts == 1)
-    halved = _halved(breaks, dear & ~single)
+    inside = np.clip(np.searchsorted(breaks, switches, "right") - 1, 0, len(costly) - 1)
+    counts = np.bincount(inside, minlength=len(costly))
+    single = costly & (counts == 1)
+    halved = _halved(breaks, costly & ~single)
     wanted = np.concatenate([_beside(needed), ramp_knots(switches[single[inside]], softer)])
     return merge_knots(halved, wanted, needed)
 
@@ -107,3 +124,94 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:
     """The breaks with the chosen intervals cut in two."""
     middle = 0.5 * (breaks[:-1] + breaks[1:])
     return np.union1d(breaks, middle[chosen & (np.diff(breaks) > 2.0 * CLOSEST_KNOTS)])
+
+
+def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
+    """Solve cone programs, each with its knots on the switches of the law before.
+
+    Args:
+        state: after mesh refinement, not yet within its tolerance.
+        solve_once: solves one cone program on ``state.grids``; the number is for the report.
+    """
+    cam = state.relaxed
+    if state.tolerance > FINEST or cam is None or not state.problem.free:
+        return state
+    if state.is_close(cam) and state.covers_all_laws:
+        return state
+    if state.problem.has_curved_limits or state.problem.objective.quasiconvex:
+        return state
+    return _improve_multipliers(_move_knots(state, cam, solve_once))
+
+
+def _improve_multipliers(state: SolveState) -> SolveState:
+    """Raise the bound of the last program by the best multipliers of its rows."""
+    if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
+        return state
+    started = time.perf_counter()
+    model, solution, lower = state.relaxation
+    better = improve_multipliers(
+        model, solution, lower, lambda each: state.would_close(each.value), state.time_left
+    )
+    if better is lower:
+        return state
+    return state.with_bound(better).with_stage(
+        Stage(
+            "multipliers", "SOCP, points and densities", "Clarabel", 0, 0, 0,
+            time.perf_counter() - started, "solved", "the best for the bound over all motion laws",
+        )
+    )  # fmt: skip
+
+
+def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> SolveState:
+    """Move knots onto the switches of the law until these stay where they are."""
+    before: list[Array] = []
+    for number in range(len(state.stages) + 1, len(state.stages) + 1 + POLISH_ROUNDS):
+        switches = [_switches(law.space.breaks, law.curve().poly[:, -1]) for law in cam.laws]
+        none_or_same = not any(len(each) for each in switches) or _alike(switches, before, STAYS)
+        if none_or_same or state.time_left <= 0.0:
+            break
+        # equal intervals, and knots at the switches
+        grids = list[Grid]()
+        for segment, x in zip(state.problem.free, switches, strict=True):
+            assert segment.free is not None
+            equal = uniform_grid(segment, POLISH_INTERVALS).space.breaks
+            grids.append(grid_through(segment, merge_knots(equal, x, segment.free.knots)))
+        state = replace(state, grids=tuple(grids))
+        before = switches
+        state, latest = solve_once(state, number)
+        if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
+            break
+        cam = latest
+    return state
+
+
+def _alike(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:
+    """Whether two lists of places are the same to a distance."""
+    return len(now) == len(before) and all(
+        len(one) == len(other) and bool(np.all(np.abs(one - other) <= distance))
+        for one, other in zip(now, before, strict=True)
+    )
+
+
+def _switches(breaks: Array, level: Array) -> Array:
+    """Where a derivative that is constant between breaks steps from one level to another.
+
+    A step that is spread over neighbouring intervals is put where it leaves the derivative's
+    integral as it is. The levels before and after are those of the next interval but one.
+    """
+    spread = float(np.ptp(level))
+    large = np.flatnonzero(np.abs(np.diff(level)) > STEP * spread)
+    if len(level) < FEWEST_INTERVALS or len(large) == 0 or spread <= 0.0:
+        return np.zeros(0)
+    places, widths = [], np.diff(breaks)
+    for group in np.split(large, np.flatnonzero(np.diff(large) > 1) + 1):
+        first, last = int(group[0]), int(group[-1]) + 1  # intervals of the step itself
+        before, after = level[max(first - 1, 0)], level[min(last + 1, len(level) - 1)]
+        if abs(before - after) <= STEP * spread:
+            continue
+        touched = slice(first, last + 1)
+        share = (level[touched] - after) / (before - after)
+        at = breaks[first] + float(share @ widths[touched])
+        places.append(min(max(at, float(breaks[first])), float(breaks[last + 1])))
+    inner = np.array(places)
+    return np.unique(inner[(inner > 0.0) & (inner < 1.0)])

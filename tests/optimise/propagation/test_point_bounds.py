@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synthesis.optimise.propagation.point_bounds import PointBounds
+from synthesis.optimise.propagation.improving_region import PointBounds
 
 ANGLE, BEND = 1.1, 700.0
 
