@@ -291,7 +291,7 @@ class CylindricalOscillating(CylindricalFollower):
         self, sizes: Mapping[str, float], slope: float, rotation: int
     ) -> tuple[SizeConstraint, ...]:
         starts, place = tuple(seat.start for seat in self.seats()), (self.roller_width_mm, slope)
-        return (ArmPressureAngle("pressure_angle", starts, self._lengths[0], rotation, (place,)),)
+        return (ArmPressureAngle("pressure_angle", self._lengths[0], starts, rotation, (place,)),)
 
 
 class CylindricalIndexer(TurretMachine, CylindricalMachine):

@@ -165,7 +165,7 @@ class GloboidalIndexer(TurretMachine):
         roller = self._roller(sizes, sizes["roller_inner_mm"])
         critical = critical_places(roller, slope, roller.outer)
         places = tuple((foot, foot / (length * left)) for foot, left in critical)
-        return (TurretPressureAngle("pressure_angle", first, self.spacing, length, places),)
+        return (TurretPressureAngle("pressure_angle", length, first, self.spacing, places),)
 
     def wall_radius_curves(
         self, sizes: Mapping[str, float], least: float

@@ -51,7 +51,9 @@ Angeles, Cam Synthesis, 1993.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, pi
 from typing import Any, ClassVar
 
@@ -72,8 +74,7 @@ UNREACHABLE = 1e9  # arm lengths: least radius where no cylinder keeps the limit
 LEAST_LEVER = 1e-9  # of t cos ψ ± χ sin ψ: below it the limit cannot be kept at any radius
 ARM_STEP = 1e-6  # of the arm's length: forward differences, error and cancellation both near 1e-6
 FARTHEST = 1e2  # lengths L: upper end of the interval that is searched for the least C
-COARSE = 13  # halvings that rank the rollers and places: 2^−13 of the logarithmic interval
-HALVINGS, NEWTON = 4, 3  # further halvings into Newton's region, and steps to rounding
+HALVINGS, NEWTON = 17, 3  # of that interval into Newton's region, and steps to rounding
 HARDEST = 2  # of all rollers and places, those that get rows; others follow as the motion changes
 RADIUS_STEP = 1e-5  # relative: forward differences of wall radii
 
@@ -83,14 +84,13 @@ class SizeConstraint(NonconvexConstraint):
     """z ≥ least size(s, s', …), with z the machine's minimised dimension [mm].
 
     ``relax`` returns outer rows where it is given no motion, inner rows about a motion.
+
+    Attributes:
+        length: a natural length, of the order of the size [mm]; s is the arc of this radius.
     """
 
     order: ClassVar[int] = 1
-
-    @property
-    @abstractmethod
-    def scale(self) -> float:
-        """A natural length, of the order of the size [mm]."""
+    length: float
 
     @abstractmethod
     def least_size(self, s: Array) -> Array:
@@ -105,7 +105,7 @@ class SizeConstraint(NonconvexConstraint):
         """
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
-        return ((self.least_size(s) - z[0]) / self.scale,)
+        return ((self.least_size(s) - z[0]) / self.length,)
 
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         # −z ≤ −least size: with the motion given, the constraint is a bound on the size alone.
@@ -120,17 +120,12 @@ class TurretPressureAngle(SizeConstraint):
 
     Attributes:
         first: ψ of any roller at s = 0 [rad]. spacing: angle from roller to roller [rad].
-        length: L, of the arc s [mm]. places: (ρ, b) with b = ρ/(L t) [mm, 1].
+        places: (ρ, b) with b = ρ/(L t) [mm, 1].
     """
 
     first: float
     spacing: float
-    length: float
     places: tuple[tuple[float, float], ...]
-
-    @property
-    def scale(self) -> float:
-        return self.length
 
     def _nearest(self, s: Array) -> Array:
         """ψ of the roller nearest to the common perpendicular at displacements s [mm]."""
@@ -221,18 +216,13 @@ class ArmPressureAngle(SizeConstraint):
     """R ≥ depth + |s'|/(t cos ψ ± χ sin ψ); z = (R,).
 
     Attributes:
-        starts: ψ of the rollers at s = 0 [rad]. arm: l [mm]. hand: χ.
+        length: l, of the arm [mm]. starts: ψ of the rollers at s = 0 [rad]. hand: χ.
         places: (depth below the cylinder [mm], t left there).
     """
 
     starts: tuple[float, ...]
-    arm: float
     hand: int
     places: tuple[tuple[float, float], ...]
-
-    @property
-    def scale(self) -> float:
-        return self.arm
 
     def max_speed(self, s: Array, size: float, sense: float) -> Array:
         psi = self._angles(s)
@@ -250,20 +240,11 @@ class ArmPressureAngle(SizeConstraint):
     ) -> tuple[PointInequalities, ...]:
         if about is None:
             return ()
-        # The linear approximation of the least size about the motion, by forward differences.
-        s, step = about[0], ARM_STEP * self.arm
-        value, slopes = self.least_size(s), []
-        for order in (0, 1):
-            moved = np.array(s)
-            moved[order] += step
-            slopes.append((self.least_size(moved) - value) / step)
-        none = np.zeros_like(value)
-        upper = slopes[0] * s[0] + slopes[1] * s[1] - value
-        return (PointInequalities(np.stack([*slopes, none, none]), none[None, :] - 1.0, upper),)
+        return (_linear_approximation(self.least_size, about[0], [ARM_STEP * self.length] * 2),)
 
     def _angles(self, s: Array) -> Array:
         """ψ of every roller at displacements s (n,): (rollers, n)."""
-        return np.asarray(np.array(self.starts)[:, None] + s / self.arm)
+        return np.asarray(np.array(self.starts)[:, None] + s / self.length)
 
     def _least_at(self, s: Array, depth: float, left: float) -> Array:
         """The least R that one place asks for, over all rollers and both walls."""
@@ -274,7 +255,7 @@ class ArmPressureAngle(SizeConstraint):
             needed = np.where(
                 lever > LEAST_LEVER,
                 sign * s[1] / np.maximum(lever, LEAST_LEVER),
-                UNREACHABLE * self.arm,
+                UNREACHABLE * self.length,
             )
             least = np.maximum(least, np.max(needed, axis=0))
         return np.asarray(depth + least)
@@ -286,21 +267,16 @@ class TurretWallRadius(SizeConstraint):
 
     Attributes:
         first: ψ of any roller at s = 0 [rad]. spacing: angle from roller to roller [rad].
-        length: L, of the arc s = Lψ [mm]. radius: r [mm]. places: ρ that are checked [mm].
+        radius: r [mm]. places: ρ that are checked [mm].
         mesh: largest angle from the common perpendicular at which a roller meshes [rad].
     """
 
     order: ClassVar[int] = 2
     first: float
     spacing: float
-    length: float
     radius: float
     places: tuple[float, ...]
     mesh: float
-
-    @property
-    def scale(self) -> float:
-        return self.length
 
     def max_speed(self, s: Array, size: float, sense: float) -> Array:
         return np.full(len(s), np.inf)  # it bounds the acceleration, at any speed
@@ -309,15 +285,22 @@ class TurretWallRadius(SizeConstraint):
         return (np.asarray(np.max(-self._regularity(self._states(s), np.asarray(z[0])), axis=0)),)
 
     def least_size(self, s: Array) -> Array:
-        return np.asarray(np.max(self._least(self._hardest(s)), axis=0))
+        return np.asarray(np.max(self._least(self._states(s)), axis=0))
 
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         if about is None or len(about[0]) < 3:
             return ()
-        hardest = np.moveaxis(self._hardest(about[0]), 1, 0)
-        return tuple(self._tangent(states, about[0]) for states in hardest)
+        # Of all rollers and places those with the largest least C; their numbers stay as s moves.
+        s = about[0]
+        hardest = np.argpartition(-self._least(self._states(s)), HARDEST, axis=0)[:HARDEST]
+
+        def least_of(number: Array, s: Array) -> Array:
+            return self._least(self._states(s)[:, number, np.arange(s.shape[1])])
+
+        steps = [RADIUS_STEP * max(float(np.max(np.abs(s[k]))), self.length) for k in range(3)]
+        return tuple(_linear_approximation(partial(least_of, k), s, steps) for k in hardest)
 
     def _states(self, s: Array) -> Array:
         """ρ, ψ, ψ' and ψ'' of all rollers and places: (4, rollers × places, n).
@@ -345,40 +328,34 @@ class TurretWallRadius(SizeConstraint):
 
     def _least(self, states: Array) -> Array:
         """The C from which on the offset is regular, of every roller and place."""
-        # Bisection on log C brackets the root, Newton's method within the bracket refines it.
-        low, high = self._bisect(states, COARSE + HALVINGS)
+        # Bisection on log C brackets the root, from where the roller's axis is r from the cam's.
+        low = np.maximum(states[0] * np.cos(states[1]), 0.0) + self.radius
+        high = np.full_like(low, FARTHEST * self.length)
+        for _ in range(HALVINGS):
+            middle = np.sqrt(low * high)
+            enough = self._regularity(states, middle) >= 0.0
+            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+        # Newton's method within the bracket refines it.
         for _ in range(NEWTON):
             wide = RADIUS_STEP * high
             left = self._regularity(states, high)
             slope = (self._regularity(states, high + wide) - left) / wide
             high = np.clip(high - left / np.where(slope > 0.0, slope, np.inf), low, high + wide)
-        return high
+        return np.asarray(high)
 
-    def _bisect(self, states: Array, halvings: int) -> tuple[Array, Array]:
-        """Bounds of the least C, from where the roller's axis is r from the cam's."""
-        low = np.maximum(states[0] * np.cos(states[1]), 0.0) + self.radius
-        high = np.full_like(low, FARTHEST * self.length)
-        for _ in range(halvings):
-            middle = np.sqrt(low * high)
-            enough = self._regularity(states, middle) >= 0.0
-            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-        return low, high
 
-    def _hardest(self, s: Array) -> Array:
-        """Of all rollers and places those with the largest least C: (4, HARDEST, n)."""
-        states = self._states(s)
-        low, _ = self._bisect(states, COARSE)
-        rows = np.argpartition(-low, HARDEST, axis=0)[:HARDEST]
-        return states[:, rows, np.arange(states.shape[2])]
+def _linear_approximation(
+    least: Callable[[Array], Array], s: Array, steps: Sequence[float]
+) -> PointInequalities:
+    """z ≥ least size to first order about s (orders, n), as inner rows.
 
-    def _tangent(self, states: Array, s: Array) -> PointInequalities:
-        """Linear approximation of the least C about a motion, as rows in s, s', s'' and C."""
-        least, slopes = self._least(states), []
-        for row in (1, 2, 3):
-            step = RADIUS_STEP * max(float(np.max(np.abs(states[row]))), 1.0)
-            moved = states.copy()
-            moved[row] += step
-            slopes.append((self._least(moved) - least) / step / self.length)
-        coefficients = np.stack([*slopes, 0.0 * least])
-        upper = np.sum(coefficients[:3] * s[:3], axis=0) - least
-        return PointInequalities(coefficients, np.full((1, len(least)), -1.0), upper)
+    Args:
+        steps: of forward differences in s, s', …, as far as the least size depends on them.
+    """
+    value, slopes = least(s), np.zeros((4, s.shape[1]))
+    for order, step in enumerate(steps):
+        moved = np.array(s)
+        moved[order] += step
+        slopes[order] = (least(moved) - value) / step
+    upper = np.sum(slopes[: len(s)] * s, axis=0) - value
+    return PointInequalities(slopes, np.full((1, len(value)), -1.0), upper)

@@ -31,11 +31,10 @@ from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment
-from synthesis.machines.spatial.limits import objective_of
 from synthesis.machines.spatial.machine import SpatialMachine
 from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.machines.spatial.sizing.phase_plane import PhasePlane, least_size, trajectory_tubes
-from synthesis.machines.spatial.spec import SpatialCamSpec
+from synthesis.machines.spatial.spec import SpatialCamSpec, objective_of
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
@@ -46,7 +45,7 @@ from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.heuristics.local_search import smooth_start
 from synthesis.optimise.problem.boundary import boundary_states
-from synthesis.optimise.problem.grid import SplineLaw, uniform_grid
+from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
@@ -60,7 +59,6 @@ FIRST_INTERVALS = 24  # spline intervals of the first grid
 MAX_ROUNDS = 7  # of knot refinement
 MAX_ROUNDS_CURVATURE = 3  # where accelerations are limited: no bound says what finer knots gain
 MAX_LINEARISATIONS = 12  # in a round
-STEP_SHARES = (0.5, 0.25, 0.1)  # of a step, where the whole of it leads to no smaller cam
 NO_GAIN = 0.05  # of the tolerance: a linearisation that gains less ends the round
 LITTLE_GAIN = 0.1  # of the tolerance: a round that gains less asks for the bound by chords
 ALL_LAWS = "all motion laws"
@@ -194,8 +192,14 @@ def minimise_size(
             # No point of the program: try knots on which the limits on the motion can be kept.
             if number > 1:
                 break
-            state, feasible = _find_feasible_knots(state)
-            if not feasible:
+            phase_one = minimise_excess(problem, state.grids, tighten, deadline)
+            if phase_one is None:
+                break
+            state = replace(
+                state, grids=phase_one.grids, infeasibility_proof=phase_one.impossible,
+                undecided=phase_one.undecided, infeasible=bool(phase_one.impossible),
+            )  # fmt: skip
+            if not phase_one.fits:
                 break
             continue
         if state.solved or state.time_left <= 0.0:
@@ -246,7 +250,7 @@ def _relinearise(
         where rows were violated between their points.
     """
     began, iterations = time.perf_counter(), 0
-    missed, lower, base = list[Array](), None, last
+    missed, lower = list[Array](), None
     for _ in range(MAX_LINEARISATIONS):
         # The convex program with tangents about the last laws; with chords while there are none.
         region = Region.full(state.problem)
@@ -259,52 +263,19 @@ def _relinearise(
         if solution.stopped not in USABLE:
             break
         lower = dual_bound(plan, solution)
-        last = _line_search(state, recover_cam(state.problem, *plan.recover(solution.x)), base)
+        before = inf if last is None else last.value
+        last = recover_cam(state.problem, *plan.recover(solution.x))
         missed, excess = row_violations(state, last)
         if excess > ALLOWED:
             # Rows hold at sample points: tighten them by more than what they miss in between.
             state = replace(state, margin=1.1 * (state.margin + excess))
         elif state.incumbent is None or last.value < state.incumbent.value:
             state = replace(state, incumbent=last)
-        before, base = inf if base is None else base.value, last
         no_gain = before - last.value <= NO_GAIN * state.tolerance * last.value
         if (no_gain and excess <= ALLOWED) or state.time_left <= 0.0:
             break
     state = _with_stage(state, f"tangents {number}", plan, solution, iterations, began)
     return state, last, lower, missed
-
-
-def _line_search(state: SolveState, cam: Candidate, base: Candidate | None) -> Candidate:
-    """The cam, or a smaller one on the segment from the last laws to its laws.
-
-    Where the least size is not convex in the motion (accelerations), a full step may overshoot.
-    """
-    if base is None:
-        return cam
-    best = cam
-    old = [law.on(grid.space) for law, grid in zip(base.laws, state.grids, strict=True)]
-    enough = base.value * (1.0 + NO_GAIN * state.tolerance)
-    for share in STEP_SHARES:
-        if best.value <= enough:
-            break
-        laws = [
-            SplineLaw(law.space, share * law.coefficients + (1.0 - share) * before)
-            for law, before in zip(cam.laws, old, strict=True)
-        ]
-        best = min(best, recover_cam(state.problem, laws, cam.size), key=lambda each: each.value)
-    return best
-
-
-def _find_feasible_knots(state: SolveState) -> tuple[SolveState, bool]:
-    """The state with knots on which limits on the motion can hold, and whether there are any."""
-    phase_one = minimise_excess(state.problem, state.grids, state.tighten, state.deadline)
-    if phase_one is None:
-        return state, False
-    state = replace(
-        state, grids=phase_one.grids, infeasibility_proof=phase_one.impossible,
-        undecided=phase_one.undecided, infeasible=bool(phase_one.impossible),
-    )  # fmt: skip
-    return state, phase_one.fits
 
 
 def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveState, Bound | None]:
