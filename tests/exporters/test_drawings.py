@@ -13,7 +13,7 @@ import pytest
 
 from synthesis.design.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
-from synthesis.exporters.figures.profile import shown_at
+from synthesis.exporters.drawing.canvas import shown_at
 from synthesis.exporters.options import CamDrawingOptions, DiagramOptions
 from tests.exporters.conftest import P1_PROGRAM
 

@@ -37,19 +37,18 @@ def machine_of(kind: str, sample: int) -> Mechanism:
 
 def turned(machine: Mechanism) -> np.ndarray:
     """Angle of the link, (n,)."""
-    return np.zeros(COUNT + 1) if machine.link.pivot is None else machine.moved
+    return np.zeros(COUNT + 1) if machine.pivot is None else machine.moved
 
 
 def carried(machine: Mechanism, point: Points) -> Points:
     """Points of the link at displacement 0, as they are moved with it."""
-    if machine.link.slide is not None:
-        return point + machine.moved * complex(*map(float, machine.link.slide))
-    pivot = complex(*map(float, machine.link.pivot))
-    return pivot + np.exp(1j * machine.moved) * (point - pivot)
+    if machine.slide is not None:
+        return point + machine.moved * machine.slide
+    return machine.pivot + np.exp(1j * machine.moved) * (point - machine.pivot)
 
 
 def traced(machine: Mechanism, contact: Contact) -> Points:
-    there = complex(*contact.place) + contact.along * np.exp(1j * contact.heading)
+    there = contact.place + contact.along * np.exp(1j * contact.heading)
     return carried(machine, there)
 
 

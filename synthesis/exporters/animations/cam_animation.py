@@ -28,7 +28,7 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import about, heading
 from synthesis.exporters.exporter import Exporter, compact_json
 from synthesis.exporters.figures.machine import Stage
-from synthesis.exporters.figures.parts import line_style
+from synthesis.exporters.figures.parts import line_style, outline, place_in_panel
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
@@ -74,7 +74,7 @@ def cam_scene(design: Design, count: int) -> Scene:
         titles=("Cam and follower", "Displacement and pressure angle"),
         described="The cam turns, the follower with its roller moves, and points run on its "
         "diagrams.",
-        machine=partial(stage.in_panel, *MACHINE),
+        machine=lambda tag: place_in_panel(stage.shapes(tag), stage.extent, MACHINE, stage.mirror),
         diagrams=lambda tag: [*diagrams(tag), *_legend(stage)],
         moving=[part for part in (*stage.moving(), *points) if part.moves],
         readings=[
@@ -118,7 +118,7 @@ def _cam_json(design: Design, options: Options) -> bytes:
         "mirror": int(stage.mirror),
         "extent": [sides[0], bottom, sides[1], top],
         "shapes": "\n".join(stage.shapes(tag)),
-        "outline": stage.outline(),
+        "outline": outline(stage.flanks, 1.0, stage.decimals),
         "parts": [p.data(stage.decimals) for p in stage.moving() if p.moves],
     }
     return compact_json(body) + b"\n"

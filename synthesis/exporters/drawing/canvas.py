@@ -21,6 +21,7 @@ from synthesis.numerics.piecewise import Array
 NARROW = frozenset("ijlftr.,:;'|!()[]· \u202f")
 SPACE = re.compile(r"[^\S\u202f]+")
 EXPONENT = re.compile(r"e\+?(-?)0*")
+FROM_MM, TO_MM, SHOWN_MM = 110.0, 420.0, 300.0  # widths of sheets: see ``shown_at``
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 TURNS = {"ccw": "counter-clockwise", "cw": "clockwise"}
 
@@ -285,3 +286,35 @@ def two_lines(name: str, about: str, left: float, right: float, u: float) -> lis
         text("title", left, 8.0 * u, shorten(name, width, BOLD * TITLE * u)),
         text("quiet", left, 13.0 * u, shorten(about, width, LABEL * u)),
     ]
+
+
+def shown_at(width: float) -> float:
+    """How many times its true size a sheet [mm] is shown: 1 where that can be read.
+
+    Otherwise the largest round number at which it is no wider than ``SHOWN_MM``.
+    """
+    if FROM_MM <= width <= TO_MM:
+        return 1.0
+    return _round_number(SHOWN_MM / width)
+
+
+def _round_number(most: float) -> float:
+    """The largest of 1, 2, 5, 10, … that is no larger, but for rounding."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return max(k * power for k in (1.0, 2.0, 5.0) if k * power <= most * (1.0 + 1e-9))
+
+
+def ratio(scale: float) -> str:
+    """A scale as on a technical drawing (ISO 5455)."""
+    enlarged, reduced = figure(max(scale, 1.0)), figure(max(1.0 / scale, 1.0))
+    return f"{enlarged} : {reduced}"
+
+
+def scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
+    """A bar of round length, at most 32 units long, and the sheet's scale."""
+    length = _round_number(32.0 * u)
+    mid, end = x + 0.5 * length, x + length
+    body = [line("line outline", x, y + 2.0 * u, end, y + 2.0 * u)]
+    body += [line("line outline", a, y + 1.2 * u, a, y + 2.8 * u) for a in (x, mid, end)]
+    label = f"{figure(length)} mm, scale {drawn}"
+    return [*body, text("tick", end + 1.6 * u, y + 2.9 * u, label)]

@@ -7,8 +7,9 @@ part is a group of its own with a name, and stands as at cam angle 0.
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -25,12 +26,14 @@ from synthesis.exporters.figures.parts import (
     STEM,
     Box,
     Flanks,
-    Point,
     bar,
+    box_around,
+    circle,
     display_scale,
     half_width,
+    line,
     outline,
-    place_in_panel,
+    place,
     polygon,
     rim_of,
 )
@@ -72,9 +75,8 @@ class Moving:
         """Its name, and its columns over one turn; two values are a straight line."""
         digits, columns = 3 if self.kind == "turn" else decimals, []
         for values in self.values.T:
-            line = np.linspace(values[0], values[-1], len(values))
-            straight = np.max(np.abs(values - line)) < STILL
-            shown = values[[0, -1]] if straight else values
+            straight = np.linspace(values[0], values[-1], len(values))
+            shown = values[[0, -1]] if np.max(np.abs(values - straight)) < STILL else values
             columns.append([round(v, digits) + 0.0 for v in shown.tolist()])
         return {"name": self.name, "kind": self.kind, "columns": columns}
 
@@ -115,14 +117,20 @@ class Stage:
         mirror = -1.0 if cam.rotation == "cw" else 1.0
         cam = replace(cam, rotation="ccw")
         flanks = tuple((one.flank, ring(one, DRAWN.count, None)) for one in cam.flanks())
-        reach = max(rim_of(flanks), *(_reach(curve) for _, curve in flanks))
+        paths = [xy for _, at in flanks for xy in ((at.x, at.y), (at.pitch_x, at.pitch_y))]
+        reach = max(rim_of(flanks), *(float(np.hypot(x, y).max()) for x, y in paths))
         by = 1.0 if in_mm else display_scale(reach)
         mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
         u = 2.0 * reach / ACROSS
+
+        def scaled(at: CamProfile) -> CamProfile:
+            pitch_x, pitch_y = by * at.pitch_x, by * at.pitch_y
+            return replace(at, x=by * at.x, y=by * at.y, pitch_x=pitch_x, pitch_y=pitch_y)
+
         prime = prime_radius(cam.follower, cam.size) if mechanism.contacts[0].roller > 0.0 else 0.0
         return cls(
             mechanism,
-            tuple((flank.scaled(by), _magnified(curve, by)) for flank, curve in flanks),
+            tuple((flank.scaled(by), scaled(curve)) for flank, curve in flanks),
             mirror,
             by * base,
             by * prime,
@@ -130,10 +138,6 @@ class Stage:
             _extent(mechanism, reach, u),
             max(3, 6 - math.floor(math.log10(reach))),
         )
-
-    def in_panel(self, width: float, height: float, tag: Tag) -> list[str]:
-        """Its elements in the middle of a box [mm]."""
-        return place_in_panel(self.shapes(tag), self.extent, (width, height), self.mirror)
 
     def shapes(self, tag: Tag) -> list[str]:
         """Its elements in its own mm."""
@@ -143,10 +147,6 @@ class Stage:
             *_link(self, tag),
         ]
 
-    def outline(self) -> str:
-        """The cam's area alone, as at cam angle 0."""
-        return outline(self.flanks, rim_of(self.flanks), 1.0, self.decimals)
-
     def moving(self) -> list[Moving]:
         """Every part that can move."""
         machine = self.mechanism
@@ -154,10 +154,12 @@ class Stage:
         if machine.slide is None:
             parts.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
         else:
-            parts.append(Moving("link", "shift", np.outer(machine.moved, machine.slide)))
+            parts.append(Moving("link", "shift", _shifts(machine.moved, machine.slide)))
         for k, contact in enumerate(machine.contacts):
             parts += [
-                Moving(f"along{k}", "shift", np.outer(contact.along, _unit(contact.heading))),
+                Moving(
+                    f"along{k}", "shift", _shifts(contact.along, cmath.rect(1.0, contact.heading))
+                ),
                 Moving(f"normal{k}", "turn", contact.normal[:, None] / DEGREE),
                 Moving(f"drive{k}", "turn", contact.drive[:, None] / DEGREE),
                 Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
@@ -165,62 +167,37 @@ class Stage:
         return parts
 
 
-def _unit(angle: float) -> Array:
-    return np.array([math.cos(angle), math.sin(angle)])
-
-
-def _magnified(curve: CamProfile, by: float) -> CamProfile:
-    """The curve with its points so many times as far away."""
-    return replace(
-        curve,
-        x=by * curve.x,
-        y=by * curve.y,
-        pitch_x=by * curve.pitch_x,
-        pitch_y=by * curve.pitch_y,
-    )
-
-
-def _reach(curve: CamProfile) -> float:
-    """Largest radius of a flank and of the path beside it [mm]."""
-    profile, pitch = np.hypot(curve.x, curve.y), np.hypot(curve.pitch_x, curve.pitch_y)
-    return float(max(profile.max(), pitch.max()))
+def _shifts(by: Array, along: complex) -> Array:
+    """x and y of shifts along a unit vector, (n, 2)."""
+    return np.outer(by, (along.real, along.imag))
 
 
 def _extent(machine: Mechanism, reach: float, u: float) -> Box:
     """What cam and follower sweep."""
-    points = [(-reach, -reach), (reach, reach)]
-    ends = (float(machine.moved.min()), float(machine.moved.max()))
-    for contact in machine.contacts:
-        for x, y in _corners(contact, machine, u):
-            points += [_there(machine, (x, y), moved) for moved in np.linspace(*ends, 9).tolist()]
+    points = [complex(-reach, -reach), complex(reach, reach)]
+    ends = np.linspace(float(machine.moved.min()), float(machine.moved.max()), 9).tolist()
+    for corner in _corners(machine, u):
+        if machine.slide is not None:
+            points += [corner + moved * machine.slide for moved in ends]
+        elif machine.pivot is not None:
+            arm = corner - machine.pivot
+            points += [machine.pivot + cmath.rect(1.0, moved) * arm for moved in ends]
     if machine.pivot is not None:
-        eye, (x, y) = PIVOT * STEM * u, machine.pivot
-        points += [(x - 1.6 * eye, y - 2.2 * eye), (x + 1.6 * eye, y + 1.6 * eye)]
-    xs, ys = zip(*points, strict=True)
-    return min(xs) - u, min(ys) - u, max(xs) + u, max(ys) + u
+        eye = PIVOT * STEM * u
+        points += [machine.pivot + eye * to for to in (-1.6 - 2.2j, 1.6 + 1.6j)]
+    return box_around(points, u)
 
 
-def _corners(contact: Contact, machine: Mechanism, u: float) -> list[Point]:
-    """The outermost points of a roller, a face or a stem, on the link at displacement 0."""
-    (x, y), r = contact.place, contact.roller
-    corners = [(x + a, y + b) for a in (-r, r) for b in (-r, r)]
-    for end in _face_ends(contact, machine, u) if machine.link.face is not None else ():
-        along = _unit(contact.heading) * end
-        corners.append((x + along[0], y + along[1]))
-    if machine.slide is not None and contact is machine.contacts[0]:
-        up, length = machine.slide, _stem_length(machine, u)
-        corners += [(x + length * up[0] + a * u, y + length * up[1]) for a in (-4.0, 4.0)]
-    return corners
-
-
-def _there(machine: Mechanism, point: Point, moved: float) -> Point:
-    """Where a point of the link is."""
-    x, y = point
+def _corners(machine: Mechanism, u: float) -> Iterator[complex]:
+    """The outermost points of rollers, a face and a stem, on the link at displacement 0."""
+    for contact in machine.contacts:
+        r = contact.roller
+        yield from (contact.place + complex(a, b) for a in (-r, r) for b in (-r, r))
+        for end in _face_ends(contact, machine, u) if machine.face is not None else ():
+            yield contact.place + cmath.rect(1.0, contact.heading) * end
     if machine.slide is not None:
-        return x + moved * machine.slide[0], y + moved * machine.slide[1]
-    assert machine.pivot is not None
-    (px, py), cos, sin = machine.pivot, math.cos(moved), math.sin(moved)
-    return px + cos * (x - px) - sin * (y - py), py + sin * (x - px) + cos * (y - py)
+        top = machine.contacts[0].place + _stem_length(machine, u) * machine.slide
+        yield from (top + a * u for a in (-4.0, 4.0))
 
 
 def _ground(stage: Stage) -> list[str]:
@@ -239,45 +216,43 @@ def _ground(stage: Stage) -> list[str]:
     if machine.pivot is not None:
         eye = PIVOT * STEM * u
         foot = [(0.0, 0.0), (-2.0 * eye, -1.2 * eye), (-2.0 * eye, 1.2 * eye)]
-        body.append(polygon("line border", machine.pivot, (0.0, 1.0), foot))
+        body.append(polygon("line border", machine.pivot, 1j, foot))
     return body
 
 
 def _cam(stage: Stage) -> list[str]:
     """The cam with its shaft, and a mark where its cam angle 0 is."""
     u, decimals, first = stage.u, stage.decimals, stage.flanks[0][0]
-    rim = rim_of(stage.flanks)
     body = [svg.circle("line circle", 0.0, 0.0, stage.base)]
     pitch = {flank.path: curve for flank, curve in stage.flanks if flank.distance > 0.0}
     body += [
         svg.path("line pitch", svg.steps(curve.pitch_x, curve.pitch_y, decimals, closed=True))
         for curve in pitch.values()
     ]
-    body.append(outline(stage.flanks, rim, 1.0, decimals))
+    body.append(outline(stage.flanks, 1.0, decimals))
     body += [
         svg.path("line curve", svg.steps(curve.x, curve.y, decimals, closed=True))
         for flank, curve in stage.flanks
         if flank.path != first.path
     ]
-    return [*body, svg.circle("outline metal", 0.0, 0.0, 2.5 * HUB * u),
-            svg.path("solid", f"M{svg.num(-0.9 * u)} {svg.num(2.2 * HUB * u)}h{svg.num(1.8 * u)}"
-                     f"v{svg.num(1.6 * u)}h{svg.num(-1.8 * u)}Z")]  # fmt: skip
+    start, wide, tall = complex(-0.9 * u, 2.2 * HUB * u), 1.8 * u, svg.num(1.6 * u)
+    mark = f"M{place(start)}h{svg.num(wide)}v{tall}h{svg.num(-wide)}Z"
+    return [*body, svg.circle("outline metal", 0.0, 0.0, 2.5 * HUB * u), svg.path("solid", mark)]
 
 
 def _link(stage: Stage, tag: Tag) -> list[str]:
     """The follower's link with everything on it."""
     machine, u = stage.mechanism, stage.u
-    face, pivot = machine.link.face, machine.pivot
+    face, pivot = machine.face, machine.pivot
     body = _holders(machine, u) if face is None else _plate(machine, face, u)
     for number in range(len(machine.contacts)):
         body += _contact(stage, number, tag)
     if pivot is None:
         return moving_group("link", tag, stage.moving(), body)
-    body += [svg.circle("outline metal", *pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
-    there, back = (" ".join(svg.num(sign * c) for c in pivot) for sign in (1.0, -1.0))
-    inner = [f'<g transform="translate({back})">', *body, "</g>"]
+    body += [circle("outline metal", pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
+    inner = [f'<g transform="translate({place(-pivot)})">', *body, "</g>"]
     return [
-        f'<g transform="translate({there})">',
+        f'<g transform="translate({place(pivot)})">',
         *moving_group("link", tag, stage.moving(), inner),
         "</g>",
     ]
@@ -298,8 +273,7 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
         body = [mean, *moving_group(f"roll{number}", tag, stage.moving(), body), "</g>"]
     inner = [*moving_group(f"drive{number}", tag, stage.moving(), drive),
              *moving_group(f"normal{number}", tag, stage.moving(), normal)]  # fmt: skip
-    place = " ".join(svg.num(c, 6) for c in contact.place)
-    return [f'<g transform="translate({place})">', *body,
+    return [f'<g transform="translate({place(contact.place, 6)})">', *body,
             *moving_group(f"along{number}", tag, stage.moving(), inner), "</g>"]  # fmt: skip
 
 
@@ -312,7 +286,7 @@ def _stem_length(machine: Mechanism, u: float) -> float:
 def _face_ends(contact: Contact, machine: Mechanism, u: float) -> tuple[float, float]:
     """From where to where a face is drawn [mm]: as far as contact needs it; on a pivot from it."""
     low, high = float(contact.along.min()), float(contact.along.max())
-    if machine.link.pivot is not None:
+    if machine.pivot is not None:
         return min(low, 0.0), max(high, 0.0)
     return min(low, -1.5 * u), max(high, 1.5 * u)
 
@@ -326,7 +300,7 @@ def _holders(machine: Mechanism, u: float) -> list[str]:
     half, length = half_width(first.roller, u), _stem_length(machine, u)
     foot = math.sqrt(max(first.roller**2 - half**2, 0.0)) if first.roller else 3.0 * half
     corners = [(length, -half), (foot, -half), (foot, half), (length, half)]
-    body = [svg.line("line axis", *first.place, *one.place) for one in machine.contacts[1:]]
+    body = [line("line axis", first.place, one.place) for one in machine.contacts[1:]]
     body.append(polygon("outline metal", first.place, up, corners))
     if first.roller == 0.0:
         corners = [(foot, -half), (0.0, 0.0), (foot, half)]
@@ -337,14 +311,14 @@ def _holders(machine: Mechanism, u: float) -> list[str]:
 def _plate(machine: Mechanism, face: Face, u: float) -> list[str]:
     """The plate, and its stem or the link to its pivot."""
     pivot, up, contact = machine.pivot, machine.slide, machine.contacts[0]
-    normal = float(face.normal[0]), float(face.normal[1])
+    normal, along = (complex(float(x), float(y)) for x, y in (face.normal, face.along))
     low, high = _face_ends(contact, machine, u)
-    right = 1.0 if normal[1] * face.along[0] - normal[0] * face.along[1] > 0.0 else -1.0
+    right = 1.0 if (along.conjugate() * normal).imag > 0.0 else -1.0
     ends, thick = (right * low, right * high), 2.0 * u
     corners = [(0.0, ends[0]), (0.0, ends[1]), (thick, ends[1]), (thick, ends[0])]
     body = polygon("outline metal", contact.place, normal, corners)
     if pivot is not None:
-        return [svg.line("line outline", *contact.place, *pivot), body]
+        return [line("line outline", contact.place, pivot), body]
     assert up is not None
     half, length = half_width(0.0, u), _stem_length(machine, u)
     corners = [(length, -half), (0.0, -half), (0.0, half), (length, half)]

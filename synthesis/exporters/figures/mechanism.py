@@ -21,7 +21,6 @@ from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
-Point = tuple[float, float]
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
@@ -43,7 +42,7 @@ class Contact:
 
     flank: Flank
     curve: CamProfile
-    place: Point
+    place: complex
     roller: float
     heading: float
     along: Array
@@ -59,25 +58,19 @@ class Mechanism:
     Attributes:
         theta: (n,) cam angles from 0 to 2π, both included [rad].
         s: (n,) displacement in the unit of travel.
-        link: what moves. moved: (n,) by how much: along its slide [mm], or ccw at its pivot [rad].
+        slide: unit vector along which the link moves; None where it turns.
+        pivot: about which it turns [mm]; None where it slides. face: it has, if any.
+        moved: (n,) by how much it moves: along its slide [mm], or ccw at its pivot [rad].
         contacts: one for each traced curve.
     """
 
     theta: Array
     s: Array
-    link: Link
+    slide: complex | None
+    pivot: complex | None
+    face: Face | None
     moved: Array
     contacts: tuple[Contact, ...]
-
-    @property
-    def slide(self) -> Point | None:
-        """Unit vector along which the link moves; None where it turns."""
-        return None if self.link.slide is None else _times(self.link.slide, 1.0)
-
-    @property
-    def pivot(self) -> Point | None:
-        """About which the link turns [mm]; None where it slides."""
-        return None if self.link.pivot is None else _times(self.link.pivot, 1.0)
 
     @classmethod
     def of(cls, cam: Cam, count: int) -> Mechanism:
@@ -92,31 +85,28 @@ class Mechanism:
         contacts = [
             _contact(firsts[path], link, theta, (s, moved, turned)) for path in reversed(firsts)
         ]
-        return cls(theta, shown, link, moved, tuple(contacts))
+        slide, pivot = (v if v is None else _point(v) for v in (link.slide, link.pivot))
+        return cls(theta, shown, slide, pivot, link.face, moved, tuple(contacts))
 
     def magnified(self, by: float) -> Mechanism:
         """The same machine with all lengths so many times as large; what is shown of it stays."""
-        link, contacts = self.link, self.contacts
-        if link.face is not None:
-            link = replace(link, face=replace(link.face, at=_times(link.face.at, by)))
-        if link.pivot is not None:
-            link = replace(link, pivot=_times(link.pivot, by))
         contacts = tuple(
             replace(
                 each,
                 flank=each.flank.scaled(by),
-                place=_times(each.place, by),
+                place=by * each.place,
                 roller=by * each.roller,
                 along=by * each.along,
             )
-            for each in contacts
+            for each in self.contacts
         )
-        moved = self.moved if link.slide is None else by * self.moved
-        return replace(self, link=link, moved=moved, contacts=contacts)
+        moved = self.moved if self.slide is None else by * self.moved
+        pivot = None if self.pivot is None else by * self.pivot
+        return replace(self, pivot=pivot, moved=moved, contacts=contacts)
 
 
-def _times(point: Vector2, by: float) -> Point:
-    return by * float(point[0]), by * float(point[1])
+def _point(vector: Vector2) -> complex:
+    return complex(float(vector[0]), float(vector[1]))
 
 
 def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Array]) -> Contact:
@@ -128,16 +118,16 @@ def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Arra
     roller = cam.follower.roller_radius if flank.path == first.path else flank.distance
     along, roll, heading = np.zeros_like(theta), np.zeros_like(theta), 0.0
     if link.face is not None:
-        (x, y), (ux, uy) = link.face.at, link.face.along
+        at, (ux, uy) = link.face.at, link.face.along
         along, heading = _reached(link, link.face, p, moved), float(np.arctan2(uy, ux))
     else:
-        x, y = next(tip.at for tip in link.tips if tip.path == flank.path)
+        at = next(tip.at for tip in link.tips if tip.path == flank.path)
     if roller > 0.0:
         roll = theta - flank.side * _travelled(cam, theta) / roller - (turned - turned[0])
     return Contact(
         flank=flank,
         curve=cam.at(theta),
-        place=(float(x), float(y)),
+        place=_point(at),
         roller=roller,
         heading=heading,
         along=along,

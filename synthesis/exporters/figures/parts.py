@@ -1,9 +1,9 @@
-"""Parts that the cam's drawing and the machine in motion have in common."""
+"""Parts that the cam's drawing and the machine in motion have in common; points are x + i y."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -16,7 +16,6 @@ PIVOT = 0.25  # radius of a pivot's eye, of the stem's length
 RIM = 0.6  # of the roller: wall that is drawn where none was asked for
 NEAR = (5.0, 2000.0)  # sizes of machines that are drawn in their mm
 
-Point = tuple[float, float]
 Box = tuple[float, float, float, float]  # left, bottom, right, top
 Flanks = tuple[tuple[Flank, CamProfile], ...]
 
@@ -31,9 +30,9 @@ def rim_of(flanks: Flanks) -> float:
     return max(around, default=0.0)
 
 
-def outline(flanks: Flanks, rim: float, rotation: float, decimals: int) -> str:
+def outline(flanks: Flanks, rotation: float, decimals: int) -> str:
     """The first cam as an area: its profile, or a rim, less what an outer flank leaves open."""
-    first, steps = flanks[0][0], ""
+    first, rim, steps = flanks[0][0], rim_of(flanks), ""
     for flank, curve in flanks:
         if flank.path == first.path:  # holes run the other way round
             x, y = curve.x[:: flank.side], curve.y[:: flank.side]
@@ -44,13 +43,12 @@ def outline(flanks: Flanks, rim: float, rotation: float, decimals: int) -> str:
     return svg.path("outline body", steps)
 
 
-def bar(centre: Point, pivot: Point, roller: float, u: float) -> list[str]:
+def bar(centre: complex, pivot: complex, roller: float, u: float) -> list[str]:
     """The two edges of an arm, from a roller's rim to the eye at the pivot."""
-    (x, y), eye = centre, PIVOT * STEM * u
-    length, half = math.hypot(pivot[0] - x, pivot[1] - y), half_width(roller, u)
-    up = (pivot[0] - x) / length, (pivot[1] - y) / length
+    length, half, eye = abs(pivot - centre), half_width(roller, u), PIVOT * STEM * u
     foot = math.sqrt(max(roller**2 - half**2, 0.0))
     end = length - math.sqrt(max(eye**2 - half**2, 0.0))
+    up = (pivot - centre) / length
     return [
         polygon("line outline", centre, up, [(end, side), (foot, side)], closed=False)
         for side in (-half, half)
@@ -62,18 +60,37 @@ def half_width(roller: float, u: float) -> float:
     return min(max(0.3 * roller, 1.2 * u), 2.5 * u, 0.8 * roller or math.inf)
 
 
-def point_from(centre: Point, up: Point, along: float, across: float) -> str:
-    """A point so far along a direction, and across it to the right, as a path has it."""
-    (x, y), (gx, gy) = centre, up
-    return f"{svg.num(x + along * gx + across * gy)} {svg.num(y + along * gy - across * gx)}"
-
-
 def polygon(
-    kind: str, origin: Point, up: Point, corners: Sequence[Point], closed: bool = True
+    kind: str,
+    origin: complex,
+    up: complex,
+    corners: Sequence[tuple[float, float]],
+    closed: bool = True,
 ) -> str:
     """A line through corners, so far along a direction and across it to the right of an origin."""
-    steps = "L".join(point_from(origin, up, *corner) for corner in corners)
-    return svg.path(kind, f"M{steps}{'Z' if closed else ''}")
+    points = (place(origin + complex(along, -across) * up) for along, across in corners)
+    return svg.path(kind, f"M{'L'.join(points)}{'Z' if closed else ''}")
+
+
+def place(point: complex, decimals: int = 4) -> str:
+    """A point as a path or a shift has it."""
+    return f"{svg.num(point.real, decimals)} {svg.num(point.imag, decimals)}"
+
+
+def line(kind: str, start: complex, end: complex) -> str:
+    """A straight line."""
+    return svg.line(kind, start.real, start.imag, end.real, end.imag)
+
+
+def circle(kind: str, centre: complex, radius: float) -> str:
+    """A circle."""
+    return svg.circle(kind, centre.real, centre.imag, radius)
+
+
+def box_around(points: Iterable[complex], edge: float = 0.0) -> Box:
+    """The smallest box with all points, and an edge around them."""
+    xs, ys = zip(*((point.real, point.imag) for point in points), strict=True)
+    return min(xs) - edge, min(ys) - edge, max(xs) + edge, max(ys) + edge
 
 
 def display_scale(reach: float) -> float:

@@ -6,76 +6,301 @@ on a shaft, ``turn_deg`` and ``z_mm``, is not drawn.
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from synthesis.catalogue.followers.base import prime_radius
+from synthesis.catalogue.profile import CamProfile, follower_outline
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, heading
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.figures.cam_figure import BELOW, TICK, Scene, shapes
-from synthesis.exporters.figures.parts import STEM, Box
-from synthesis.exporters.options import CamDrawingOptions
+from synthesis.exporters.figures.parts import (
+    HUB,
+    PIVOT,
+    STEM,
+    Box,
+    Flanks,
+    bar,
+    box_around,
+    circle,
+    half_width,
+    line,
+    outline,
+    place,
+    polygon,
+    rim_of,
+)
+from synthesis.exporters.options import CamDrawingOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.sampling import in_degrees
+from synthesis.exporters.samples.sampling import in_degrees, ring
+from synthesis.numerics.piecewise import Array
 
+BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)
+UNITS_ACROSS = 160.0
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
-NARROW, WIDE, SHOWN = 110.0, 420.0, 300.0  # of a sheet [mm]: see ``shown_at``
-Text = tuple[str, float, float, str]  # kind, x, y, what it says
-OPPOSITE = {"ccw": "cw", "cw": "ccw"}
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is drawn, in the cam's frame (y up) at cam angle 0.
+
+    Attributes:
+        flanks: every flank with its closed curve. borders: the cam where two segments meet.
+        rotation: +1 where the cam turns counter-clockwise, −1 clockwise.
+        centre: where the follower's stem begins: the roller's centre [mm].
+        drive: unit vector along the stem: of a slide's motion, or from the roller to the pivot.
+        face: how far a flat face reaches to the left and to the right [mm].
+        along: unit vector along the face, to the right.
+        pivot: of the follower's arm, None where it slides [mm].
+        roller, prime: radii [mm].
+        u: the sheet's unit [mm]. decimals: of coordinates.
+    """
+
+    design: Design
+    cam: Cam
+    flanks: Flanks
+    borders: CamProfile
+    rotation: float
+    centre: complex
+    drive: complex
+    face: tuple[float, float]
+    along: complex
+    pivot: complex | None
+    roller: float
+    prime: float
+    u: float
+    decimals: int
+
+    @classmethod
+    def of(cls, design: Design, options: ProfileOptions) -> Scene:
+        """The scene of a design."""
+        cam = Cam.of(design)
+        sign = -1.0 if cam.rotation == "cw" else 1.0
+        shape = follower_outline(cam.follower, cam.motion, cam.size)
+        prime = prime_radius(cam.follower, cam.size)
+        centre, pivot, drive = complex(sign * shape.centre[0], shape.centre[1]), None, 1j
+        if shape.pivot is None:
+            (gx, gy), _ = cam.follower.drive_direction(cam.at(np.zeros(1)).s, cam.size)
+            drive = complex(sign * float(gx[0]), float(gy[0]))
+        else:
+            pivot = complex(sign * shape.pivot[0], shape.pivot[1])
+            if pivot != centre:  # a face points at its pivot
+                drive = (pivot - centre) / abs(pivot - centre)
+        flanks = tuple(
+            (one.flank, ring(one, options.count, options.chord_mm)) for one in cam.flanks()
+        )
+        sizes = [np.ptp(way) for _, one in flanks for way in (one.pitch_x, one.pitch_y)]
+        across = float(max(2.0 * prime, 2.0 * rim_of(flanks), *sizes))
+        return cls(
+            design=design,
+            cam=cam,
+            flanks=flanks,
+            borders=cam.at(np.array([s.start for s in cam.motion.segments if s.start * s.angle])),
+            rotation=sign,
+            centre=centre,
+            drive=drive,
+            face=(shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left),
+            along=complex(shape.along[0], sign * shape.along[1]),
+            pivot=pivot,
+            roller=shape.roller,
+            prime=prime,
+            u=across / UNITS_ACROSS,
+            decimals=max(4, 7 - math.floor(math.log10(across))),
+        )
+
+    @cached_property
+    def extent(self) -> Box:
+        """Left, bottom, right and top of all that is drawn, texts excepted [mm]."""
+        (left, right), square = self.face, 1.0 + 1.0j
+        reach, eye = max(self.prime, rim_of(self.flanks)) * square, PIVOT * STEM * self.u * square
+        points = [-reach, reach]
+        for _, at in self.flanks:
+            points += [complex(at.pitch_x.min(), at.pitch_y.min()),
+                       complex(at.pitch_x.max(), at.pitch_y.max())]  # fmt: skip
+        points += [self.centre + self.roller * to for to in (-square, square)]
+        points += [self.centre + to * self.along for to in (-left, right)]
+        points.append(self.centre + (self.roller + STEM * self.u) * self.drive)
+        if self.pivot is not None:
+            points += [self.pivot - eye, self.pivot + eye]
+        return box_around(points)
+
+    @property
+    def offset(self) -> float:
+        """Signed distance of a slide's line from the cam's axis, to the right [mm]."""
+        return (self.centre.conjugate() * self.drive).imag if self.pivot is None else 0.0
+
+    @property
+    def arc(self) -> tuple[float, float, float]:
+        """Radius of the rotation arrow, its first and last polar angle [rad]."""
+        middle = math.radians(225.0 if self.offset >= 0.0 else 315.0)
+        half = 0.5 * self.rotation * ARC_SPAN
+        return (
+            max(0.45 * self.design.dimensions["base_radius_mm"], 7.0 * self.u),
+            middle - half,
+            middle + half,
+        )
+
+
+def shapes(scene: Scene) -> list[str]:
+    """All lines and areas, y upwards."""
+    (first, curve), base = scene.flanks[0], scene.design.dimensions["base_radius_mm"]
+    body = [*_centre_lines(scene), svg.circle("line circle", 0.0, 0.0, base)]
+
+    def closed(kind: str, x: Array, y: Array) -> str:
+        return svg.path(f"line {kind}", svg.steps(x, y, scene.decimals, closed=True))
+
+    if scene.roller > 0.0:
+        body.append(svg.circle("line prime", 0.0, 0.0, scene.prime))
+        body.append(closed("pitch", curve.pitch_x, curve.pitch_y))
+    body.append(outline(scene.flanks, scene.rotation, scene.decimals))
+    # profile, pitch curve and roller of a second cam on the shaft
+    for (flank, curve), one in zip(scene.flanks, scene.cam.flanks(), strict=True):
+        if flank.path != first.path:
+            body.append(closed("pitch", curve.pitch_x, curve.pitch_y))
+            body.append(closed("curve", curve.x, curve.y))
+            start = one.at(np.zeros(1))
+            centre = complex(start.pitch_x[0], start.pitch_y[0])
+            body.append(circle("line outline", centre, flank.distance))
+            if scene.pivot is not None:
+                body += bar(centre, scene.pivot, flank.distance, scene.u)
+    body.append(svg.circle("outline metal", 0.0, 0.0, HUB * scene.u))
+    # from the profile through the pitch curve, where two segments meet
+    at, over = scene.borders, TICK * scene.u
+    ends = at.pitch_x + over * at.normal_x, at.pitch_y + over * at.normal_y
+    ticks = np.stack([at.x, at.y, *ends], axis=1).tolist()
+    body += [svg.line("border", *tick) for tick in ticks]
+    return [*body, *_rotation(scene), *_follower(scene)]
+
+
+def _centre_lines(scene: Scene) -> list[str]:
+    """Axes through the cam's centre, the follower's line, and the dimension between them."""
+    u, (left, bottom, right, top), x = scene.u, scene.extent, scene.centre.real
+    low = bottom - BELOW * u
+    body = [
+        svg.line("line centre", left - 2.0 * u, 0.0, right + 2.0 * u, 0.0),
+        svg.line("line centre", 0.0, low, 0.0, max(scene.prime, top - STEM * u) + 2.0 * u),
+    ]
+    if scene.pivot is not None:
+        return [*body, line("line centre", scene.pivot, scene.centre)]
+    if abs(scene.offset) < 0.2 * u:
+        return body
+    down, up = abs(scene.centre - low * 1j), scene.roller + (STEM + 2.0) * u
+    ends = (scene.centre + to * scene.drive for to in (-down, up))
+    body.append(line("line centre", *ends))
+    if scene.drive.real == 0.0:
+        # the dimension line; its arrows stand outside where there is no room
+        inside, level = abs(x) > 7.0 * u, low + 2.0 * u
+        first, last, over = min(x, 0.0), max(x, 0.0), 0.0 if inside else 4.0 * u
+        turns = (math.pi, 0.0) if inside else (0.0, math.pi)
+        body.append(svg.line("axis", first - over, level, last + over, level))
+        body += [
+            svg.arrow_head("solid", end, level, turn, 2.0 * u)
+            for end, turn in zip((first, last), turns, strict=True)
+        ]
+    return body
+
+
+def _rotation(scene: Scene) -> list[str]:
+    """An arrow round the centre in the sense of the cam's turning."""
+    radius, first, last = scene.arc
+    size, sweep = 3.2 * scene.u, int(scene.rotation > 0.0)
+    neck = last - scene.rotation * 0.8 * size / radius
+    start, end, tip = (cmath.rect(radius, at) for at in (first, neck, last))
+    # The head is a chord of the arc: turn it half of what it spans.
+    along = last + scene.rotation * (0.5 * math.pi - 0.5 * size / radius)
+    r = svg.num(radius)
+    steps = f"M{place(start)}A{r} {r} 0 0 {sweep} {place(end)}"
+    head = svg.arrow_head("solid", tip.real, tip.imag, along, size)
+    return [svg.path("line outline", steps), head]
+
+
+def _follower(scene: Scene) -> list[str]:
+    """Roller and stem or arm, a flat face or a knife edge, at cam angle 0."""
+    u, centre, pivot, roller = scene.u, scene.centre, scene.pivot, scene.roller
+    half, end = half_width(roller, u), roller + STEM * u
+    foot = math.sqrt(max(roller**2 - half**2, 0.0))
+    wheel = [circle("line outline", centre, roller),
+             circle("line axis", centre, min(0.25 * roller, HUB * u))]  # fmt: skip
+    if any(scene.face):
+        return _face(scene)
+    if pivot is not None:
+        body = [*bar(centre, pivot, roller, u), *(wheel if roller > 0.0 else ())]
+        eye = circle("line outline", pivot, PIVOT * STEM * u)
+        return [*body, eye, circle("outline metal", pivot, HUB * u)]
+    if roller == 0.0:
+        corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
+        return [polygon("outline metal", centre, scene.drive, corners, closed=False)]
+    edges = [
+        polygon("line outline", centre, scene.drive, [(end, side), (foot, side)], closed=False)
+        for side in (-half, half)
+    ]
+    return [*edges, *wheel]
+
+
+def _face(scene: Scene) -> list[str]:
+    """A plate as wide as contact needs, and its stem, which it covers where they meet.
+
+    On a pivot: from the foot of the pivot to where contact ends, the link, and the pivot's eye.
+    """
+    u, (left, right), along = scene.u, scene.face, scene.along
+    centre, pivot, half = scene.centre, scene.pivot, 1.5 * u
+    least = half if pivot is None else 0.0
+    left, right = max(left, least), max(right, least)
+    corners = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
+    plate = polygon("outline metal", centre, 1j * along, corners)
+    if pivot is not None:
+        eye = (circle("outline metal", pivot, radius) for radius in (PIVOT * STEM * u, HUB * u))
+        return [line("line outline", centre, pivot), plate, *eye]
+    stem = along.conjugate() * scene.drive  # as seen from the face
+    foot = half * abs(stem.real) / stem.imag  # the stem's corner on the face
+    corners = [(foot, -half), (foot, half), (STEM * u, half), (STEM * u, -half)]
+    return [polygon("outline metal", centre, scene.drive, corners), plate]
 
 
 def _profile(design: Design, options: CamDrawingOptions) -> bytes:
     Cam.of(design, options)  # a curve that the cam has not is refused; all are drawn
-    scene = Scene.of(design, Cam.of(design), options)
+    scene = Scene.of(design, options)
     u, (left, bottom, right, top) = scene.u, scene.extent
     width = right - left + 2.0 * MARGIN * u
     x, y = MARGIN * u - left, HEADER * u + top
     legend = y - bottom + (BELOW + 3.0) * u
-    rows = _legend(design, scene)
+    rows, remarks = _legend(scene), _remarks(scene)
     height = legend + (max(5, len(rows)) + 1.0) * ROW * u
     widest = max(svg.width_of(text, svg.LABEL * u) for _, text in rows)
     second = max(0.5 * width + 8.0 * u, (MARGIN + 13.0) * u + widest + 3.0 * u)
-    scale = shown_at(width)
+    scale, lines = svg.shown_at(width), list[str]()
+    for k, (kind, text) in enumerate(rows):
+        first, row = MARGIN * u, legend + (k + 0.5) * ROW * u
+        lines.append(svg.line(kind, first, row, first + 11.0 * u, row))
+        lines.append(svg.text("label", first + 13.0 * u, row + 1.0 * u, text))
+    for k, text in enumerate(remarks):
+        lines.append(svg.text("label", second, legend + ((k + 0.5) * ROW + 1.0) * u, text))
     body = [
         f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
         *shapes(scene),
         "</g>",
-        *labels(design, scene, x, y),
+        *labels(scene, x, y),
         *heading(design, MARGIN * u, width - MARGIN * u, u),
-        *_legend_lines(rows, MARGIN * u, legend, u),
-        *_remarks(design, scene, second, legend, u),
-        *_scale_bar(second, legend + 4.0 * ROW * u, u, ratio(scale)),
+        *lines,
+        *svg.scale_bar(second, legend + 4.0 * ROW * u, u, svg.ratio(scale)),
     ]
     title = f"Cam {design.name or design.id}"
     text = (
-        f"The cam's profile and pitch curve, drawn {ratio(scale)}, with the follower at cam "
+        f"The cam's profile and pitch curve, drawn {svg.ratio(scale)}, with the follower at cam "
         "angle 0. One unit of the coordinates is 1 mm of the cam."
     )
     return svg.document(width, height, u, title, text, body, scale, options.theme)
 
 
-def shown_at(width: float) -> float:
-    """How many times its true size a sheet [mm] is shown: 1 where that can be read.
-
-    Otherwise the largest round number at which it is no wider than ``SHOWN``.
-    """
-    if NARROW <= width <= WIDE:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(SHOWN / width))
-    return max(k * power for k in (1.0, 2.0, 5.0) if k * power * width <= SHOWN * (1.0 + 1e-9))
-
-
-def ratio(scale: float) -> str:
-    """A scale as on a technical drawing (ISO 5455)."""
-    enlarged, reduced = svg.figure(max(scale, 1.0)), svg.figure(max(1.0 / scale, 1.0))
-    return f"{enlarged} : {reduced}"
-
-
-def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
+def _legend(scene: Scene) -> list[tuple[str, str]]:
     """Kinds of lines and what they stand for."""
-    size = {name: svg.figure(value, 6) for name, value in design.dimensions.items()}
+    size = {name: svg.figure(value, 6) for name, value in scene.design.dimensions.items()}
     first = scene.flanks[0][0]
     rows = []
     for flank, curve in scene.flanks:
@@ -95,16 +320,8 @@ def _legend(design: Design, scene: Scene) -> list[tuple[str, str]]:
     return rows
 
 
-def _legend_lines(rows: list[tuple[str, str]], x: float, top: float, u: float) -> list[str]:
-    body = []
-    for k, (kind, text) in enumerate(rows):
-        y = top + (k + 0.5) * ROW * u
-        body.append(svg.line(kind, x, y, x + 11.0 * u, y))
-        body.append(svg.text("label", x + 13.0 * u, y + 1.0 * u, text))
-    return body
-
-
-def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> list[str]:
+def _remarks(scene: Scene) -> list[str]:
+    design = scene.design
     levels = [end for segment in design.motion for end in segment.levels]
     stroke = svg.with_unit(max(levels) - min(levels), design.spec.follower.travel.unit)
     tip = "knife edge"
@@ -112,98 +329,69 @@ def _remarks(design: Design, scene: Scene, x: float, top: float, u: float) -> li
         tip = f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"
     elif scene.roller > 0.0:
         tip = f"roller radius {svg.figure(scene.roller, 6)} mm"
-    text = [
+    return [
         tip,
         f"{'stroke' if scene.pivot is None else 'swing'} {stroke}",
         "follower shown at cam angle 0°",
-        f"cam angles run {TURNS[OPPOSITE[design.rotation]]}",
-    ]
-    return [
-        svg.text("label", x, top + ((k + 0.5) * ROW + 1.0) * u, line) for k, line in enumerate(text)
+        f"cam angles run {TURNS['cw' if design.rotation == 'ccw' else 'ccw']}",
     ]
 
 
-def _scale_bar(x: float, y: float, u: float, drawn: str) -> list[str]:
-    """A bar of round length, at most 32 units long, and the sheet's scale."""
-    power = 10.0 ** math.floor(math.log10(32.0 * u))
-    length = max(k * power for k in (1.0, 2.0, 5.0) if k * power <= 32.0 * u * (1.0 + 1e-9))
-    mid, end = x + 0.5 * length, x + length
-    body = [svg.line("line outline", x, y + 2.0 * u, end, y + 2.0 * u)]
-    body += [svg.line("line outline", a, y + 1.2 * u, a, y + 2.8 * u) for a in (x, mid, end)]
-    text = f"{svg.figure(length)} mm, scale {drawn}"
-    body.append(svg.text("tick", end + 1.6 * u, y + 2.9 * u, text))
-    return body
-
-
-def labels(design: Design, scene: Scene, x: float, y: float) -> list[str]:
+def labels(scene: Scene, x: float, y: float) -> list[str]:
     """Texts on the sheet, the cam's centre at (x, y); those that would overlap are left out."""
-    taken = _occupied(scene)
-    body = []
-    for kind, px, py, text in [*_border_texts(scene), *_segment_texts(design, scene)]:
-        half = 0.5 * svg.width_of(text, svg.LABEL * scene.u)
-        place = (px - half, py - 1.6 * scene.u, px + half, py + 1.6 * scene.u)
-        left, bottom, right, top = place
+    body, taken = list[str](), _occupied(scene)
+    for kind, at, text in _texts(scene):
+        corner = complex(0.5 * svg.width_of(text, svg.LABEL * scene.u), 1.6 * scene.u)
+        left, bottom, right, top = around = box_around([at - corner, at + corner])
         if not any(left < b[2] and b[0] < right and bottom < b[3] and b[1] < top for b in taken):
-            taken.append(place)
-            body.append(svg.text(kind, x + px, y - py + 1.0 * scene.u, text, "middle"))
+            taken.append(around)
+            body.append(svg.text(kind, x + at.real, y - at.imag + 1.0 * scene.u, text, "middle"))
     return body + _offset_text(scene, x, y)
 
 
 def _occupied(scene: Scene) -> list[Box]:
     """Boxes that texts must not touch: the roller, the stem and the rotation arrow."""
-    u, (x, y), (gx, gy) = scene.u, scene.centre, scene.drive
-    radius, first, last = scene.arc
-    points = [(radius * math.cos(t), radius * math.sin(t)) for t in np.linspace(first, last, 12)]
-    points += [
-        (x + k * u * gx, y + k * u * gy) for k in np.arange(0.0, scene.roller / u + STEM, 2.0)
-    ]
-    boxes = [(px - 2.5 * u, py - 2.5 * u, px + 2.5 * u, py + 2.5 * u) for px, py in points]
-    side = 0.9 * scene.roller + 0.5 * u
-    return [*boxes, (x - side, y - side, x + side, y + side)]
+    u, (radius, first, last) = scene.u, scene.arc
+    stem = np.arange(0.0, scene.roller / u + STEM, 2.0) * u
+    points = [cmath.rect(radius, at) for at in np.linspace(first, last, 12)]
+    points += [scene.centre + float(at) * scene.drive for at in stem]
+    boxes = [box_around([point], 2.5 * u) for point in points]
+    return [*boxes, box_around([scene.centre], 0.9 * scene.roller + 0.5 * u)]
 
 
-def _clear(scene: Scene, text: str, nx: float, ny: float) -> float:
-    """How far along a normal the middle of a text must stand to keep clear of its foot."""
-    half = 0.5 * svg.width_of(text, svg.LABEL * scene.u)
-    return half * abs(nx) + 1.5 * scene.u * abs(ny) + 0.8 * scene.u
+def _texts(scene: Scene) -> Iterator[tuple[str, complex, str]]:
+    """Kind, middle and what it says: cam angles outside, and inside what segments do."""
+    u, at = scene.u, scene.borders
 
+    def clear(text: str, normal: complex) -> float:
+        """How far along a normal the middle of a text must stand to keep clear of its foot."""
+        half = 0.5 * svg.width_of(text, svg.LABEL * u)
+        return half * abs(normal.real) + 1.5 * u * abs(normal.imag) + 0.8 * u
 
-def _border_texts(scene: Scene) -> list[Text]:
-    at = scene.borders
-    texts: list[Text] = []
-    for k, angle in enumerate(in_degrees(at.theta).tolist()):
+    normals = (at.normal_x + 1j * at.normal_y).tolist()
+    feet = (at.pitch_x + 1j * at.pitch_y).tolist()
+    for angle, foot, normal in zip(in_degrees(at.theta).tolist(), feet, normals, strict=True):
         text = f"{svg.figure(angle, 6)}°"
-        nx, ny = float(at.normal_x[k]), float(at.normal_y[k])
-        over = TICK * scene.u + _clear(scene, text, nx, ny)
-        place = float(at.pitch_x[k]) + over * nx, float(at.pitch_y[k]) + over * ny
-        texts.append(("label halo", *place, text))
-    return texts
-
-
-def _segment_texts(design: Design, scene: Scene) -> list[Text]:
-    """What the segments do, inside of the profile, where each is long enough."""
-    at, u = scene.middles, scene.u
-    texts: list[Text] = []
-    segments = [segment for segment in design.motion if segment.angle_deg > 0.0]
-    for k, segment in enumerate(segments):
-        nx, ny = float(at.normal_x[k]), float(at.normal_y[k])
-        under = _clear(scene, segment.kind, nx, ny) + 1.0 * u
-        px, py = float(at.x[k]) - under * nx, float(at.y[k]) - under * ny
-        room = math.radians(segment.angle_deg) * math.hypot(px, py)
-        if room > svg.width_of(segment.kind, svg.LABEL * u) + 2.0 * u:
-            texts.append(("quiet inner", px, py, segment.kind))
-    return texts
+        yield "label halo", foot + (TICK * u + clear(text, normal)) * normal, text
+    moving = [s for s in scene.cam.motion.segments if s.angle > 0.0]
+    at = scene.cam.at(np.array([s.start + 0.5 * s.angle for s in moving]))
+    normals, feet = (at.normal_x + 1j * at.normal_y).tolist(), (at.x + 1j * at.y).tolist()
+    for segment, foot, normal in zip(moving, feet, normals, strict=True):
+        place = foot - (clear(segment.kind, normal) + 1.0 * u) * normal
+        # where it is long enough
+        if segment.angle * abs(place) > svg.width_of(segment.kind, svg.LABEL * u) + 2.0 * u:
+            yield "quiet inner", place, segment.kind
 
 
 def _offset_text(scene: Scene, x: float, y: float) -> list[str]:
-    if abs(scene.offset) < 0.2 * scene.u or scene.drive[0] != 0.0:
+    if abs(scene.offset) < 0.2 * scene.u or scene.drive.real != 0.0:
         return []
     u, text = scene.u, svg.figure(abs(scene.offset), 6)
     level = y - scene.extent[1] + (BELOW - 2.0) * u
     if svg.width_of(text, svg.LABEL * u) + 5.0 * u < abs(scene.offset):
-        middle = x + 0.5 * scene.centre[0]
+        middle = x + 0.5 * scene.centre.real
         return [svg.text("label", middle, level - 1.0 * u, text, "middle")]
-    return [svg.text("label", x + max(scene.centre[0], 0.0) + 5.0 * u, level + 1.0 * u, text)]
+    return [svg.text("label", x + max(scene.centre.real, 0.0) + 5.0 * u, level + 1.0 * u, text)]
 
 
 PROFILE = Exporter(

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing.canvas import ratio, shown_at
 from synthesis.exporters.exporter import FileContent, FileFormat
-from synthesis.exporters.figures.profile import ratio, shown_at
 from synthesis.exporters.options import Colours
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.developed import (
