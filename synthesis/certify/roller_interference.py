@@ -224,12 +224,12 @@ def nearest_far_pair(profile: OffsetProfile) -> NearestPair:
         if unknown.any():
             where = float(intervals.lo[np.argmax(unknown)])
             return NearestPair(math.inf, 0.0, where, where, 0)
-        # 2. exclude pairs in different directions, then near pairs, by groups of intervals
-        groups = _Groups.of(len(intervals))
-        excluded = groups.disjoint_polar_ranges(*models.polar_range())
-        excluded |= groups.within_half_turn(low, high)
-        # 3. branch and bound on the pairs that are left
-        pairs = _Pairs(intervals, *groups.interval_pairs(~excluded))
+        # 2. exclude pairs in different directions and near pairs, by groups of intervals
+        first = np.arange(0, len(intervals), math.ceil(len(intervals) / MAX_GROUPS))
+        excluded = groups_apart(first, *models.polar_range()) | near_groups(first, low, high)
+        # 3. branch and bound on the pairs of intervals that are left
+        owner = np.searchsorted(first, np.arange(len(intervals)), side="right") - 1
+        pairs = _Pairs(intervals, *np.nonzero(~excluded[owner][:, owner]))
         return _Search(profile).nearest(pairs)
 
 
@@ -249,64 +249,44 @@ def _divided_by_turning(profile: OffsetProfile) -> tuple[Boxes, ProfileModels]:
         intervals = both.take(np.lexsort((both.lo, both.piece)))
 
 
-@dataclass(frozen=True, eq=False)
-class _Groups:
-    """Consecutive intervals in groups; a pair of groups is excluded for all pairs of intervals.
+def near_groups(first: Indices, low: Array, high: Array) -> Mask:
+    """Pairs of groups along one of the arcs between which the tangent turns less than π.
 
-    Attributes:
-        first: (n,) first interval of every group. counts: (n,) number of intervals in it.
+    Args:
+        first: (n,) first interval of every group of consecutive intervals.
+        low, high: ends of the tangent's angle on every interval [rad].
     """
+    # neighbours share a point: their angles there differ by a corner, less than half a turn
+    (bottom, top), turn = _continued(first, low, high)
+    count = len(first)
+    start = np.arange(count)[:, None]
+    arcs = start + np.arange(count)
+    bottom, top = (np.concatenate([each, each + turn])[arcs] for each in (bottom, top))
+    turning = np.maximum.accumulate(top, axis=1) - np.minimum.accumulate(bottom, axis=1)
+    forward = np.zeros((count, count), dtype=bool)
+    forward[start, arcs % count] = turning < math.pi - ANGLE_ROUNDING
+    return np.asarray(forward | forward.T)
 
-    first: Indices
-    counts: Indices
 
-    @classmethod
-    def of(cls, intervals: int) -> _Groups:
-        """At most ``MAX_GROUPS`` groups of about equal size."""
-        first = np.arange(0, intervals, math.ceil(intervals / MAX_GROUPS))
-        return cls(first, np.diff(np.append(first, intervals)))
+def groups_apart(first: Indices, low: Array, high: Array) -> Mask:
+    """Pairs of groups in different directions, by the ends of the polar angle on every interval."""
+    (bottom, top), _ = _continued(first, low, high)
+    middle, half = 0.5 * (bottom + top), 0.5 * (top - bottom)
+    between = middle[:, None] - middle
+    between -= FULL_TURN * np.round(between / FULL_TURN)
+    return np.asarray(np.abs(between) > half[:, None] + half + ANGLE_ROUNDING)
 
-    def within_half_turn(self, low: Array, high: Array) -> Mask:
-        """Near pairs: along one of the arcs between them the tangent turns less than π."""
-        # neighbours share a point: their angles there differ by a corner, less than half a turn
-        (bottom, top), turn = self._continued(low, high)
-        count = len(self.first)
-        start = np.arange(count)[:, None]
-        arcs = start + np.arange(count)
-        bottom, top = (np.concatenate([each, each + turn])[arcs] for each in (bottom, top))
-        turning = np.maximum.accumulate(top, axis=1) - np.minimum.accumulate(bottom, axis=1)
-        forward = np.zeros((count, count), dtype=bool)
-        forward[start, arcs % count] = turning < math.pi - ANGLE_ROUNDING
-        return np.asarray(forward | forward.T)
 
-    def disjoint_polar_ranges(self, low: Array, high: Array) -> Mask:
-        """Pairs in different directions, seen from the axis."""
-        (bottom, top), _ = self._continued(low, high)
-        middle, half = 0.5 * (bottom + top), 0.5 * (top - bottom)
-        between = middle[:, None] - middle
-        between -= FULL_TURN * np.round(between / FULL_TURN)
-        disjoint: Mask = np.abs(between) > half[:, None] + half + ANGLE_ROUNDING
-        return disjoint
+def _continued(first: Indices, low: Array, high: Array) -> tuple[tuple[Array, Array], float]:
+    """Smallest and largest angle in every group, continued round the turn, and the total gain.
 
-    def _continued(self, low: Array, high: Array) -> tuple[tuple[Array, Array], float]:
-        """Smallest and largest angle in every group, continued round the turn, and the total gain.
-
-        Where the continuation picks the wrong turn, a group's range is too wide, never too narrow.
-        """
-        middle = 0.5 * (low + high)
-        wraps = np.cumsum(np.round(np.diff(middle, append=middle[0]) / FULL_TURN))
-        shift, turn = np.append(0.0, wraps[:-1]) * -FULL_TURN, -FULL_TURN * float(wraps[-1])
-        ends = (
-            np.minimum.reduceat(low + shift, self.first),
-            np.maximum.reduceat(high + shift, self.first),
-        )
-        return ends, turn
-
-    def interval_pairs(self, chosen: Mask) -> tuple[Indices, Indices]:
-        """Pairs of intervals in these pairs of groups: on the profile, on the roller's path."""
-        owner = np.arange(len(self.first)).repeat(self.counts)
-        profile, roller = np.nonzero(chosen[owner][:, owner])
-        return profile, roller
+    Where the continuation picks the wrong turn, a group's range is too wide, never too narrow.
+    """
+    middle = 0.5 * (low + high)
+    wraps = np.cumsum(np.round(np.diff(middle, append=middle[0]) / FULL_TURN))
+    shift = np.append(0.0, wraps[:-1]) * -FULL_TURN
+    ends = np.minimum.reduceat(low + shift, first), np.maximum.reduceat(high + shift, first)
+    return ends, -FULL_TURN * float(wraps[-1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,9 +21,10 @@ from synthesis.certify.roller_interference import (
     NearestPair,
     OffsetProfile,
     ThickChords,
-    _Groups,
     _Pairs,
     _Search,
+    groups_apart,
+    near_groups,
 )
 from synthesis.numerics.box_search import Boxes
 from synthesis.numerics.piecewise import Piecewise
@@ -186,7 +187,7 @@ def test_a_billionth_of_the_roller_is_no_interference(depth: float, excluded: bo
 @pytest.mark.parametrize(("less", "near"), [(0.0, False), (5e-13, False), (5e-12, True)])
 def test_half_a_turn_is_not_near(less: float, near: bool) -> None:
     heading = np.array([0.0, math.pi - less, 0.0, math.pi])
-    found = _Groups.of(4).within_half_turn(heading, heading)
+    found = near_groups(np.arange(4), heading, heading)
     assert found[0, 1] == near
     assert not found[2, 3]
 
@@ -194,7 +195,7 @@ def test_half_a_turn_is_not_near(less: float, near: bool) -> None:
 @pytest.mark.parametrize(("apart", "disjoint"), [(0.0, False), (5e-13, False), (5e-12, True)])
 def test_ranges_that_touch_are_not_disjoint(apart: float, disjoint: bool) -> None:
     low = np.array([0.0, 1.0 + apart, 2.5, 4.0])
-    found = _Groups.of(4).disjoint_polar_ranges(low, np.array([1.0, 2.0, 3.0, 5.0]))
+    found = groups_apart(np.arange(4), low, np.array([1.0, 2.0, 3.0, 5.0]))
     assert found[0, 1] == disjoint
 
 

@@ -283,10 +283,7 @@ class FlatFaceFollower(Follower, ABC):
 
     always_convex: ClassVar[bool] = True
     face_ends: ClassVar[tuple[str, str]]
-
-    @property
-    def roller_radius(self) -> float:
-        return 0.0
+    roller_radius: ClassVar[float] = 0.0
 
     def radius_norm(self) -> AffineNorm:
         return AffineNorm(((*[0.0] * (len(self.size_names) - 1), 1.0),), (0.0,))

@@ -193,12 +193,9 @@ class LeastPivotDistance(NonconvexConstraint):
 
     order: ClassVar[int] = 0
     linearises: ClassVar[bool] = False
+    has_relaxation: ClassVar[bool] = False
     least: float
     offset: float
-
-    @property
-    def has_relaxation(self) -> bool:
-        return False
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         p, q = z[0], z[1] + self.offset

@@ -124,6 +124,8 @@ class MotionLaw(FiniteModel, ABC):
 class SymmetricLaw(MotionLaw, ABC):
     """A law between two rests, point-symmetric before its inflection is moved."""
 
+    ends: ClassVar[EndKinds] = "R-R"
+
     if TYPE_CHECKING:  # declared by the families, at its place among the fields of the wire
         inflection: float
 
@@ -131,10 +133,6 @@ class SymmetricLaw(MotionLaw, ABC):
     def half(self) -> Piecewise:
         """Its first half, on [0, 1/2], as published."""
         return self.entries[self.kind].shape
-
-    @property
-    def ends(self) -> EndKinds:
-        return "R-R"
 
     @property
     def tasks(self) -> tuple[str, ...]:

@@ -70,6 +70,8 @@ class BoundaryPolynomial(MotionLaw):
         False, description="Allow the follower to move backwards within the segment."
     )
     inherited_derivatives: ClassVar[int] = 2
+    ends: ClassVar[EndKinds] = "R-R"
+    tasks: ClassVar[tuple[str, ...]] = TASKS
     entries: ClassVar = {
         "polynomial_5": LawEntry(
             "Polynomial of degree 5, any boundary values",
@@ -83,14 +85,6 @@ class BoundaryPolynomial(MotionLaw):
         ),
     }
     jerks: ClassVar[dict[str, tuple[float, ...]]] = {"polynomial_5": (), "polynomial_7": (0.0,)}
-
-    @property
-    def ends(self) -> EndKinds:
-        return "R-R"
-
-    @property
-    def tasks(self) -> tuple[str, ...]:
-        return TASKS
 
     @property
     def may_reverse(self) -> bool:

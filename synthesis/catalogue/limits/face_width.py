@@ -27,6 +27,7 @@ class FaceWidth(Limit):
 
     kind: Literal["face_width"] = "face_width"
     title: ClassVar[str] = "Width of a flat face"
+    bounds_size_below: ClassVar[bool] = True
     width_mm: Width | None = Field(None, description="Width of a face centred on its slide.")
     left_mm: Width | None = Field(None, description="Reach to the left on a ccw cam.")
     right_mm: Width | None = Field(None, description="Reach to the right on a ccw cam.")
@@ -50,10 +51,6 @@ class FaceWidth(Limit):
                 {"near": self.near_mm, "far": self.far_mm},
             )
         return self
-
-    @property
-    def bounds_size_below(self) -> bool:
-        return True
 
     def applies_to(self, follower: Follower) -> bool:
         face = flat_face(follower)

@@ -52,11 +52,9 @@ class HertzPressure(ForceLimit):
 
     kind: Literal["hertz_pressure"] = "hertz_pressure"
     title: ClassVar[str] = "Hertz pressure"
+    rows_incomplete: ClassVar[bool] = True
+    bounds_size_below: ClassVar[bool] = True
     max_mpa: float = Field(gt=0.0, le=1e6, description="Largest contact pressure.")
-
-    @property
-    def bounds_size_below(self) -> bool:
-        return True
 
     def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
         super().check_load(segments, machine, position)
@@ -76,10 +74,6 @@ class HertzPressure(ForceLimit):
                 "which the pressure is infinite. Give the roller a radius.",
                 {"position": position},
             )
-
-    @property
-    def rows_incomplete(self) -> bool:
-        return True
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         """Of a face on a slide, whose pressure angle is one and ρ linear, all of it.

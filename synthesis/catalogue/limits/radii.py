@@ -136,13 +136,10 @@ class CutterRadius(FlankRadius):
 
     kind: Literal["cutter_radius"] = "cutter_radius"
     title: ClassVar[str] = "Cutter or grinding wheel that must fit every hollow"
+    bounds_size_below: ClassVar[bool] = True
     sign: ClassVar[int] = -1
     field: ClassVar[str] = "radius_mm"
     radius_mm: float = Field(gt=0.0, le=1e9, description="Radius of the cutter.")
-
-    @property
-    def bounds_size_below(self) -> bool:
-        return True
 
     def _flanks(self, machine: Machine) -> Iterator[tuple[Flank, float]]:
         return iter(()) if machine.follower.always_convex else super()._flanks(machine)
@@ -255,14 +252,11 @@ class CounterBaseRadius(Limit):
 
     kind: Literal["counter_base_radius"] = "counter_base_radius"
     title: ClassVar[str] = "Base radius of the counter cam"
+    bounds_size_below: ClassVar[bool] = True
     same_on_every_segment: ClassVar[bool] = True
     min_mm: float = Field(
         0.0, ge=0.0, le=1e9, description="Smallest base radius of the counter cam."
     )
-
-    @property
-    def bounds_size_below(self) -> bool:
-        return True
 
     def applies_to(self, follower: Follower) -> bool:
         return bool(follower.active_closure.counter_paths)

@@ -37,7 +37,7 @@ from synthesis.machines.spatial.size_constraints import (
     critical_places,
 )
 from synthesis.numerics.geometry.charts import Chart, Drum
-from synthesis.numerics.geometry.swept_roller import Guide, Joint, Pivot, SweptRoller
+from synthesis.numerics.geometry.swept_roller import Joint, SweptRoller
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, Travel
 
@@ -99,7 +99,7 @@ class CylindricalMachine(SpatialMachine, ABC):
 
         At q = 0 the arm of this ``length`` is perpendicular to the cam's axis.
         """
-        return self._swept(sizes, Pivot(distance * Y, -X), (distance - length) * Y, hand)
+        return self._swept(sizes, Joint.pivot(distance * Y, -X), (distance - length) * Y, hand)
 
     def _largest_offset(self, cylinder: float) -> float:
         """Largest distance of the roller's axis from the cam's at which it meets the cylinder."""
@@ -204,7 +204,7 @@ class CylindricalTranslating(CylindricalFollower):
     travel: ClassVar[Travel] = Travel()
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
-        return self._swept(sizes, Guide(Z), 0.0 * Z, rotation)
+        return self._swept(sizes, Joint.guide(Z), 0.0 * Z, rotation)
 
     def seats(self) -> tuple[Seat, ...]:
         return roller_seats(0.0, self.roller_distance_mm)

@@ -28,7 +28,7 @@ from synthesis.machines.spatial.size_constraints import (
     critical_places,
 )
 from synthesis.numerics.geometry.charts import Chart, Torus
-from synthesis.numerics.geometry.swept_roller import Pivot, SweptRoller
+from synthesis.numerics.geometry.swept_roller import Joint, SweptRoller
 
 X, Y, Z = np.eye(3)
 
@@ -104,7 +104,7 @@ class GloboidalIndexer(TurretMachine):
         return SweptRoller(
             centre=np.array([sizes["centre_distance_mm"], 0.0, 0.0]),
             axis=Y,
-            joint=Pivot(0.0 * X, Z),
+            joint=Joint.pivot(0.0 * X, Z),
             origin=0.0 * X,
             along=X,
             roller=self._roller(sizes, sizes["roller_inner_mm"]),

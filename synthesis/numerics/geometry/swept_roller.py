@@ -29,7 +29,6 @@ in the literature on roller gear cams (Gonzalez-Palacios and Angeles, Cam Synthe
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -85,81 +84,55 @@ class FollowerState(NamedTuple):
     q2: Array
 
 
-class Joint(ABC):
-    """What the follower moves on: points and directions at q, and how they move with q."""
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """What the follower moves on: a pivot, or a guide. Per unit of q, w(x) = g × (x − f) + d.
 
-    @abstractmethod
+    Attributes:
+        point: (3,) f, a point of the pivot's line. axis: (3,) g along it, a unit vector; 0 in a
+            guide. along: (3,) d; 0 on a pivot.
+    """
+
+    point: Array
+    axis: Array
+    along: Array
+
+    @classmethod
+    def pivot(cls, point: Array, axis: Array) -> Joint:
+        """A turning joint about the line through ``point`` along the unit vector ``axis``."""
+        return cls(point, axis, 0.0 * axis)
+
+    @classmethod
+    def guide(cls, along: Array) -> Joint:
+        """A sliding joint."""
+        return cls(0.0 * along, 0.0 * along, along)
+
     def move_points(self, point: Array, q: Array) -> Array:
         """Points (3, 1, m) of the follower at q = 0, at all q (n,): (3, n, m) [mm]."""
+        f = _column(self.point)
+        return f + rotate(point - f, q, self.axis) + q[None, :, None] * _column(self.along)
 
-    @abstractmethod
     def turn_direction(self, direction: Array, q: Array) -> Array:
         """A direction (3, 1, 1) of the follower at q = 0, at all q (n,): (3, n, 1)."""
+        return rotate(direction, q, self.axis)
 
-    @abstractmethod
     def harmonics(self, point: Array, *, turning: bool = False) -> Array:
         """Points (3,) that move with the follower as a + b cos q + c sin q + d q: (4, 3).
 
         With ``turning``, directions.
         """
+        moved = 0.0 if turning else 1.0
+        across = cross(self.axis, point - moved * self.point)
+        away = -cross(self.axis, across)  # from the pivot's line to the point
+        return np.stack([point - away, away, across, moved * self.along])
 
-    @abstractmethod
     def velocity_per_q(self, point: Array) -> Array:
         """w at points (3, n, m): their velocity per unit of q."""
+        return cross(_column(self.axis), point - _column(self.point)) + _column(self.along)
 
-    @abstractmethod
     def direction_rate(self, direction: Array) -> Array:
         """g × directions (3, …): their velocity per unit of q."""
-
-
-@dataclass(frozen=True, eq=False)
-class Pivot(Joint):
-    """A turning joint about the line through ``point`` (3,) along the unit vector ``axis`` (3,)."""
-
-    point: Array
-    axis: Array
-
-    def move_points(self, point: Array, q: Array) -> Array:
-        f = _column(self.point)
-        return f + rotate(point - f, q, self.axis)
-
-    def turn_direction(self, direction: Array, q: Array) -> Array:
-        return rotate(direction, q, self.axis)
-
-    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
-        fixed = 0.0 * self.point if turning else self.point
-        g, away = self.axis, point - fixed
-        along = float(g @ away) * g
-        return np.stack([fixed + along, away - along, cross(g, away), 0.0 * g])
-
-    def velocity_per_q(self, point: Array) -> Array:
-        return cross(_column(self.axis), point - _column(self.point))
-
-    def direction_rate(self, direction: Array) -> Array:
         return cross(_column(self.axis), direction)
-
-
-@dataclass(frozen=True, eq=False)
-class Guide(Joint):
-    """A sliding joint along the unit vector ``along`` (3,)."""
-
-    along: Array
-
-    def move_points(self, point: Array, q: Array) -> Array:
-        return point + q[None, :, None] * _column(self.along)
-
-    def turn_direction(self, direction: Array, q: Array) -> Array:
-        return direction + np.zeros((1, len(q), 1))
-
-    def harmonics(self, point: Array, *, turning: bool = False) -> Array:
-        nothing = 0.0 * self.along
-        return np.stack([point, nothing, nothing, nothing if turning else self.along])
-
-    def velocity_per_q(self, point: Array) -> Array:
-        return _column(self.along) + 0.0 * point
-
-    def direction_rate(self, direction: Array) -> Array:
-        return 0.0 * direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,9 +238,10 @@ class SweptRoller:
         q1, x = place.q1[:, None], self._axis(place.q, rho)
         touch, f = self._touch(place, rho, side)
         u, m = touch.u, touch.direction
-        touch.by_theta = touch.change(
-            self.joint.direction_rate(u) * q1, self._slip_changes(place, f), 0.0
-        )
+        # dV/dθ at a foot that moves with the follower: q'' w, and V's change along its way
+        way = self.joint.velocity_per_q(f)
+        slip1 = place.q2[:, None] * way + self._slip_along(q1 * way, q1)
+        touch.by_theta = touch.change(self.joint.direction_rate(u) * q1, slip1, 0.0)
         shift = 1.0 + slope**2 + radius * bend
         touch.by_rho = touch.change(0.0 * u, shift * self._slip_along(u, q1), bend)
         turned_m = touch.by_theta - self._carried(m, turning=True)
@@ -307,15 +281,8 @@ class SweptRoller:
         """V at points (3, n, m) of the follower."""
         return q1 * self.joint.velocity_per_q(x) - self._carried(x)
 
-    def _slip_changes(self, place: FollowerState, x: Array) -> Array:
-        """dV/dθ at points (3, n, m) that move with the follower."""
-        q1, q2 = place.q1[:, None], place.q2[:, None]
-        way = self.joint.velocity_per_q(x)
-        moved = q1 * way
-        return q2 * way + q1 * self.joint.direction_rate(moved) - self._carried(moved, turning=True)
-
     def _slip_along(self, u: Array, q1: Array) -> Array:
-        """dV/dρ along the roller's axis."""
+        """Change of V, which is linear, along directions (3, n, m)."""
         return q1 * self.joint.direction_rate(u) - self._carried(u, turning=True)
 
 
@@ -388,12 +355,12 @@ def cross(a: Array, b: Array) -> Array:
 def rotate(point: Array, angle: Array, axis: Array) -> Array:
     """Points (3, n or 1, …) turned by ``angle`` (n,) [rad] about a unit vector ``axis`` (3,).
 
-    Rodrigues' formula.
+    Rodrigues' formula; about an axis of 0 they stay.
     """
     rest = (1,) * (point.ndim - 2)
-    e = axis.reshape(3, 1, *rest)
-    cos, sin = np.cos(angle).reshape(-1, *rest), np.sin(angle).reshape(-1, *rest)
-    return np.asarray(cos * point + sin * cross(e, point) + (1.0 - cos) * dot(e, point) * e)
+    e, angle = axis.reshape(3, 1, *rest), angle.reshape(-1, *rest)
+    along = dot(e, point) * e - float(axis @ axis) * point
+    return np.asarray(point + np.sin(angle) * cross(e, point) + (1.0 - np.cos(angle)) * along)
 
 
 def _column(vector: Array) -> Array:

@@ -13,8 +13,7 @@ from synthesis.catalogue.laws import LAWS
 from synthesis.numerics.geometry.swept_roller import (
     Contacts,
     FollowerState,
-    Guide,
-    Pivot,
+    Joint,
     Roller,
     SweptRoller,
     rotate,
@@ -42,19 +41,21 @@ def place(theta: Array, start: float, sense: int) -> FollowerState:
 
 
 def globoidal(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
-    centre, joint = np.array([distance, 0.0, 0.0]), Pivot(np.zeros(3), Z)
+    centre, joint = np.array([distance, 0.0, 0.0]), Joint.pivot(np.zeros(3), Z)
     return SweptRoller(centre, Y, joint, np.zeros(3), X, roller, hand)
 
 
 def drum(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
     """A cylindrical cam about z, its follower on an arm that swings about a line across it."""
-    joint = Pivot(np.array([61.3, 17.7, -3.1]), X)
+    joint = Joint.pivot(np.array([61.3, 17.7, -3.1]), X)
     return SweptRoller(np.zeros(3), Z, joint, np.array([0.0, 1.9, 2.3]), X, roller, hand)
 
 
 def slide(distance: float, roller: Roller, hand: int = 1) -> SweptRoller:
     """A cylindrical cam about z, its follower in a guide along it."""
-    return SweptRoller(np.zeros(3), Z, Guide(31.0 * Z), np.array([0.0, 3.1, 0.0]), X, roller, hand)
+    return SweptRoller(
+        np.zeros(3), Z, Joint.guide(31.0 * Z), np.array([0.0, 3.1, 0.0]), X, roller, hand
+    )
 
 
 MACHINES = {each.__name__: each for each in (globoidal, drum, slide)}
