@@ -55,7 +55,7 @@ def certify(
     cam = MeasuredCam.of(motion, machine, size)
     pieces = cam.motion
     claims = all_claims(limits, motion.segments, machine, cam.size)
-    claims = [claim for claim in claims if pieces.has_pieces(claim.segments)]
+    claims = [claim for claim in claims if len(pieces.pieces_of(claim.segments))]
     if not (pieces.is_finite and all(math.isfinite(value) for value in cam.size)):
         unit = machine.derivative_unit(0)
         motionless = Claim("motion", "", (), None, None, unit, float, "program")
@@ -131,7 +131,7 @@ def _residual_vibration(claim: Claim, motion: PiecewiseMotion) -> Extreme:
     evidence = "equation of motion of the follower train by Taylor series, remainder bounded"
     if len(amplitudes) > 1:
         each_run = (
-            f"{claim.to_wire(each.value):.6g} at {_degrees(each.angle):.6g}°" for each in amplitudes
+            f"{claim.to_wire(each.value):.6g} at {each.angle / DEGREE:.6g}°" for each in amplitudes
         )
         evidence = f"{evidence}; {', '.join(each_run)}"
     return _bounded(claim, worst, above=True, evidence=evidence)
@@ -166,7 +166,7 @@ def _bounded(claim: Claim, found: Enclosure, *, above: bool, evidence: str) -> E
         width = max(known) - min(known)
         holds = holds and margin >= width
     return Extreme(
-        limit=claim.limit, value=value, unit=claim.unit, angle_deg=_degrees(found.angle),
+        limit=claim.limit, value=value, unit=claim.unit, angle_deg=found.angle / DEGREE,
         bound=_rounded(limit), margin=margin, width=width, holds=holds,
         evidence=evidence, field=claim.field,
     )  # fmt: skip
@@ -176,7 +176,7 @@ def _infinite(claim: Claim, jump: Jump, machine: Machine) -> Extreme:
     """The line of a claim whose quantity is infinite at a discontinuity."""
     what, unit = DERIVATIVES[jump.order], machine.derivative_unit(jump.order)
     size = abs(jump.size) * machine.wire_factor(jump.order)
-    evidence = f"{what} jumps by {size:.6g} {unit} at {_degrees(jump.angle):.6g}°"
+    evidence = f"{what} jumps by {size:.6g} {unit} at {jump.angle / DEGREE:.6g}°"
     return _unproven(claim, jump.angle, evidence)
 
 
@@ -184,7 +184,7 @@ def _unproven(claim: Claim, angle: float, evidence: str) -> Extreme:
     """The line of a claim without a finite value."""
     bound = claim.upper if claim.upper is not None else claim.lower
     return Extreme(
-        limit=claim.limit, value=None, unit=claim.unit, angle_deg=_degrees(angle),
+        limit=claim.limit, value=None, unit=claim.unit, angle_deg=angle / DEGREE,
         bound=_rounded(None if bound is None else claim.to_wire(bound)), margin=None, width=0.0,
         holds=False, evidence=evidence, field=claim.field,
     )  # fmt: skip
@@ -193,7 +193,3 @@ def _unproven(claim: Claim, angle: float, evidence: str) -> Extreme:
 def _rounded(bound: float | None) -> float | None:
     """A bound as the spec states it: 15 digits drop the rounding of a conversion and back."""
     return None if bound is None else float(f"{bound:.15g}")
-
-
-def _degrees(angle: float) -> float:
-    return angle / DEGREE

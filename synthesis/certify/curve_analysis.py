@@ -120,7 +120,9 @@ class CurveAnalysis:
         roller = flank.distance
         if roller <= 0.0:
             return None
-        corner = next(self._convex_corners(flank), None)
+        # junctions at which the traced curve has a corner that is convex for the flank
+        turns = ((k, self.cam.turning_at(flank.path, k)) for k in self._discontinuities(1).tolist())
+        corner = next((k for k, turn in turns if flank.side * turn > 0.0), None)
         if corner is not None:
             return Undercut(
                 kind="corner", angle_deg=self._angle(corner), pitch_radius_mm=0.0,
@@ -136,12 +138,6 @@ class CurveAnalysis:
             angle_deg=_degrees(sharpest.angle), pitch_radius_mm=1.0 / curvature,
             roller_radius_mm=roller, excess_mm=excess, flank=flank.name,
         )  # fmt: skip
-
-    def _convex_corners(self, flank: Flank) -> Iterator[int]:
-        """Junctions at which the traced curve has a corner that is convex for the flank."""
-        for junction in self._discontinuities(1).tolist():
-            if flank.side * self.cam.turning_at(flank.path, junction) > 0.0:
-                yield junction
 
     def _face_undercut(self) -> Undercut | None:
         """Where the profile's radius under a flat face is not positive."""

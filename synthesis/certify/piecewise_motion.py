@@ -72,7 +72,6 @@ class PiecewiseMotion:
         each = np.array([(s.index, abs(s.scale), s.angle) for s in placed]).T
         segment, self._lift, self._beta = np.repeat(each, pieces, axis=1).take(owner, axis=1)
         self.segment_of_piece: Indices = segment.astype(np.intp)
-        self._present = {s.index for s, count in zip(placed, pieces, strict=True) if count}
         levels = [level for s in placed for level in (s.s_start, s.s_end)]
         self.stroke = max(max(levels) - min(levels), *(abs(s.scale) for s in placed))
 
@@ -88,10 +87,6 @@ class PiecewiseMotion:
         return bool(np.isfinite(np.concatenate([table.ravel() for table in tables])).all())
 
     # -- pieces ------------------------------------------------------------------------------
-
-    def has_pieces(self, segments: Sequence[int]) -> bool:
-        """Whether any of these segments has pieces."""
-        return not self._present.isdisjoint(segments)
 
     def pieces_of(self, segments: Sequence[int]) -> Indices:
         """Indices of the pieces of these segments."""

@@ -68,17 +68,13 @@ class SplineSpace:
         table = np.stack([self.basis(both, order) for order in range(max(self.degree, 5) + 1)])
         return {0.0: _kept(table[:, 0]), 1.0: _kept(table[:, 1])}
 
-    def control_matrix(self, order: int) -> Array:
-        """Matrix to the B-spline coefficients of the derivative: (size − order, size).
+    @cached_property
+    def control_matrices(self) -> tuple[Array, ...]:
+        """Matrices to the B-spline coefficients of each derivative: (size − order, size).
 
         A spline lies in the hull of its coefficients, so a bound on these bounds the
         derivative everywhere.
         """
-        return self._controls[order]
-
-    @cached_property
-    def _controls(self) -> tuple[Array, ...]:
-        """These matrices, for every order up to the degree."""
         found, knots = [_kept(np.eye(self.size))], self.knots
         for k in range(self.degree):
             p = self.degree - k

@@ -99,7 +99,7 @@ def test_derivative_rows_are_those_of_the_derivative_spline(case, order: int):
 def test_control_gives_the_coefficients_of_the_derivative(case, order: int):
     space, c = case
     order = min(order, space.degree)
-    d = space.control_matrix(order) @ c
+    d = space.control_matrices[order] @ c
     assert d.shape == (space.size - order,)
     x = grid(space)
     inner = space.knots[order : len(space.knots) - order]
@@ -112,7 +112,7 @@ def test_control_gives_the_coefficients_of_the_derivative(case, order: int):
 def test_a_spline_lies_in_the_hull_of_its_coefficients(case, order: int):
     space, c = case
     order = min(order, space.degree)
-    d = space.control_matrix(order) @ c
+    d = space.control_matrices[order] @ c
     values = space.basis(grid(space), order) @ c
     tolerance = 1e-13 * steepness(space, order) * 4.0
     assert np.all(values <= d.max() + tolerance)
@@ -177,7 +177,7 @@ def test_steps_of_coefficients_stand_for_the_slope(case):
     np.testing.assert_allclose(space.step_matrix @ c, c[:-1] - c[1:], rtol=0, atol=0)
     scale = 1e-14 * steepness(space, 1) * np.abs(c).max()
     np.testing.assert_allclose(
-        factors * (space.control_matrix(1) @ c), space.step_matrix @ c, atol=scale
+        factors * (space.control_matrices[1] @ c), space.step_matrix @ c, atol=scale
     )
 
 

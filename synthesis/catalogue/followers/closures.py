@@ -7,7 +7,6 @@ A new closure is a class here, or in a module of its own as ``conjugate``, and i
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -30,7 +29,7 @@ Rim = Annotated[
 ]
 
 
-class Closure(FiniteModel, ABC):
+class Closure(FiniteModel):
     """What keeps a roller on its cam, and with it: which curves the cam is made of.
 
     Attributes:
@@ -45,9 +44,9 @@ class Closure(FiniteModel, ABC):
     counter_paths: ClassVar[tuple[str, ...]] = ()
     eased_by_distance: ClassVar[bool] = True
 
-    @abstractmethod
     def flanks(self, trace: TracePoint, roller_radius: float) -> tuple[Flank, ...]:
-        """The cam's flanks; the base radius is that of the first."""
+        """The cam's flanks, the base radius that of the first: one that is touched from outside."""
+        return (Flank("", 1, roller_radius, "", trace),)
 
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
@@ -107,17 +106,8 @@ class Closure(FiniteModel, ABC):
         return self
 
 
-class SingleFlank(Closure):
-    """The closure of a family that has no choice of one: a single flank, touched from outside."""
-
-    kind: Literal["single_flank"] = "single_flank"
-    title: ClassVar[str] = "Touched from outside"
-
-    def flanks(self, trace: TracePoint, roller_radius: float) -> tuple[Flank, ...]:
-        return (Flank("", 1, roller_radius, "", trace),)
-
-
-SINGLE_FLANK = SingleFlank()
+SINGLE_FLANK = Closure(kind="single_flank")
+"""That of a family which has no choice of one."""
 
 
 class Force(Closure):

@@ -63,13 +63,10 @@ def transmission(path: TracePoint, segment: PlacedSegment, machine: Machine, s: 
     """G/N: λ cos α less the share of the contact force that friction in the guide takes."""
     load = load_of(machine)
     sine, cosine = pressure_angle_sine_cosine(path, s, z)
-    resisted = load.friction_loss(load.sliding_sense(segment), sine, s[0], _smooth_absolute)
+    sense = load.sliding_sense(segment)
+    # |·| smoothed to a finite slope at 0, for numbers and for symbols
+    resisted = load.friction_loss(sense, sine, s[0], lambda v: (v * v + 1e-18) ** 0.5)
     return cosine * path.lever(s, z) - resisted
-
-
-def _smooth_absolute(value: Any) -> Any:
-    """|·| smoothed to a finite slope at 0, for numbers and for symbols."""
-    return (value * value + 1e-18) ** 0.5
 
 
 class ContactForce(ForceLimit):

@@ -172,13 +172,11 @@ def compare(
         difference = abs(hull(low, high) - arb(extreme.value))
         agrees = True if difference <= allowed else False if difference > allowed else None
     if holds is not None and agrees is not None:
-        agrees = agrees and (holds == extreme.holds or _refused_for_width(extreme))
+        # the certificate may refuse a bound only because its enclosure reaches across it
+        margin = None if extreme.holds else extreme.margin
+        refused_for_width = margin is not None and abs(margin) <= extreme.width
+        agrees = agrees and (holds == extreme.holds or refused_for_width)
     return Measurement(low, high, holds, agrees, how, angle)
-
-
-def _refused_for_width(extreme: Extreme) -> bool:
-    """Whether the certificate refused a bound only because its enclosure reaches across it."""
-    return not extreme.holds and extreme.margin is not None and abs(extreme.margin) <= extreme.width
 
 
 def satisfies(low: arb, high: arb, bound: float, direction: int) -> bool | None:

@@ -21,6 +21,7 @@ from synthesis.units import DEGREE
 
 DERIVATIVES: Final = ("displacement", "velocity", "acceleration", "jerk", "snap")
 AT_JUNCTION: Final = 1e-9  # of a junction that is named by its angle in degrees [rad]
+AT_REST: Final = "from the output link at rest"  # how a dimension is measured
 SIZE_ROUNDING: Final = 1e-12  # relative, of a dimension computed from the size
 JUMP_ROUNDING: Final = 1e-9  # relative, of both sides of a junction, and of a table's rows
 FINEST_PART: Final = 2.0**-14  # of a segment: the search for backward travel bisects no further
@@ -35,8 +36,10 @@ def measure_invariant(design: ExactDesign, extreme: Extreme) -> Measurement:
         return _junction(design, extreme)
     if name.endswith("_asked"):
         return _end_state(design, extreme)
+    if name == "base_radius_positive":
+        base, allowed = _base_radius(design), SIZE_ROUNDING * _cam_size(design)
+        return _beside(extreme, base, AT_REST, allowed, holds=bool(base > 0))
     measure = {
-        "base_radius_positive": _base_radius_positive,
         "table_deviation": _table_deviation,
         "overshoot": _overshoot,
     }.get(name, _dimension)
@@ -68,12 +71,6 @@ def _beside(
 
 
 # -- size ------------------------------------------------------------------------------------
-
-
-def _base_radius_positive(design: ExactDesign, extreme: Extreme) -> Measurement:
-    base, allowed = _base_radius(design), SIZE_ROUNDING * _cam_size(design)
-    positive = bool(base > 0)
-    return _beside(extreme, base, "from the output link at rest", allowed, holds=positive)
 
 
 def _base_radius(design: ExactDesign) -> arb:
@@ -108,10 +105,10 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Measurement:
     stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
     pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
     if extreme.limit == "base_radius":
-        value, how = _base_radius(design), "from the output link at rest"
+        value, how = _base_radius(design), AT_REST
     elif extreme.limit == "centre_distance" and pivot is not None:
         value = (pivot[0] ** 2 + pivot[1] ** 2) ** 0.5
-        how = "from the output link at rest"
+        how = AT_REST
     elif stated is not None:
         value, how, allowed = arb(stated), "stated by the design itself", arb(0)
     else:

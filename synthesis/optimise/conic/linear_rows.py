@@ -173,7 +173,7 @@ def rows_on_law(
     factors, tighten = digits[:4], tightening.every_row
     if not is_sampled(row, space):
         order = row.orders[0]
-        laws = space.control_matrix(order) * factors[order]
+        laws = space.control_matrices[order] * factors[order]
         x = space.breaks if space.degree - order == 1 else np.zeros(len(laws))
         kind: Literal["point", "control"] = "point" if space.degree - order == 1 else "control"
     else:
