@@ -77,25 +77,22 @@ class _LoadedCam:
             largest_pressure_mpa=None if pressure is None else _square_root(pressure),
         )
 
-    def _wanted(self) -> Iterator[tuple[str, Flank, int]]:
-        """What is enclosed: quantity, flank, 1 for its largest value or −1 for its smallest."""
-        flanks = self.cam.machine.follower.flanks
-        for flank in flanks:
-            yield "contact_force", flank, 1
-            yield "contact_force", flank, -1
-            line_contact = flank.roller > 0.0 or self.cam.machine.follower.always_convex
-            if self.load.contact is not None and line_contact:
-                yield "pressure_square", flank, 1
-        yield "camshaft_torque", flanks[0], 1
-        yield "camshaft_torque", flanks[0], -1
-
     @cached_property
     def _peaks(self) -> dict[tuple[str, str, int], ForcePeak]:
         """Finite extremes by quantity, flank and sense, all enclosed together."""
         everywhere = segment_indices(self.cam.motion.segments)
         pieces = self.cam.motion.pieces_of(everywhere)
-        wanted = list(self._wanted())
-        each = {(name, flank.name): flank for name, flank, _ in wanted}
+        follower = self.cam.machine.follower
+        each = {("contact_force", flank.name): flank for flank in follower.flanks}
+        for flank in follower.flanks if self.load.contact is not None else ():
+            if flank.roller > 0.0 or follower.always_convex:
+                each["pressure_square", flank.name] = flank
+        each["camshaft_torque", follower.flanks[0].name] = follower.flanks[0]
+        wanted = [
+            (*key, flank, side)
+            for key, flank in each.items()
+            for side in ((1,) if key[0] == "pressure_square" else (1, -1))
+        ]
         subjects = [
             (force_quantity(name, flank, self.cam), flank.path) for (name, _), flank in each.items()
         ]
@@ -103,17 +100,17 @@ class _LoadedCam:
             return {}
         bounds, keys = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}, list(each)
         questions = [
-            ExtremumQuery(pieces, *bounds[side], function=keys.index((name, flank.name)))
-            for name, flank, side in wanted
+            ExtremumQuery(pieces, *bounds[side], function=keys.index((name, label)))
+            for name, label, _, side in wanted
         ]
         found = {}
         answers = self.cam.enclose(subjects, questions)
-        for (name, flank, side), answer in zip(wanted, answers, strict=True):
+        for (name, label, flank, side), answer in zip(wanted, answers, strict=True):
             peak = answer.enclosure
             # a contact force is reported as it presses its flank, whichever side that is on
             sign = flank.side if name == "contact_force" else 1
             if math.isfinite(peak.width):
-                found[name, flank.name, side * sign] = ForcePeak(
+                found[name, label, side * sign] = ForcePeak(
                     value=sign * peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
                 )
         return found
@@ -163,27 +160,19 @@ class _LoadedCam:
         pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
         speed = np.array([turn.rolling[name] for name in mine])[pressed]
         mean = float(weights @ speed) / FULL_TURN
-        speeds = RollerLife(
-            path=path, mean_speed_rpm=mean * PER_MINUTE,
-            largest_speed_rpm=float(speed.max()) * PER_MINUTE,
-            equivalent_load_n=None, life_million_turns=None, life_hours=None,
-        )  # fmt: skip
-        if bearing is None or mean <= 0.0:
-            return speeds
         force = np.maximum(forces[pressed], 0.0)
-        p = bearing.life_exponent
-        largest = float(force.max())
-        if largest <= 0.0:
-            return speeds
-        # equivalent load: the mean of F^p over the roller's revolutions, to the power 1/p
-        share = float(weights @ ((force / largest) ** p * speed)) / (mean * FULL_TURN)
-        equivalent = largest * share ** (1.0 / p)
-        life = (bearing.dynamic_rating_n / equivalent) ** p
-        hours = life * 1e6 / (60.0 * mean * PER_MINUTE)
-        return speeds.model_copy(
-            update={
-                "equivalent_load_n": equivalent, "life_million_turns": life, "life_hours": hours
-            }
+        largest, equivalent, life, hours = float(force.max()), None, None, None
+        if bearing is not None and mean > 0.0 and largest > 0.0:
+            # equivalent load: the mean of F^p over the roller's revolutions, to the power 1/p
+            p = bearing.life_exponent
+            share = float(weights @ ((force / largest) ** p * speed)) / (mean * FULL_TURN)
+            equivalent = largest * share ** (1.0 / p)
+            life = (bearing.dynamic_rating_n / equivalent) ** p
+            hours = life * 1e6 / (60.0 * mean * PER_MINUTE)
+        return RollerLife(
+            path=path, mean_speed_rpm=mean * PER_MINUTE,
+            largest_speed_rpm=float(speed.max()) * PER_MINUTE, equivalent_load_n=equivalent,
+            life_million_turns=life, life_hours=hours,
         )  # fmt: skip
 
     # -- lift-off and change of flank, by sampling -------------------------------------------

@@ -97,11 +97,7 @@ class BundlePoint:
     value: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Tangent:
-    at: Array
-    value: float
-    slope: Array
+_Tangent = tuple[Array, float, Array]  # a point, the function's value and its slopes there
 
 
 def minimise(
@@ -124,7 +120,7 @@ def minimise(
         return best
     tangents.append(_tangent(function, polytope, best))
     while rounds > 0 and radius >= CLOSEST:
-        tangents = [t for t in tangents if np.max(np.abs(t.at - best.u)) <= NEAR * radius]
+        tangents = [t for t in tangents if np.max(np.abs(t[0] - best.u)) <= NEAR * radius]
         step, promised = _step(polytope, best, tangents, radius)
         if promised <= ENOUGH * abs(best.value):
             radius *= SHORTER
@@ -151,7 +147,7 @@ def _tangent(function: Function, polytope: Polytope, here: BundlePoint) -> _Tang
             if np.all((at >= 0.0) & (at <= 1.0)) and (value := function(at)) is not None:
                 slope[k] = (value - here.value) / step
                 break
-    return _Tangent(here.u, here.value, slope)
+    return here.u, here.value, slope
 
 
 def _step(
@@ -160,10 +156,10 @@ def _step(
     """The step to the lowest point of the model, and the gain that it promises."""
     directions, count = polytope.directions, polytope.directions.shape[1]
     table, rhs = [], []
-    for tangent in tangents:
-        here = tangent.value + float(tangent.slope @ (directions.T @ (best.u - tangent.at)))
+    for at, value, slope in tangents:
+        here = value + float(slope @ (directions.T @ (best.u - at)))
         # the function is not convex: a tangent may not cut off the best point
-        table.append(np.append(tangent.slope, -1.0))
+        table.append(np.append(slope, -1.0))
         rhs.append(best.value - min(here, best.value))
     for sign, room in ((1.0, 1.0 - best.u), (-1.0, best.u)):
         table += list(np.hstack([sign * directions, np.zeros((len(room), 1))]))

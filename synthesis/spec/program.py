@@ -49,10 +49,8 @@ class ConstantSpeed(SegmentSpec):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> ConstantSpeed:
-        fields = (
-            self.velocity_mm_per_s, self.velocity_deg_per_s, self.lift_mm, self.lift_deg
-        )  # fmt: skip
-        given = [value for value in fields if value is not None]
+        values = self.velocity_mm_per_s, self.velocity_deg_per_s, self.lift_mm, self.lift_deg
+        given = [value for value in values if value is not None]
         if len(given) != 1:
             raise PydanticCustomError(
                 "velocity_or_lift",

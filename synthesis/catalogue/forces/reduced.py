@@ -241,17 +241,30 @@ def history(
     starts = np.array([segment.start for segment in placed])
     which = np.clip(np.searchsorted(starts, wrapped, side=side) - 1, 0, None)
     sense = np.array([load.sliding_sense(segment) for segment in placed])[which]
-    places = dict[str, ContactState]()
+    places, contact = list[ContactState](), dict[str, Array]()
+    pressure, rolling = dict[str, Array](), dict[str, Array]()
     for flank in follower.flanks:
         sine, cosine = pressure_angle_sine_cosine(flank.trace, s, size)
         lever = flank.trace.lever(s, size)
-        places[flank.name] = ContactState(
-            load, omega, tuple(s), process, sense, sine, cosine, lever
-        )
-    first = next(iter(places.values()))
-    contact = {
-        flank.name: flank.side * places[flank.name].contact_force() for flank in follower.flanks
-    }
+        places.append(ContactState(load, omega, tuple(s), process, sense, sine, cosine, lever))
+        force = places[-1].contact_force()
+        contact[flank.name] = flank.side * force
+        bend, square = flank.trace.curvature_terms(s, size)
+        if load.contact is not None and (flank.roller > 0.0 or follower.always_convex):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found = (
+                    face_pressure_square(load, force, bend / np.sqrt(square))
+                    if follower.always_convex
+                    else pressure_square(load, flank, force, bend / square**1.5)
+                )
+            pressure[flank.name] = np.sqrt(np.maximum(found, 0.0))
+        if flank.roller > 0.0:
+            # Without slip: on the cam its centre moves at W per radian, so there it turns by W/Rr;
+            # the cam turns by one and, on an arm, the pin by as much as the direction of drive.
+            (gx, gy), (hx, hy) = flank.trace.drive_direction(s, size)
+            spin = flank.side * np.sqrt(square) / flank.roller - 1.0 + (gx * hy - gy * hx)
+            rolling[flank.name] = np.abs(spin) * omega
+    first = places[0]
     resisted = load.friction_loss(sense, first.sine, s[0], np.abs) * np.ones_like(angle)
     return ForceHistory(
         theta=angle,
@@ -264,43 +277,6 @@ def history(
         friction=first.contact_force() * resisted,
         torque=first.torque(),
         contact=contact,
-        pressure={
-            flank.name: _pressure(flank, follower, load, contact[flank.name], s, size)
-            for flank in follower.flanks
-            if load.contact is not None and (flank.roller > 0.0 or follower.always_convex)
-        },
-        rolling={
-            flank.name: _rolling(flank, omega, s, size)
-            for flank in follower.flanks
-            if flank.roller > 0.0
-        },
+        pressure=pressure,
+        rolling=rolling,
     )
-
-
-def _pressure(
-    flank: Flank,
-    follower: Follower,
-    load: ReducedLoad,
-    pressed: Array,
-    s: Array,
-    size: tuple[float, ...],
-) -> Array:
-    numerator, square = flank.trace.curvature_terms(s, size)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if follower.always_convex:
-            found = face_pressure_square(load, pressed, numerator / np.sqrt(square))
-        else:
-            found = pressure_square(load, flank, flank.side * pressed, numerator / square**1.5)
-    return np.asarray(np.sqrt(np.maximum(found, 0.0)))
-
-
-def _rolling(flank: Flank, omega: float, s: Array, size: tuple[float, ...]) -> Array:
-    """How fast a roller that does not slip turns on its pin [rad/s].
-
-    On the cam its centre moves at W per radian, so there it turns by W/Rr; the cam turns by one
-    and, on an arm, the pin by as much as the direction of drive.
-    """
-    _, square = flank.trace.curvature_terms(s, size)
-    (gx, gy), (hx, hy) = flank.trace.drive_direction(s, size)
-    pin = gx * hy - gy * hx
-    return np.asarray(np.abs(flank.side * np.sqrt(square) / flank.roller - 1.0 + pin) * omega)
