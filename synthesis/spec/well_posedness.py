@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 from pydantic_core import PydanticCustomError
 
@@ -96,30 +96,21 @@ def check_jerk_finite(
     Raises:
         PydanticCustomError: with the segment and what speaks of jerk.
     """
-    rough = [s for s in segments if s.free is not None and s.free.smoothness < JERK - 1]
-    for segment in rough:
-        for name in _of_jerk(segment, limits, objectives, machine):
+    named, aims = list(limits), list(objectives)
+    for segment in segments:
+        smoothness = JERK if segment.free is None else segment.free.smoothness
+        if smoothness >= JERK - 1:
+            continue
+        # What has a row on the jerk of this segment, or makes its mean square small.
+        rows = [(name, limit.rows(segment, machine)) for name, limit in named]
+        rows += [(f"objective {aim.kind}", aim.rows(segment, machine, 1.0)) for aim in aims]
+        of_jerk = [name for name, own in rows if any(row.coefficients[JERK] for row in own)]
+        of_jerk += [f"objective {aim.kind}" for aim in aims if aim.energy_order() == JERK]
+        if of_jerk:
             raise PydanticCustomError(
                 "spline_too_rough",
                 "program/{position} is a spline of smoothness {value}, whose acceleration may "
                 "jump, but {name} speaks of jerk, which is infinite there. Take smoothness 2, or "
                 "leave {name} out.",
-                {"position": segment.index, "value": segment.free.smoothness
-                 if segment.free is not None else 0, "name": name},
-            )  # fmt: skip
-
-
-def _of_jerk(
-    segment: PlacedSegment,
-    limits: Iterable[tuple[str, Limit]],
-    objectives: Iterable[Objective],
-    machine: Machine,
-) -> Iterator[str]:
-    """Names of what has a row on the jerk of this segment, or makes its mean square small."""
-    for name, limit in limits:
-        if any(row.coefficients[JERK] != 0.0 for row in limit.rows(segment, machine)):
-            yield name
-    for objective in objectives:
-        rows = objective.rows(segment, machine, 1.0)
-        if objective.energy_order() == JERK or any(row.coefficients[JERK] != 0.0 for row in rows):
-            yield f"objective {objective.kind}"
+                {"position": segment.index, "value": smoothness, "name": of_jerk[0]},
+            )

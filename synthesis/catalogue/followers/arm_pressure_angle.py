@@ -90,12 +90,12 @@ class FreePivotPressureAngle(NonconvexConstraint):
         none, one, found = np.zeros_like(low), np.ones_like(low), list[PointInequalities]()
         for sign, turn in ((1.0, -alpha), (-1.0, alpha - pi)):
             for phi in swings:
-                above = majorant_plane(turn, corners, (low, high), (phi, size))
+                along, by_size, height = majorant_plane(turn, corners, (low, high), (phi, size))
                 # sign (l + σ s') ≤ D' d cos(ψ + turn)
-                steep = -reach * above.along / self.arm
+                steep = -reach * along / self.arm
                 rows = np.stack([steep, sign * self.sense * one, none, none])
-                upper = reach * above.height - sign * self.arm
-                found.append(PointInequalities(rows, -reach * above.size, upper))
+                upper = reach * height - sign * self.arm
+                found.append(PointInequalities(rows, -reach * by_size, upper))
         return tuple(found)
 
 
@@ -229,18 +229,9 @@ ROUNDING = 1e-13  # relative: a plane is raised by it, far above the rounding of
 Point = Sequence[float]
 
 
-@dataclass(frozen=True, eq=False)
-class MajorantPlane:
-    """along · φ + size · (p, q) + height [mm] at n points: (n,), (2, n) and (n,)."""
-
-    along: Array
-    size: Array
-    height: Array
-
-
 def majorant_plane(
     turn: float, corners: Sequence[Point], swing: tuple[Array, Array], at: tuple[Array, Point]
-) -> MajorantPlane:
+) -> tuple[Array, Array, Array]:
     """The lowest plane above d cos(ψ + turn) that is as steep as this is at a place.
 
     Args:
@@ -248,6 +239,10 @@ def majorant_plane(
         corners: (p, q) of a polygon in which the pivot lies [mm].
         swing: lower and upper end of φ, (n,) each [rad].
         at: φ (n,) and (p, q) of the place.
+
+    Returns:
+        along, size and height of the plane along · φ + size · (p, q) + height [mm]: (n,), (2, n)
+        and (n,).
     """
     # The tangent plane's slopes at the place.
     phi, (p, q) = at[0] + turn, at[1]
@@ -260,7 +255,7 @@ def majorant_plane(
         for corner in corners
     ]
     terms = max(hypot(*corner) for corner in corners) + np.abs(along) * np.abs(swing[1])
-    return MajorantPlane(along, size, np.max(left, axis=0) + ROUNDING * terms)
+    return along, size, np.max(left, axis=0) + ROUNDING * terms
 
 
 def max_of_cosine_minus_line(

@@ -92,7 +92,16 @@ class CurvatureBound:
             coefficients, constant = self.pressure_term.linear_form(moving.theta)
             factors = coefficients[:, None]
             friction = np.stack(self.pressure_term.friction_bound(low, high, moving))
-            weight, square = _mccormick(low, high, at, moving, factors, constant, friction)
+            # Ranges of Λ, by interval arithmetic, and of Q over the box.
+            ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
+            weak, strong = np.sum(ends, axis=1) + constant
+            small, large = _square_range(low, high, friction)
+            # Of McCormick's two minorants of the product the larger one where rows shall be tight.
+            here = _square(at, friction)[0]
+            place = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
+            force = np.clip(np.sum(factors * place, axis=0) + constant, weak, strong)
+            lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
+            weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
         convex, concave = _speed_term, _offset_term
         if self.side < 0:
             convex, concave = concave, convex
@@ -126,36 +135,6 @@ class CurvatureBound:
         known = np.array(self.coordinates.constants) @ by
         size = np.array(self.coordinates.size_factors).T @ by
         return PointInequalities(rows, size, -least - known)
-
-
-def _mccormick(
-    low: Array,
-    high: Array,
-    at: Array,
-    moving: MotionBox,
-    factors: Array,
-    constant: Array,
-    friction: Array,
-) -> tuple[Array, Array]:
-    """Of McCormick's two minorants of Λ Q the larger one where rows shall be tight.
-
-    Args:
-        low, high, at: (3, n) the box of X, u and e, and the place. moving: bounds of the motion.
-        factors, constant: (3, 1) and (n,) with Λ = factors · (s, s', s'') + constant.
-        friction: a and b of Q, (2, n).
-
-    Returns:
-        weight and square, (n,) each.
-    """
-    # Ranges of Λ, by interval arithmetic, and of Q over the box.
-    ends = np.sort(np.stack([factors * moving.low, factors * moving.high]), axis=0)
-    weak, strong = np.sum(ends, axis=1) + constant
-    small, large = _square_range(low, high, friction)
-    here = _square(at, friction)[0]
-    middle = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
-    force = np.clip(np.sum(factors * middle, axis=0) + constant, weak, strong)
-    lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
-    return np.where(lower, weak, strong), np.where(lower, small, large)
 
 
 def _corners(low: Array, high: Array) -> Array:

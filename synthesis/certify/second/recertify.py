@@ -21,41 +21,26 @@ Claims = dict[tuple[str, str], list[Claim]]  # by limit and field, in the certif
 
 def recertify(design: Design) -> Confirmation:
     """Measure every line of a design's certificate again."""
+    if not design.motion:
+        raise InputError(
+            "/motion", [], "This design has no cam: there is nothing to measure.",
+            "Confirm a design whose status is optimal or feasible.",
+        )  # fmt: skip
+    spec = design.completed_spec
+    claims = defaultdict[tuple[str, str], list[Claim]](list)
+    for claim in all_claims(
+        spec.all_limits(), design.curve.segments, spec.machine(), tuple(design.size)
+    ):
+        claims[claim.limit, claim.field].append(claim)
     with ball_precision():
-        exact = _exact(design)
-        claims = _claims(design)
+        link = spec.follower.link(tuple(arb(z) for z in design.size), degree())
+        exact = ExactDesign(design, link, ExactMotion(design))
         lines = [_line(extreme, _measure(exact, extreme, claims)) for extreme in design.extremes]
     verdicts = [line.agrees for line in lines]
     verdict: Verdict = "incomplete" if None in verdicts else "confirmed"
     if False in verdicts:
         verdict = "contradicted"
     return Confirmation(id=design.id, name=design.name, verdict=verdict, bits=BITS, lines=lines)
-
-
-def _exact(design: Design) -> ExactDesign:
-    if not design.motion:
-        raise InputError(
-            "/motion", [], "This design has no cam: there is nothing to measure.",
-            "Confirm a design whose status is optimal or feasible.",
-        )  # fmt: skip
-    size = tuple(arb(z) for z in design.size)
-    link = design.completed_spec.follower.link(size, degree())
-    if link is None:
-        raise InputError(
-            "/follower", design.follower,
-            "The second judge has no description of this follower's output link.",
-            "The certificate cannot be confirmed; it remains valid by itself.",
-        )  # fmt: skip
-    return ExactDesign(design, link, ExactMotion(design))
-
-
-def _claims(design: Design) -> Claims:
-    """The claims of the certificate, by their names."""
-    spec, found = design.completed_spec, defaultdict[tuple[str, str], list[Claim]](list)
-    limits, segments, size = spec.all_limits(), design.curve.segments, tuple(design.size)
-    for claim in all_claims(limits, segments, spec.machine(), size):
-        found[claim.limit, claim.field].append(claim)
-    return found
 
 
 def _measure(design: ExactDesign, extreme: Extreme, claims: Claims) -> Measurement:
