@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from synthesis.numerics.piecewise import Array
 
 Complex = NDArray[np.complex128]
-RATE_ROUNDING = 1e-9  # of the fastest rate: real parts below it are rounding
+RATE_ROUNDING = 1e-9  # of the fastest rate: smaller positive real parts are rounding
 
 
 class StaticallyUnstable(ValueError):
@@ -126,7 +126,7 @@ class Modes:
     @cached_property
     def independent(self) -> NDArray[np.intp]:
         """One mode of every conjugate pair, and all real ones, slowest first."""
-        chosen = np.flatnonzero(self.rates.imag >= -RATE_ROUNDING * np.abs(self.rates))
+        chosen = np.flatnonzero(self.rates.imag >= 0.0)
         return chosen[np.argsort(np.abs(self.rates[chosen]), kind="stable")]
 
     @property

@@ -30,7 +30,6 @@ SAMPLES_PER_INTERVAL: Final = 12  # of the outline
 REPEATED: Final = 1e-9  # of the size: nearer points are one
 BLOCK: Final = 48  # sides of the polygon that share a bounding box
 FIELD: Final = "/points_mm"
-LEVEL: Final = 1e-9  # of the position: rounding; so little below the envelope counts as on it
 CHUNK: Final = 256  # points compared at a time, to bound memory
 
 
@@ -238,7 +237,6 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
     before = np.maximum.accumulate(ahead)[n : 2 * n] > theta
     behind = np.minimum.accumulate(ahead[::-1])[::-1][n : 2 * n] < theta
     zone = np.flatnonzero(before | behind)
-    allowed = LEVEL * float(np.max(np.abs(position)))
     spans = np.union1d(zone, (zone - 1) % n)
     for first in range(0, len(zone), CHUNK):
         part = zone[first : first + CHUNK]
@@ -249,7 +247,7 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
         share = (at - theta[spans]) / np.where(length == 0.0, 1.0, length)
         height = position[spans] + (higher - position)[spans] * share
         inside = (at > low[spans]) & (at < high[spans])
-        below[part] = np.max(np.where(inside, height, -np.inf), axis=1) > position[part] + allowed
+        below[part] = np.max(np.where(inside, height, -np.inf), axis=1) > position[part]
     return below
 
 

@@ -37,8 +37,7 @@ Elbow = Literal["up", "down"]
 Edge = Literal["upper_arm", "forearm", "opening"]
 Joint = Literal["base", "upper_arm", "forearm", "opening", "tool"]
 JOINTS: Final[tuple[Joint, ...]] = ("base", "upper_arm", "forearm", "opening", "tool")
-STRETCHED: Final = 1e-14  # of the arms' product: a discriminant that rounding made negative
-ROUNDING: Final = 1e-12  # rad, and of a length: by so much a limit may be exceeded
+ROUNDING: Final = 1e-12  # rad, and relative: by so much a limit or the reach may be exceeded
 RIGHT_ANGLE: Final = 0.5 * math.pi
 G: Final = 9.80665  # m/s², standard gravity
 METRE: Final = 1e-3  # m per mm
@@ -135,7 +134,7 @@ class Arm:
         sine = (square - a * a - b * b) / (2.0 * a * b)
         # (2 a b cos q)² as a product: accurate also where the arms are nearly in line.
         discriminant = ((a + b) ** 2 - square) * (square - (a - b) ** 2)
-        if discriminant < -STRETCHED * (2.0 * a * b) ** 2 or square == 0.0:
+        if discriminant < -ROUNDING * (2.0 * a * b) ** 2 or square == 0.0:
             return
         cosine = math.sqrt(max(discriminant, 0.0)) / (2.0 * a * b)
         elbows: tuple[tuple[Elbow, float], ...] = (("up", cosine), ("down", -cosine))

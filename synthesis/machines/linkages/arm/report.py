@@ -18,8 +18,6 @@ from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
 from synthesis.units import DEGREE, FULL_TURN
 
 KIND = "palletising arm"
-ON_AXIS = 1e-9  # of the reach: nearer to axis 1 the tool counts as on it
-ROUNDING = 1e-12  # relative: a base that turns by so much more than 360° turns once
 
 
 class BorderArc(AnswerModel):
@@ -193,7 +191,7 @@ def _region(region: Region, base_range: float) -> WorkRegion:
         value *= way.real + way.imag
         extremes[name] = ArmFarthest(value_mm=value, upper_arm_deg=upper, forearm_deg=fore)
     # Pappus: a region that the axis does not cut, turned about it at most once.
-    once = base_range <= FULL_TURN * (1.0 + ROUNDING) and extremes["r_min"].value_mm >= 0.0
+    once = base_range <= FULL_TURN + geometry.ROUNDING and extremes["r_min"].value_mm >= 0.0
     return WorkRegion(
         elbow=region.elbow,
         border=[
@@ -282,6 +280,6 @@ def _note(arm: geometry.Arm, place: geometry.Place, solutions: Sequence[ArmSolut
             f"Every posture there exceeds a limit; the nearest is {best.base} with the elbow "
             f"{best.elbow}, which exceeds {broken}. Widen these limits, or choose another place."
         )
-    if away <= ON_AXIS * (arm.upper + arm.fore):
+    if away <= geometry.ROUNDING * (arm.upper + arm.fore):
         return "The tool is on axis 1: any base angle will do."
     return ""
