@@ -56,18 +56,18 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
     )
 
 
-def as_design(found: Analysis) -> Design:
+def as_design(analysis: Analysis) -> Design:
     """The cam of an analysis as a design, for drawings and reports.
 
     Nothing is solved: violated limits are in its extremes, sizes that keep them in its conflict.
     """
-    remedy, conflict = found.remedy, None
+    remedy, conflict = analysis.remedy, None
     if remedy is not None and remedy.limits:
         conflict = Conflict(
             limits=remedy.limits, relaxations=remedy.relaxations, evidence=remedy.evidence
         )
-    cam = given_cam(found.spec)
-    return design(found.spec, cam, found.extremes, [], [], 0.0, conflict)
+    cam = given_cam(analysis.spec)
+    return design(analysis.spec, cam, analysis.extremes, [], [], 0.0, conflict)
 
 
 def given_cam(spec: DesignSpec) -> Cam:
@@ -94,13 +94,13 @@ def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
         ("kept", "free") if spec.follower.adjustable_dimensions() else ("kept",)
     )
     sizes = [_smallest_size(spec, cam, offset, stop) for offset in offsets]
-    found = _smallest_cam(spec, stop)
-    conflict = None if found is None else found.conflict
+    smallest = _smallest_cam(spec, stop)
+    conflict = None if smallest is None else smallest.conflict
     return Remedy(
         sizes=sizes,
         limits=conflict.limits if conflict else [],
         relaxations=conflict.relaxations if conflict else [],
-        evidence=conflict.evidence if conflict else "no conflict was found",
+        evidence=conflict.evidence if conflict else "no conflict was smallest",
     )
 
 
@@ -109,21 +109,21 @@ def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> S
     follower = spec.follower.without_size_dimension()
     opened = dict.fromkeys(follower.adjustable_dimensions()) if offset == "free" else {}
     freed = {"base_radius_mm": None, "follower": follower.model_copy(update=opened)}
-    found = _smallest_cam(spec.model_copy(update=freed), stop)
-    if found is None or found.status == "infeasible":
+    smallest = _smallest_cam(spec.model_copy(update=freed), stop)
+    if smallest is None or smallest.status == "infeasible":
         return SizeChange(
-            offset=offset, status=None if found is None else found.status, dimensions={},
+            offset=offset, status=None if smallest is None else smallest.status, dimensions={},
             base_radius_change_mm=None, offset_change_mm=None, gap=None,
         )  # fmt: skip
-    old, new = spec.follower.dimensions(cam.size), found.dimensions
+    old, new = spec.follower.dimensions(cam.size), smallest.dimensions
     return SizeChange(
         offset=offset,
-        status=found.status,
+        status=smallest.status,
         dimensions=new,
         base_radius_change_mm=new["base_radius_mm"] - old["base_radius_mm"],
         offset_change_mm=new["offset_mm"] - old["offset_mm"] if "offset_mm" in new else None,
         changes={name: new[name] - old[name] for name in opened},
-        gap=found.certificate.gap,
+        gap=smallest.certificate.gap,
     )
 
 

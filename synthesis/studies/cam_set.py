@@ -49,7 +49,7 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
             raise SolverFailed(error.solver, error.status, advice) from None
     pairs = zip(spec.cams, designs, strict=True)
     cams = [mount(i, cam, design) for i, (cam, design) in enumerate(pairs)]
-    found = assemble_set(spec, cams, timing_of(cams), time.perf_counter() - began)
+    result = assemble_set(spec, cams, timing_of(cams), time.perf_counter() - began)
     if late:
-        raise TimeBudgetExceeded(budget, found)
-    return found
+        raise TimeBudgetExceeded(budget, result)
+    return result

@@ -48,9 +48,9 @@ class SpeedOptions(Options):
         Speed | None, Field(description="Any speed; left out, that of the cam's own spec.")
     ] = None
 
-    def of(self, found: TrainResponse) -> float:
+    def of(self, answer: TrainResponse) -> float:
         """The speed [rpm]."""
-        return self.speed_rpm or found.spec.cam.speed_rpm
+        return self.speed_rpm or answer.spec.cam.speed_rpm
 
 
 @dataclass(frozen=True)
@@ -79,14 +79,14 @@ class ResponseOptions(RowOptions):
     ] = 0
 
 
-def _steps(found: TrainResponse, per_degree: float) -> Steps:
-    return Steps.of(found.cam.curve, int(np.ceil(360.0 * per_degree)))
+def _steps(answer: TrainResponse, per_degree: float) -> Steps:
+    return Steps.of(answer.cam.curve, int(np.ceil(360.0 * per_degree)))
 
 
-def _response_csv(found: TrainResponse, options: ResponseOptions) -> bytes:
+def _response_csv(answer: TrainResponse, options: ResponseOptions) -> bytes:
     """Cam, masses and contact force; a cam angle with an impact has two rows."""
-    chain, omega = found.spec.train.chain(), rad_per_s(options.of(found))
-    steps = _steps(found, options.points_per_degree)
+    chain, omega = answer.spec.train.chain(), rad_per_s(options.of(answer))
+    steps = _steps(answer, options.points_per_degree)
     turns = from_rest(chain, steps, omega, options.turns) or [steady(chain, steps, omega)]
     return csv_table(concatenate([_columns(k, turn) for k, turn in enumerate(turns)]))
 
@@ -109,11 +109,11 @@ def _columns(number: int, turn: Response) -> list[Column]:
     ]  # fmt: skip
 
 
-def _polydyne_csv(found: TrainResponse, options: RowOptions) -> bytes:
+def _polydyne_csv(answer: TrainResponse, options: RowOptions) -> bytes:
     """The cam motion with which the output moves as the motion of the spec's cam."""
-    omega, motion = rad_per_s(options.of(found)), found.cam.curve
-    theta = _steps(found, options.points_per_degree).theta
-    s = polydyne(found.spec.train.chain(), motion, omega, theta)
+    omega, motion = rad_per_s(options.of(answer)), answer.cam.curve
+    theta = _steps(answer, options.points_per_degree).theta
+    s = polydyne(answer.spec.train.chain(), motion, omega, theta)
     return csv_table(
         [
             Column("angle_deg", "deg", "cam angle", theta / DEGREE),
@@ -125,10 +125,10 @@ def _polydyne_csv(found: TrainResponse, options: RowOptions) -> bytes:
     )
 
 
-def _response_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
+def _response_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     """Motion of cam and output, the error of the output, its acceleration, the contact force."""
-    speed = options.of(found)
-    turn = steady(found.spec.train.chain(), _steps(found, PER_DEGREE), rad_per_s(speed))
+    speed = options.of(answer)
+    turn = steady(answer.spec.train.chain(), _steps(answer, PER_DEGREE), rad_per_s(speed))
     degrees, error = turn.theta / DEGREE, turn.deflection[-1]
     plots = [
         curve_plot(title, unit, degrees, values)
@@ -139,21 +139,21 @@ def _response_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
             ("Contact force", "N", turn.contact_force),
         )
     ]
-    title = f"Follower train at {svg.figure(speed)} rpm: {found.name or found.id}"
+    title = f"Follower train at {svg.figure(speed)} rpm: {answer.name or answer.id}"
     text = "Periodic response of the train: output, its error and acceleration, the contact force."
-    cam = found.cam.model_copy(update={"speed_rpm": speed})  # the heading names the speed
+    cam = answer.cam.model_copy(update={"speed_rpm": speed})  # the heading names the speed
     return sheet(cam, plots, title, text, options.theme)
 
 
-def _spectrum_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
+def _spectrum_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     """Residual vibration over the natural frequency, a curve for each run of moves."""
-    speed, motion = options.of(found), found.cam.curve
+    speed, motion = options.of(answer), answer.cam.curve
     runs = runs_between_dwells(motion.segments)
     angles = {segment.index: segment.angle for segment in motion.segments}
     longest = max((sum(angles[i] for i in run) for run in runs), default=FULL_TURN)
     ratios = np.linspace(0.02, REACH, POINTS) * FULL_TURN / longest  # ω_n/ω
     # Damping ratio of the slowest oscillating mode.
-    modes = found.spec.train.chain().modes
+    modes = answer.spec.train.chain().modes
     rates = modes.rates[modes.independent]
     first = rates[int(np.argmax(np.abs(rates.imag) > 0.0))]
     damping = float(np.clip(-first.real / abs(first), 0.0, 0.99))
@@ -170,7 +170,7 @@ def _spectrum_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
         down = (top - np.log10(np.maximum(value, 1e-300))) / DECADES
         return np.asarray(TOP + TALL * np.clip(down, 0.0, 1.0))
 
-    name = found.name.strip() or "Follower train"
+    name = answer.name.strip() or "Follower train"
     about = f"Residual spectrum at {svg.figure(speed)} rpm, damping ratio {svg.figure(damping)}"
     body = [
         svg.text("title", 8.0, 8.0, svg.shorten(name, WIDTH - 16.0, BOLD * svg.TITLE)),
@@ -185,7 +185,7 @@ def _spectrum_svg(found: TrainResponse, options: TrainPictureOptions) -> bytes:
         body.append(svg.text("tick", LEFT - 1.6, level + 0.9, svg.figure(10.0**power), "end"))
     body += [svg.line("axis", LEFT, bottom, WIDTH - RIGHT, bottom),
              svg.line("axis", LEFT, TOP, LEFT, bottom)]  # fmt: skip
-    for mode in found.modes:
+    for mode in answer.modes:
         if mode.natural_frequency_hz <= hertz[-1]:
             at = float(x(mode.natural_frequency_hz))
             body.append(svg.line("normal", at, TOP, at, bottom))

@@ -139,15 +139,21 @@ class _Simulation:
         crossing.terminal = True  # type: ignore[attr-defined]
         crossing.direction = -1.0  # type: ignore[attr-defined]
         stroke = float(np.ptp(self.motion.curve(self.motion.curve.breaks)))
-        found: Any = solve_ivp(
+        solution: Any = solve_ivp(
             self._rates(flying), (low, high), begin, method="DOP853", rtol=self.tolerance,
             atol=self.tolerance * stroke, events=crossing, max_step=FULL_TURN / MIN_STEPS,
             dense_output=True,
         )  # fmt: skip
-        at, last = float(found.t[-1]), found.y[:, -1]
-        between = np.linspace(found.t[:-1], found.t[1:], SAMPLES, axis=1).ravel()
-        peak = float(np.max(event(found.sol(between))))
-        return at, last[: 2 * n], float(last[2 * n] if flying else last[0]), found.status == 1, peak
+        at, last = float(solution.t[-1]), solution.y[:, -1]
+        between = np.linspace(solution.t[:-1], solution.t[1:], SAMPLES, axis=1).ravel()
+        peak = float(np.max(event(solution.sol(between))))
+        return (
+            at,
+            last[: 2 * n],
+            float(last[2 * n] if flying else last[0]),
+            solution.status == 1,
+            peak,
+        )
 
     def _force(self, x: Array) -> Array:
         """Contact force of states (2n,) or (2n, k)."""
@@ -168,11 +174,11 @@ class _Simulation:
             if flying:  # the first link carries no force: remove it and the preload
                 force[0] += chain.preload - spring * x[0] - damper * x[n]
             pulls = -force / chain.masses - a * omega**2
-            found = np.concatenate([x[n : 2 * n], pulls])
+            change = np.concatenate([x[n : 2 * n], pulls])
             if flying:
                 creep = (chain.preload - spring * x[-1]) / damper if damper > 0.0 else 0.0
-                found = np.append(found, creep)
-            return found / omega
+                change = np.append(change, creep)
+            return change / omega
 
         return rate
 

@@ -68,5 +68,5 @@ def polydyne(chain: Chain, output: Motion, omega: float, theta: Array) -> Array:
                 "polynomial_6_7_8_9_10_11 has 5) or fewer masses.",
             )  # fmt: skip
     by_angle = factors(chain) * omega ** np.arange(orders)
-    known = output.derivatives(theta, orders + 1)
-    return np.stack([by_angle @ known[k : k + orders] for k in range(3)])
+    derivatives = output.derivatives(theta, orders + 1)
+    return np.stack([by_angle @ derivatives[k : k + orders] for k in range(3)])

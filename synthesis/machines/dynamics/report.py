@@ -166,8 +166,8 @@ _steps = lru_cache(maxsize=4)(Steps.of)
 def _steady(chain: Chain, motion: Motion, speed_rpm: float) -> Response:
     """The periodic response, in steps short enough for the fastest mode."""
     omega = rad_per_s(speed_rpm)
-    wanted = STEPS_PER_PERIOD * float(np.max(np.abs(chain.modes.rates.imag))) / omega
-    per_turn = 2.0 ** np.ceil(np.log2(max(wanted, 1.0)))  # few values, to be used again
+    needed = STEPS_PER_PERIOD * float(np.max(np.abs(chain.modes.rates.imag))) / omega
+    per_turn = 2.0 ** np.ceil(np.log2(max(needed, 1.0)))  # few values, to be used again
     return steady(chain, _steps(motion, int(np.clip(per_turn, MIN_STEPS, MAX_STEPS))), omega)
 
 
@@ -191,38 +191,43 @@ def _float_onset(chain: Chain, motion: Motion, speeds: Sequence[float]) -> float
 def _at_speed(
     chain: Chain, motion: Motion, speed_rpm: float, turns: int, *, form_closed: bool
 ) -> AtSpeed:
-    modes, found = chain.modes, _steady(chain, motion, speed_rpm)
-    error, force = found.deflection[-1], found.contact_force
+    modes, response = chain.modes, _steady(chain, motion, speed_rpm)
+    error, force = response.deflection[-1], response.contact_force
     peaks: dict[str, Any] = {
-        name.format(end): _peak(found, sign * values, sign)
+        name.format(end): _peak(response, sign * values, sign)
         for name, values in (
-            ("output_error_{}", error), ("output_acceleration_{}", found.output_acceleration),
+            ("output_error_{}", error), ("output_acceleration_{}", response.output_acceleration),
             ("contact_force_{}_n", force),
         )
         for end, sign in (("max", 1.0), ("min", -1.0))
     }  # fmt: skip
-    starts = from_rest(chain, found.steps, found.omega, turns)
+    starts = from_rest(chain, response.steps, response.omega, turns)
+    turn_s = FULL_TURN / response.omega
     floats = not form_closed and bool(np.min(force) <= 0.0)
     return AtSpeed(
         speed_rpm=speed_rpm,
         **peaks,
         floats=floats,
-        dwells=list(_dwells(motion, found)),
-        remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * FULL_TURN / found.omega)),
+        dwells=list(_dwells(motion, response)),
+        remaining_share_per_turn=float(
+            np.exp(np.max(modes.rates.real) * FULL_TURN / response.omega)
+        ),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
-        flight=simulate_flights(chain, motion, found.omega, turns) if floats and turns else None,
-        steps=len(found.theta) - 1,
-        rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(found.state))),
+        flight=simulate_flights(chain, motion, response.omega, turns) if floats and turns else None,
+        steps=len(response.theta) - 1,
+        rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(response.state))),
     )
 
 
-def _peak(found: Response, values: Array, sign: float) -> ResponsePeak:
+def _peak(response: Response, values: Array, sign: float) -> ResponsePeak:
     at = int(np.argmax(values))
-    return ResponsePeak(value=sign * float(values[at]), angle_deg=float(found.theta[at]) / DEGREE)
+    return ResponsePeak(
+        value=sign * float(values[at]), angle_deg=float(response.theta[at]) / DEGREE
+    )
 
 
-def _dwells(motion: Motion, found: Response) -> Iterator[DwellResponse]:
-    modes = found.chain.modes
+def _dwells(motion: Motion, response: Response) -> Iterator[DwellResponse]:
+    modes = response.chain.modes
     by_end = {run[-1]: run for run in runs_between_dwells(motion.segments)}
     segments = [s for s in motion.segments if s.angle > 0.0]
     for before, dwell in zip((segments[-1], *segments[:-1]), segments, strict=True):
@@ -230,13 +235,13 @@ def _dwells(motion: Motion, found: Response) -> Iterator[DwellResponse]:
             continue
         alone = [
             float(residual_spectrum(motion, by_end[before.index],
-                                    np.array([abs(rate) / found.omega]),
+                                    np.array([abs(rate) / response.omega]),
                                     -rate.real / abs(rate))[0])
             if abs(rate.imag) > 0.0 else 0.0
             for rate in modes.rates[modes.independent].tolist()
         ]  # fmt: skip
-        left = found.free_amplitudes(dwell.start)[-1]
+        amplitudes = response.free_amplitudes(dwell.start)[-1]
         yield DwellResponse(
-            segment=dwell.index, start_deg=dwell.start / DEGREE, modes=left.tolist(),
-            amplitude=float(np.sum(left)), alone=alone,
+            segment=dwell.index, start_deg=dwell.start / DEGREE, modes=amplitudes.tolist(),
+            amplitude=float(np.sum(amplitudes)), alone=alone,
         )  # fmt: skip

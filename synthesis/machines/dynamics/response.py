@@ -41,10 +41,10 @@ def phi(z: Complex, highest: int) -> Complex:
     orders = np.arange(highest + 1).reshape(-1, *(1,) * z.ndim)
     first = [1.0 / factorial(k) for k in range(highest + 1)]
     term = np.multiply.outer(first, np.ones(z.shape, complex))
-    found = term.copy()
+    values = term.copy()
     for j in range(1, TERMS):
         term = term * small / (j + orders)
-        found += term
+        values += term
     shares = np.array(
         [[1.0 / factorial(k - j) if 1 <= j <= k else 0.0 for j in range(highest + 1)]
          for k in range(highest + 1)]
@@ -52,11 +52,11 @@ def phi(z: Complex, highest: int) -> Complex:
     scale = 0.5 ** np.arange(highest + 1)
     for done in range(int(halvings.max(initial=0))):
         going = halvings > done
-        part = found[:, going]
+        part = values[:, going]
         before = np.exp(small[going] * 2.0**done)
-        found[:, going] = scale[:, None] * (before * part + shares @ part)
-    found[0] = np.exp(z)
-    return found
+        values[:, going] = scale[:, None] * (before * part + shares @ part)
+    values[0] = np.exp(z)
+    return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,12 +186,12 @@ def steady(chain: Chain, steps: Steps, omega: float) -> Response:
 def from_rest(chain: Chain, steps: Steps, omega: float, turns: int) -> list[Response]:
     """The transient response from rest at the program's start, turn by turn."""
     factor, added = _transition(chain.modes, steps, omega)
-    state, found = chain.modes.rest_state(float(steps.s[0, 0])), []
+    state, responses = chain.modes.rest_state(float(steps.s[0, 0])), []
     for _ in range(turns):
-        whole = _recursion(state, factor, added)
-        found.append(Response(chain, steps, omega, whole))
-        state = whole[:, -1]
-    return found
+        states = _recursion(state, factor, added)
+        responses.append(Response(chain, steps, omega, states))
+        state = states[:, -1]
+    return responses
 
 
 def resonance(modes: Modes, omega: float, nearness: float = 1e-9) -> tuple[float, int] | None:
@@ -215,15 +215,15 @@ def _transition(modes: Modes, steps: Steps, omega: float) -> tuple[Complex, Comp
     length = np.diff(steps.theta) / omega
     sizes, which = np.unique(length, return_inverse=True)
     functions = phi(np.multiply.outer(modes.rates, sizes), degree + 1)  # (d+2, 2n, sizes)
-    whole = np.vstack([steps.taylor, np.zeros((2, steps.taylor.shape[1]))])
+    derivatives = np.vstack([steps.taylor, np.zeros((2, steps.taylor.shape[1]))])
     moving = length > 0.0
     h = np.where(moving, length, 1.0)
     added = np.zeros((len(modes.rates), len(length)), complex)
     for k in range(degree + 1):
         force = (
-            np.multiply.outer(modes.by_acceleration, whole[k + 2] / h)
-            + np.multiply.outer(modes.by_velocity, whole[k + 1])
-            + np.multiply.outer(modes.by_displacement, whole[k] * h)
+            np.multiply.outer(modes.by_acceleration, derivatives[k + 2] / h)
+            + np.multiply.outer(modes.by_velocity, derivatives[k + 1])
+            + np.multiply.outer(modes.by_displacement, derivatives[k] * h)
         )
         added += functions[k + 1][:, which] * force
     added = np.where(moving, added, np.multiply.outer(modes.by_acceleration, steps.jump * omega))
@@ -232,13 +232,13 @@ def _transition(modes: Modes, steps: Steps, omega: float) -> tuple[Complex, Comp
 
 def _recursion(start: Complex, factor: Complex, added: Complex) -> Complex:
     """ξ at the ends of all steps: (2n, k+1)."""
-    found, state = [start], start
+    states, state = [start], start
     for each, more in zip(
         np.ascontiguousarray(factor.T), np.ascontiguousarray(added.T), strict=True
     ):
         state = each * state + more
-        found.append(state)
-    return np.array(found).T
+        states.append(state)
+    return np.array(states).T
 
 
 def residual_spectrum(

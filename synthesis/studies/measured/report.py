@@ -57,40 +57,40 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
     points = np.array(cam.points_mm, dtype=float) * np.array([cam.mirror, 1.0])
     shape = outline(points, cam.tolerance_mm)
     path = follow_outline(shape, cam)
-    found = fit_motion(path, MOTION_SHARE * cam.tolerance_mm)
-    size, curve = follower.size_at_lowest(found.lowest), found.motion.curve
+    fitted = fit_motion(path, MOTION_SHARE * cam.tolerance_mm)
+    size, curve = follower.size_at_lowest(fitted.lowest), fitted.motion.curve
     fine, table = (
         cam_profile(
-            found.motion, follower, size, cam.rotation, FULL_TURN * np.arange(count) / count
+            fitted.motion, follower, size, cam.rotation, FULL_TURN * np.arange(count) / count
         )
         for count in (ANGLES, math.ceil(360.0 * cam.rows_per_degree))
     )
     stroke = maximise(curve, (1.0,))[0]
     # A dwell is judged by the scatter, which is usually far below the tolerance.
-    still = min(cam.tolerance_mm, 3.0 * shape.rms + 2.0 * found.off + STATIONARY * stroke)
+    still = min(cam.tolerance_mm, 3.0 * shape.rms + 2.0 * fitted.off + STATIONARY * stroke)
     return ProfileAnalysis(
         name=cam.name,
         engine_version=engine_version(),
         dimensions={
             **follower.dimensions(size),
-            **follower.motion_dimensions(found.motion, size),
+            **follower.motion_dimensions(fitted.motion, size),
             f"stroke_{travel.unit}": stroke / travel.per_unit,
         },
         fit=bodies.Fit(
-            points=shape.points, rms_mm=shape.rms, largest_mm=shape.largest, motion_mm=found.off
+            points=shape.points, rms_mm=shape.rms, largest_mm=shape.largest, motion_mm=fitted.off
         ),
         spline=bodies.ReadSpline(
             degree=SPLINE_DEGREE,
-            knots_deg=(found.spline.knots / DEGREE).tolist(),
+            knots_deg=(fitted.spline.knots / DEGREE).tolist(),
             unit=travel.unit,
-            coefficients=(found.spline.coefficients[:, 0] / travel.per_unit).tolist(),
+            coefficients=(fitted.spline.coefficients[:, 0] / travel.per_unit).tolist(),
         ),
-        peaks=list(_peaks(cam, found, fine)),
+        peaks=list(_peaks(cam, fitted, fine)),
         dwells=[
             bodies.ReadDwell(
                 start_deg=start / DEGREE, angle_deg=length / DEGREE, s=level / travel.per_unit
             )
-            for start, length, level in find_dwells(found.motion, still)
+            for start, length, level in find_dwells(fitted.motion, still)
         ],
         unreached_hollows=path.hollows,
         contact_off_face=list(_contact_off_face(cam, size, fine)),
@@ -142,11 +142,11 @@ def _contact_off_face(
             )
 
 
-def _peaks(cam: MeasuredCam, found: FittedMotion, fine: CamProfile) -> Iterator[bodies.ReadPeak]:
-    omega, travel, curve = rad_per_s(cam.speed_rpm), cam.follower.travel, found.motion.curve
+def _peaks(cam: MeasuredCam, fitted: FittedMotion, fine: CamProfile) -> Iterator[bodies.ReadPeak]:
+    omega, travel, curve = rad_per_s(cam.speed_rpm), cam.follower.travel, fitted.motion.curve
     steepest = float(np.max(np.abs(fine.pressure_angle)))
-    error = cam.tolerance_mm / max(math.cos(steepest), 1e-6) + found.off
-    errors = (error, *(derivative_uncertainty(curve, error) if found.smooth else (math.inf,) * 3))
+    error = cam.tolerance_mm / max(math.cos(steepest), 1e-6) + fitted.off
+    errors = (error, *(derivative_uncertainty(curve, error) if fitted.smooth else (math.inf,) * 3))
     for order, name in enumerate(CURVES):
         weights = (*(0.0,) * order, 1.0)
         (most, at), (least, low) = (
@@ -254,7 +254,7 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
     if float(np.ptp(s)) <= 2.0 * tolerance:
         return [(0.0, FULL_TURN, float(np.mean(s)))]
     reach = _longest_runs(twice, 2.0 * tolerance)[:count]
-    found: list[tuple[float, float, float]] = []
+    dwells: list[tuple[float, float, float]] = []
     used = np.zeros(count, dtype=bool)
     for i in np.argsort(-reach, kind="stable"):
         if reach[i] * step < SHORTEST_DWELL:
@@ -262,8 +262,8 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
         arc = (i + np.arange(reach[i] + 1)) % count
         if not used[arc].any():
             used[arc] = True
-            found.append((i * step, float(reach[i] * step), float(np.mean(s[arc]))))
-    return sorted(found)
+            dwells.append((i * step, float(reach[i] * step), float(np.mean(s[arc]))))
+    return sorted(dwells)
 
 
 def _longest_runs(s: Array, width: float) -> NDArray[np.intp]:

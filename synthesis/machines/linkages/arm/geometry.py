@@ -338,7 +338,7 @@ def regions(arm: Arm, limits: Limits) -> list[Region]:
     openings = [upper - fore for upper, fore in limits.polygon()]
     if not openings:
         return []
-    found = []
+    workspace = []
     # Cut the polygon where cos q = 0: q = (k ± ½) π.
     first = math.floor((min(openings) + RIGHT_ANGLE + ROUNDING) / math.pi)
     last = math.ceil((max(openings) + RIGHT_ANGLE - ROUNDING) / math.pi)
@@ -350,8 +350,8 @@ def regions(arm: Arm, limits: Limits) -> list[Region]:
             arc for arc in arcs if abs(arc.sweep) > ROUNDING and arc.radius > ROUNDING * arm.upper
         )
         if border:
-            found.append(Region("up" if k % 2 == 0 else "down", border))
-    return found
+            workspace.append(Region("up" if k % 2 == 0 else "down", border))
+    return workspace
 
 
 def tool_arc(arm: Arm, first: Corner, last: Corner) -> Arc:

@@ -65,9 +65,9 @@ class Stage:
     by: float
 
     @classmethod
-    def of(cls, found: PalletisingArm) -> Stage:
+    def of(cls, answer: PalletisingArm) -> Stage:
         """The stage for an answer."""
-        given, limits = found.spec.arm, found.spec.limits
+        given, limits = answer.spec.arm, answer.spec.limits
         by = display_scale(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
         reached = geometry.regions(arm, limits)
@@ -143,7 +143,7 @@ def _place(point: complex) -> str:
     return f"{svg.num(point.real)} {svg.num(point.imag)}"
 
 
-def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
+def plan_view(answer: PalletisingArm, by: float) -> tuple[Box, list[str]]:
     """The workspace from above with the base as a moving part, in the scale of the side view.
 
     The tool reaches an annular sector in front of the base, and one over it, turned by 180°.
@@ -151,9 +151,9 @@ def plan_view(found: PalletisingArm, by: float) -> tuple[Box, list[str]]:
     Returns:
         bounding box for all base angles, and the elements.
     """
-    radius, base = by * found.reach_mm, found.spec.limits.base
-    nearest = by * min(region.r_min.value_mm for region in found.regions)
-    farthest = by * max(region.r_max.value_mm for region in found.regions)
+    radius, base = by * answer.reach_mm, answer.spec.limits.base
+    nearest = by * min(region.r_min.value_mm for region in answer.regions)
+    farthest = by * max(region.r_max.value_mm for region in answer.regions)
     back = (base[0] + math.pi, base[1] + math.pi)
     sectors = [_ring((max(nearest, 0.0), farthest), base)] if farthest > 0.0 else []
     sectors += [_ring((max(-farthest, 0.0), -nearest), back)] if nearest < 0.0 else []
@@ -186,51 +186,51 @@ def _table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
     return text.getvalue().encode()
 
 
-def _border(found: PalletisingArm, options: Options) -> bytes:
+def _border(answer: PalletisingArm, options: Options) -> bytes:
     return _table(
         BORDER,
         (
             (number, region.elbow, arc.keeps, *arc.centre_mm, arc.radius_mm, arc.start_deg,
              arc.sweep_deg, *arc.from_mm, *arc.to_mm)
-            for number, region in enumerate(found.regions)
+            for number, region in enumerate(answer.regions)
             for arc in region.border
         ),
     )  # fmt: skip
 
 
-def _poses(found: PalletisingArm, options: Options) -> bytes:
+def _poses(answer: PalletisingArm, options: Options) -> bytes:
     rows = (
         {"pose": number, "within_limits": int(not one.beyond), **vars(pose), **vars(one)}
-        for number, pose in enumerate(found.poses)
+        for number, pose in enumerate(answer.poses)
         for one in pose.solutions
     )
     return _table(POSES, ([row[name] for name in POSES] for row in rows))
 
 
-def _about(found: PalletisingArm) -> str:
-    area = sum(region.area_mm2 for region in found.regions) * 1e-6
-    reached = sum(pose.reachable for pose in found.poses)
-    poses = f" · {reached} of {len(found.poses)} poses" if found.poses else ""
-    reach = svg.figure(found.reach_mm, 6)
-    return f"reach {reach} mm · area {svg.figure(area)} m²{poses} · {found.id[:8]}"
+def _about(answer: PalletisingArm) -> str:
+    area = sum(region.area_mm2 for region in answer.regions) * 1e-6
+    reached = sum(pose.reachable for pose in answer.poses)
+    poses = f" · {reached} of {len(answer.poses)} poses" if answer.poses else ""
+    reach = svg.figure(answer.reach_mm, 6)
+    return f"reach {reach} mm · area {svg.figure(area)} m²{poses} · {answer.id[:8]}"
 
 
-def _reachable_angles(found: PalletisingArm) -> list[Corner]:
+def _reachable_angles(answer: PalletisingArm) -> list[Corner]:
     """Arm angles of every reachable pose [rad]."""
-    best = [pose.solutions[0] for pose in found.poses if pose.reachable]
+    best = [pose.solutions[0] for pose in answer.poses if pose.reachable]
     return [(one.upper_arm_deg * DEGREE, one.forearm_deg * DEGREE) for one in best]
 
 
-def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
-    stage, name = Stage.of(found), found.name.strip() or TITLE
+def _workspace(answer: PalletisingArm, options: PictureOptions) -> bytes:
+    stage, name = Stage.of(answer), answer.name.strip() or TITLE
     size = (SHEET[0] - 2.0 * EDGE, SHEET[1] - TOP - BOTTOM)
     arms = [
         shape
-        for upper, fore in _reachable_angles(found)
+        for upper, fore in _reachable_angles(answer)
         for shape in stage.parts(lambda _: "", stage.moving(np.array([upper]), np.array([fore])))
     ]
     body = [
-        *two_lines(name, _about(found), EDGE, SHEET[0] - EDGE, 1.0),
+        *two_lines(name, _about(answer), EDGE, SHEET[0] - EDGE, 1.0),
         *shifted(EDGE, TOP, place_in_panel([*stage.ground(), *arms], stage.extent, size)),
         svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
                  "the tool's point reaches what is shaded."),
@@ -240,14 +240,16 @@ def _workspace(found: PalletisingArm, options: PictureOptions) -> bytes:
     return svg.document(*SHEET, 1.0, title, text, body, theme=options.theme, rules=rules)
 
 
-def _pose_path(found: PalletisingArm, share: Array) -> tuple[Array, Array]:
+def _pose_path(answer: PalletisingArm, share: Array) -> tuple[Array, Array]:
     """Arm angles at shares of a closed path through the poses [rad], as long from each to the next.
 
     Along the limits where there are fewer than two poses. Joints move by the cycloidal law.
     """
-    stops = _reachable_angles(found)
+    stops = _reachable_angles(answer)
     if len(stops) < 2:
-        stops = [arc.first for arc in geometry.regions(found.spec.arm, found.spec.limits)[0].border]
+        stops = [
+            arc.first for arc in geometry.regions(answer.spec.arm, answer.spec.limits)[0].border
+        ]
     at = np.array([*stops, stops[0]])
     place = share * (len(at) - 1)
     k = np.minimum(place.astype(int), len(at) - 2)
@@ -257,16 +259,16 @@ def _pose_path(found: PalletisingArm, share: Array) -> tuple[Array, Array]:
     return upper, fore
 
 
-def _scene(found: PalletisingArm, count: int) -> Scene:
-    stage, share = Stage.of(found), np.linspace(0.0, 1.0, count + 1)
-    upper, fore = _pose_path(found, share)
+def _scene(answer: PalletisingArm, count: int) -> Scene:
+    stage, share = Stage.of(answer), np.linspace(0.0, 1.0, count + 1)
+    upper, fore = _pose_path(answer, share)
     tool, torques = (
-        found.spec.arm.tool_point(upper, fore),
-        geometry.holding_torques(found.spec.static_moments, upper, fore),
+        answer.spec.arm.tool_point(upper, fore),
+        geometry.holding_torques(answer.spec.static_moments, upper, fore),
     )
     moving = stage.moving(upper, fore)
     return links.linkage_scene(
-        found, TITLE, _about(found),
+        answer, TITLE, _about(answer),
         (stage.extent, moving, lambda tag: [*stage.ground(), *stage.parts(tag, moving)]),
         [curve_plot(f"Torque at axis {axis}", "N·m", 360.0 * share, values)
          for axis, values in zip((2, 3), torques, strict=True)],
@@ -285,13 +287,13 @@ def _scene(found: PalletisingArm, count: int) -> Scene:
     )  # fmt: skip
 
 
-def _data(found: PalletisingArm, options: Options) -> bytes:
-    stage = Stage.of(found)
-    plan_extent, plan = plan_view(found, stage.by)
+def _data(answer: PalletisingArm, options: Options) -> bytes:
+    stage = Stage.of(answer)
+    plan_extent, plan = plan_view(answer, stage.by)
     return links.scene_json(
-        found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground()),
+        answer, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground()),
         arm="\n".join(stage.parts(tag, stage.moving(np.zeros(1), np.zeros(1)))),
-        poses=[_pose_data(stage, pose) for pose in found.poses],
+        poses=[_pose_data(stage, pose) for pose in answer.poses],
         plan={"extent": plan_extent, "shapes": "\n".join(plan)},
     )  # fmt: skip
 

@@ -44,11 +44,11 @@ class LinkageFile(FileFormat[Any, Any]):
     suits: Callable[[Any], bool] = lambda _: True
 
 
-def scene_json(found: Any, frame: str, scale: float, extent: Box, **parts: Any) -> bytes:
+def scene_json(answer: Any, frame: str, scale: float, extent: Box, **parts: Any) -> bytes:
     """A linkage as data for other viewers; ``frame`` says what ``parts`` mean."""
     body = {
         "kind": "animation",
-        "linkage": {"id": found.id, "name": found.name, "status": found.status},
+        "linkage": {"id": answer.id, "name": answer.name, "status": answer.status},
         "frame": "shapes: SVG elements, y upwards, scale times as large as in mm; parts carry "
         f"data-part. extent: left, bottom, right and top, in the same scale. {frame}",
         "scale": scale,
@@ -59,7 +59,7 @@ def scene_json(found: Any, frame: str, scale: float, extent: Box, **parts: Any) 
 
 
 def linkage_scene(
-    found: Any,
+    answer: Any,
     title: str,
     about: str,
     machine: tuple[Box, Sequence[Moving], Body],
@@ -71,7 +71,7 @@ def linkage_scene(
     """A linkage in motion beside diagrams, on which points run.
 
     Args:
-        found: the answer. title: name of a linkage that has none. about: it in a line.
+        answer: the answer. title: name of a linkage that has none. about: it in a line.
         machine: bounding box of the whole motion, the parts that move, and all shapes.
         plots: the diagrams, with one abscissa. readings: numbers that follow the motion.
         grounds: background of a diagram. texts: other fields of the scene.
@@ -81,11 +81,11 @@ def linkage_scene(
     points, diagrams = traced_diagrams(
         plots, plots[0].curve.degrees, values, grounds, texts["shaft"]
     )
-    name = found.name.strip() or title
+    name = answer.name.strip() or title
     return Scene(
         name=name,
         about=about,
-        key=found.id,
+        key=answer.id,
         heading=two_lines(name, about, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
         machine=lambda tag: place_in_panel(shapes(tag), extent, MACHINE),
         diagrams=diagrams,

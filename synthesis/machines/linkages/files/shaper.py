@@ -63,9 +63,9 @@ class SampledTurn:
     motion: Motion
 
     @classmethod
-    def of(cls, found: SixBarShaper, count: int, closed: bool = True) -> SampledTurn:
+    def of(cls, answer: SixBarShaper, count: int, closed: bool = True) -> SampledTurn:
         """``count`` angles of a turn, and its end too where it is to be closed."""
-        shaper, drive = found.spec.shaper(found.dimensions), found.spec.drive
+        shaper, drive = answer.spec.shaper(answer.dimensions), answer.spec.drive
         travel = FULL_TURN * np.arange(count + closed) / count
         return cls(shaper, drive, travel, shaper.motion(drive.phi(travel)))
 
@@ -109,24 +109,24 @@ class SampledTurn:
         return np.asarray(self.columns[name].values, dtype=float)
 
 
-def _motion_table(found: SixBarShaper, options: MotionOptions) -> list[Column]:
-    return [*SampledTurn.of(found, max(MIN_ROWS, round(options.count))).columns.values()]
+def _motion_table(answer: SixBarShaper, options: MotionOptions) -> list[Column]:
+    return [*SampledTurn.of(answer, max(MIN_ROWS, round(options.count))).columns.values()]
 
 
-def motion_csv(found: SixBarShaper, options: MotionOptions) -> bytes:
+def motion_csv(answer: SixBarShaper, options: MotionOptions) -> bytes:
     """The motion, comma separated."""
-    return csv_table(_motion_table(found, options))
+    return csv_table(_motion_table(answer, options))
 
 
-def motion_json(found: SixBarShaper, options: MotionOptions) -> bytes:
+def motion_json(answer: SixBarShaper, options: MotionOptions) -> bytes:
     """The motion with units and meanings."""
-    columns = _motion_table(found, options)
+    columns = _motion_table(answer, options)
     return _json(
         {
             "kind": "shaper motion",
-            "shaper": {"id": found.id, "name": found.name, "status": found.status},
-            "dimensions": found.dimensions,
-            "rotation": found.spec.rotation,
+            "shaper": {"id": answer.id, "name": answer.name, "status": answer.status},
+            "dimensions": answer.dimensions,
+            "rotation": answer.spec.rotation,
             "rows": len(columns[0].values),
             "columns": [vars(each) | {"values": each.values.tolist()} for each in columns],
         }
@@ -154,20 +154,20 @@ class CamOptions(Options):
     ] = 35.0
 
 
-def cam_spec(found: SixBarShaper, options: CamOptions) -> bytes:
+def cam_spec(answer: SixBarShaper, options: CamOptions) -> bytes:
     """The ram's motion as a table of a DesignSpec, with a translating roller.
 
     Raises:
         InputError: the crank accelerates, so that the motion does not repeat.
     """
-    if found.spec.acceleration_rad_per_s2:
+    if answer.spec.acceleration_rad_per_s2:
         raise InputError(
-            "/acceleration_rad_per_s2", found.spec.acceleration_rad_per_s2,
+            "/acceleration_rad_per_s2", answer.spec.acceleration_rad_per_s2,
             "A cam turns at constant speed and repeats its motion; this crank changes its speed.",
             "Request the linkage at constant speed, without the acceleration.",
         )  # fmt: skip
-    turn = SampledTurn.of(found, options.points, closed=False)
-    stroke, ram = float(found.stroke_mm or 0.0), turn.motion.ram[0]
+    turn = SampledTurn.of(answer, options.points, closed=False)
+    stroke, ram = float(answer.stroke_mm or 0.0), turn.motion.ram[0]
     motion = {
         "kind": "table",
         "angle_deg": 360.0,
@@ -178,9 +178,9 @@ def cam_spec(found: SixBarShaper, options: CamOptions) -> bytes:
     roller, angle_deg = options.roller_radius_mm or ROLLER * stroke, options.pressure_angle_deg
     return _json(
         {
-            "name": f"{found.name.strip() or 'shaper'}: motion of the ram",
-            "speed_rpm": found.spec.speed_rpm,
-            "rotation": found.spec.rotation,
+            "name": f"{answer.name.strip() or 'shaper'}: motion of the ram",
+            "speed_rpm": answer.spec.speed_rpm,
+            "rotation": answer.spec.rotation,
             "program": [motion],
             "follower": {"kind": "translating_roller", "roller_radius_mm": roller},
             "limits": [{"kind": "pressure_angle", "rise_deg": angle_deg, "return_deg": angle_deg}],
@@ -192,12 +192,12 @@ def _json(body: dict[str, Any]) -> bytes:
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\n"
 
 
-def _about(found: SixBarShaper) -> str:
-    rotation, speed = TURNS[found.spec.rotation], svg.figure(found.spec.speed_rpm, 6)
-    stroke = "" if found.stroke_mm is None else f" · stroke {svg.figure(found.stroke_mm, 6)} mm"
-    quick = found.quick_return
+def _about(answer: SixBarShaper) -> str:
+    rotation, speed = TURNS[answer.spec.rotation], svg.figure(answer.spec.speed_rpm, 6)
+    stroke = "" if answer.stroke_mm is None else f" · stroke {svg.figure(answer.stroke_mm, 6)} mm"
+    quick = answer.quick_return
     ratio = "" if quick is None else f" · quick return {svg.figure(quick.ratio, 5)}"
-    return f"six-bar shaper · {rotation} at {speed} rpm{stroke}{ratio} · {found.id[:8]}"
+    return f"six-bar shaper · {rotation} at {speed} rpm{stroke}{ratio} · {answer.id[:8]}"
 
 
 def _plots(turn: SampledTurn) -> list[Plot]:
@@ -209,29 +209,29 @@ def _plots(turn: SampledTurn) -> list[Plot]:
     ]
 
 
-def _grounds(found: SixBarShaper, frame: Frame) -> list[str]:
+def _grounds(answer: SixBarShaper, frame: Frame) -> list[str]:
     """Background: the quick stroke shaded, a line at every dead centre."""
-    assert found.quick_return is not None  # there is a shaper to draw
-    centres = sorted(found.dead_centres, key=lambda one: one.ram_mm)
+    assert answer.quick_return is not None  # there is a shaper to draw
+    centres = sorted(answer.dead_centres, key=lambda one: one.ram_mm)
     first, last = centres[-1].crank_travel_deg, centres[0].crank_travel_deg
-    if found.quick_return.slow_towards == "left":
+    if answer.quick_return.slow_towards == "left":
         first, last = last, first
     spans = [(first, last)] if first <= last else [(first, 360.0), (0.0, last)]
     places = [frame.x(np.array(span)).tolist() for span in spans]
-    across = frame.x(np.array([one.crank_travel_deg for one in found.dead_centres])).tolist()
+    across = frame.x(np.array([one.crank_travel_deg for one in answer.dead_centres])).tolist()
     return [
         *(svg.box("rest", a, frame.top, b - a, frame.height) for a, b in places),
         *(svg.line("border", x, frame.top, x, frame.top + frame.height) for x in across),
     ]
 
 
-def _motion(found: SixBarShaper, options: PictureOptions) -> bytes:
+def _motion(answer: SixBarShaper, options: PictureOptions) -> bytes:
     """Diagrams below each other."""
-    name, frame = found.name.strip() or TITLE, Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, HEIGHT)
-    body = two_lines(name, _about(found), LEFT, WIDTH - RIGHT, 1.0)
-    for k, plot in enumerate(_plots(SampledTurn.of(found, DRAWN))):
+    name, frame = answer.name.strip() or TITLE, Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, HEIGHT)
+    body = two_lines(name, _about(answer), LEFT, WIDTH - RIGHT, 1.0)
+    for k, plot in enumerate(_plots(SampledTurn.of(answer, DRAWN))):
         frame = replace(frame, top=HEADER + k * (HEIGHT + GAP))
-        body += [*_grounds(found, frame), *diagram(plot, frame)]
+        body += [*_grounds(answer, frame), *diagram(plot, frame)]
     body += angle_axis(frame, name=SHAFT)
     title = f"Motion of {name}"
     text = "Position, velocity and acceleration of the ram over a turn."
@@ -257,9 +257,9 @@ class Stage:
     extent: Box
 
     @classmethod
-    def of(cls, found: SixBarShaper, count: int) -> Stage:
+    def of(cls, answer: SixBarShaper, count: int) -> Stage:
         """The stage of an answer, at ``count`` + 1 angles of its crank."""
-        turn = SampledTurn.of(found, count)
+        turn = SampledTurn.of(answer, count)
         shaper, motion = turn.shaper, turn.motion
         r, a = shaper.crank, shaper.pivot_distance
         by = display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
@@ -308,15 +308,15 @@ class Stage:
         ]  # fmt: skip
 
 
-def _scene(found: SixBarShaper, count: int) -> Scene:
-    stage = Stage.of(found, count)
+def _scene(answer: SixBarShaper, count: int) -> Scene:
+    stage = Stage.of(answer, count)
     turn = stage.turn
     return links.linkage_scene(
-        found, TITLE, _about(found), (stage.extent, stage.moving, stage.shapes),
+        answer, TITLE, _about(answer), (stage.extent, stage.moving, stage.shapes),
         _plots(turn)[:2],
         [(*titles, turn.columns[name].unit, turn.values(name))
          for name, titles in READINGS.items()],
-        partial(_grounds, found),
+        partial(_grounds, answer),
         shaft=SHAFT,
         titles=("Six-bar shaper", "Position and velocity of the ram"),
         described="The crank turns, the guide swings, the coupler moves the ram, and points run on "
@@ -325,10 +325,10 @@ def _scene(found: SixBarShaper, count: int) -> Scene:
     )  # fmt: skip
 
 
-def _data(found: SixBarShaper, options: Options) -> bytes:
-    stage = Stage.of(found, FRAMES)
+def _data(answer: SixBarShaper, options: Options) -> bytes:
+    stage = Stage.of(answer, FRAMES)
     return links.scene_json(
-        found, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
+        answer, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
         parts=[part.data(links.DECIMALS) for part in stage.moving if part.moves], mirror=1,
     )  # fmt: skip
 
@@ -343,7 +343,7 @@ FILES = (
         ".json", cam_spec, CamOptions,
         "A body for POST /v1/designs: the ram's motion as a table, a translating roller and a "
         "limit on the pressure angle, to be edited as needed.",
-        suits=lambda found: not found.spec.acceleration_rad_per_s2,
+        suits=lambda answer: not answer.spec.acceleration_rad_per_s2,
     ),
     LinkageFile("motion.svg", "Diagrams of the motion", SVG, ".svg", _motion,
                 PictureOptions,

@@ -149,13 +149,13 @@ class DesignSpace:
         one = self.at(u[:, None])
         if float(one.short[0]) > EXACT * float(one.coupler[0]):
             return None
-        found = {
+        lengths = {
             "crank_mm": one.s * one.pivot_distance, "guide_mm": one.guide,
             "coupler_mm": one.coupler, "pivot_distance_mm": one.pivot_distance,
             "ram_line_mm": one.ram_line,
         }  # fmt: skip
         spans = self.lengths
-        return {name: float(np.clip(each[0], *spans[name])) for name, each in found.items()}
+        return {name: float(np.clip(each[0], *spans[name])) for name, each in lengths.items()}
 
 
 def _between(u: Value, low: Value, high: Value) -> Value:

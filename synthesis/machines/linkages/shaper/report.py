@@ -294,18 +294,18 @@ def check_assembly(shaper: Shaper) -> None:
 
 def dead_centres(shaper: Shaper, drive: Drive) -> list[RamDeadCentre]:
     """All dead centres of the ram, in the order in which the crank passes them."""
-    found = dict[float, RamDeadCentre]()
+    by_travel = dict[float, RamDeadCentre]()
     for phi, cause in _stationary_crank_angles(shaper):
         travel = drive.travel_to(phi)
-        if all(abs(math.remainder(travel - other, FULL_TURN)) >= SAME for other in found):
-            found[travel] = RamDeadCentre(
+        if all(abs(math.remainder(travel - other, FULL_TURN)) >= SAME for other in by_travel):
+            by_travel[travel] = RamDeadCentre(
                 crank_deg=(drive.phi(travel) / DEGREE) % 360.0,
                 crank_travel_deg=travel / DEGREE,
                 time_s=float(drive.time(travel)),
                 ram_mm=float(shaper.motion(np.array(phi)).ram[0]),
                 cause=cause,
             )
-    return [found[travel] for travel in sorted(found)]
+    return [by_travel[travel] for travel in sorted(by_travel)]
 
 
 def _stationary_crank_angles(shaper: Shaper) -> Iterator[tuple[float, Cause]]:
@@ -341,15 +341,15 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
         for k in range(count)
     ]
 
-    def models(_: Any, lo: Array, hi: Array, wanted: Sequence[int]) -> list[Taylor]:
+    def models(_: Any, lo: Array, hi: Array, numbers: Sequence[int]) -> list[Taylor]:
         centre = 0.5 * (lo + hi)
         half = 0.5 * (hi - lo) + 2.0**-50 * (np.abs(lo) + np.abs(hi))  # roundings of the centre
         nothing = np.zeros_like(centre)
         travel = Taylor.of(centre, half, nothing, nothing)
         motion = shaper.motion(drive.phi(travel))
-        return [QUANTITIES[k].of(motion, drive, travel) for k in wanted]
+        return [QUANTITIES[k].of(motion, drive, travel) for k in numbers]
 
-    found = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
+    extrema = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
     return [
         ShaperExtremes(
             quantity=quantity.name,
@@ -357,19 +357,23 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
             largest=_peak(shaper, drive, quantity, most),
             smallest=_peak(shaper, drive, quantity, least),
         )
-        for quantity, most, least in zip(QUANTITIES, found[:count], found[count:], strict=True)
+        for quantity, most, least in zip(QUANTITIES, extrema[:count], extrema[count:], strict=True)
     ]
 
 
 def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, extremum: Extremum) -> ShaperPeak:
     """An enclosure in the wire's unit; where nothing was proven, the value at its angle."""
-    found, unit, phi = extremum.enclosure, quantity.per_unit, drive.phi(extremum.enclosure.angle)
-    value = found.value
+    enclosure, unit, phi = (
+        extremum.enclosure,
+        quantity.per_unit,
+        drive.phi(extremum.enclosure.angle),
+    )
+    value = enclosure.value
     if not math.isfinite(value):
-        value = float(quantity.of(shaper.motion(phi), drive, found.angle))
+        value = float(quantity.of(shaper.motion(phi), drive, enclosure.angle))
     return ShaperPeak(
         value=value / unit,
         crank_deg=(phi / DEGREE) % 360.0,
-        crank_travel_deg=found.angle / DEGREE,
-        width=found.width / unit if math.isfinite(found.width) else None,
+        crank_travel_deg=enclosure.angle / DEGREE,
+        width=enclosure.width / unit if math.isfinite(enclosure.width) else None,
     )

@@ -89,14 +89,14 @@ def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper
     if low > high:
         return report_infeasible(spec, _explain_closed_form(spec, space, deadline))
     objective = OBJECTIVES[spec.objective.kind]
-    found = global_minimum(space, objective, SHARE * spec.tolerance, deadline)
-    lengths = None if found.u is None else space.lengths_at(found.u)
+    result = global_minimum(space, objective, SHARE * spec.tolerance, deadline)
+    lengths = None if result.u is None else space.lengths_at(result.u)
     if lengths is None:
-        proven = math.isinf(found.bound)
+        proven = math.isinf(result.bound)
         if not proven and deadline is not None and clock.now() >= deadline:
             raise TimeBudgetExceeded(spec.time_budget_s or 0.0)
         return report_infeasible(spec, _explain_coupler(spec, space, proven, deadline))
-    bound = objective.to_wire(found.bound, rad_per_s(spec.speed_rpm))
+    bound = objective.to_wire(result.bound, rad_per_s(spec.speed_rpm))
     return _certified(analyse_shaper(spec, lengths), objective, bound)
 
 
@@ -174,11 +174,11 @@ def _explain_coupler(
     requested = spec.least_transmission_angle_deg
     if requested is not None:
         level = OBJECTIVES["transmission_angle"]
-        found = global_minimum(replace(space, steep=1.0 - CLEAR), level, GAP, deadline)
-        needed = None if found.u is None else level.to_wire(found.value, 1.0)
+        result = global_minimum(replace(space, steep=1.0 - CLEAR), level, GAP, deadline)
+        needed = None if result.u is None else level.to_wire(result.value, 1.0)
         note = (
-            "No coupler in its range reaches the ram's line everywhere." if found.u is None else
-            f"Proven: none has more than {level.to_wire(found.bound, 1.0):.6g}°."
+            "No coupler in its range reaches the ram's line everywhere." if result.u is None else
+            f"Proven: none has more than {level.to_wire(result.bound, 1.0):.6g}°."
         )  # fmt: skip
         relaxations.append(Relaxation(
             limit="least_transmission_angle_deg", field="/least_transmission_angle_deg",
@@ -187,9 +187,9 @@ def _explain_coupler(
     shortest, longest = space.lengths["coupler_mm"]
     range_ = (shortest, LONG_COUPLER * space.lengths["guide_mm"][1])
     longer = replace(space, lengths={**space.lengths, "coupler_mm": range_})
-    found = global_minimum(longer, SHORTEST_COUPLER, GAP, deadline)
-    needed = None if found.u is None else found.value
-    note = f"Proven: no coupler shorter than {found.bound:.6g} mm serves." if needed else ""
+    result = global_minimum(longer, SHORTEST_COUPLER, GAP, deadline)
+    needed = None if result.u is None else result.value
+    note = f"Proven: no coupler shorter than {result.bound:.6g} mm serves." if needed else ""
     relaxations.append(Relaxation(
         limit="coupler_mm", field="/coupler_mm", unit="mm", requested=longest, needed=needed,
         note=note,
@@ -226,17 +226,19 @@ def global_minimum(
     if low > high:
         return SearchResult(None, np.inf, np.inf)
     with np.errstate(all="ignore"):
-        found = _branch_and_bound(space, objective, _descend(space, objective), tolerance, deadline)
-        if found.u is None:
-            return found
+        result = _branch_and_bound(
+            space, objective, _descend(space, objective), tolerance, deadline
+        )
+        if result.u is None:
+            return result
         # Preferred coordinates wherever they do not cost anything.
-        u, value = found.u, _values(space, objective, found.u[None])[0]
+        u, value = result.u, _values(space, objective, result.u[None])[0]
         for k, preferred in PREFERRED:
             other = u.copy()
             other[k] = preferred
             if _values(space, objective, other[None])[0] <= value * (1.0 + EXACT):
                 u = other
-        return replace(found, u=u)
+        return replace(result, u=u)
 
 
 def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
@@ -272,12 +274,12 @@ def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | No
 def _branch_and_bound(
     space: DesignSpace,
     objective: ShaperObjective,
-    found: BundlePoint | None,
+    start: BundlePoint | None,
     tolerance: float,
     deadline: float | None,
 ) -> SearchResult:
     """The bound, and better points at the middles of boxes."""
-    u, value = (None, np.inf) if found is None else (found.u, found.value)
+    u, value = (None, np.inf) if start is None else (start.u, start.value)
     phi = _angles(objective, space, u)
     # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
     boxes = [np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf])]
