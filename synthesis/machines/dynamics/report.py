@@ -209,9 +209,7 @@ def _at_speed(
         **peaks,
         floats=floats,
         dwells=list(_dwells(motion, response)),
-        remaining_share_per_turn=float(
-            np.exp(np.max(modes.rates.real) * FULL_TURN / response.omega)
-        ),
+        remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * turn_s)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
         flight=simulate_flights(chain, motion, response.omega, turns) if floats and turns else None,
         steps=len(response.theta) - 1,
@@ -221,9 +219,8 @@ def _at_speed(
 
 def _peak(response: Response, values: Array, sign: float) -> ResponsePeak:
     at = int(np.argmax(values))
-    return ResponsePeak(
-        value=sign * float(values[at]), angle_deg=float(response.theta[at]) / DEGREE
-    )
+    angle = float(response.theta[at]) / DEGREE
+    return ResponsePeak(value=sign * float(values[at]), angle_deg=angle)
 
 
 def _dwells(motion: Motion, response: Response) -> Iterator[DwellResponse]:

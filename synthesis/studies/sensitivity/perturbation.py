@@ -30,10 +30,8 @@ from synthesis.spec.design_spec import DesignSpec
 LEVEL_STEP = 1e-3  # relative: finite step of the excess by the trial level
 SECANTS = 4  # steps to the level without excess; each gains several digits
 LEVEL_ACCURACY = 1e-9  # relative: of that level
-METHODS = (
-    ("multipliers of the cone program", True),
-    ("multipliers of IPOPT's local optimum", False),
-)
+CONE_PROGRAM = "multipliers of the cone program"
+LOCAL_OPTIMUM = "multipliers of IPOPT's local optimum"
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,49 +162,43 @@ def perturbed_designs(
         knots: the design's laws and size. spec: its question.
         deadline: ``time.monotonic()`` at which to stop.
     """
-    problem = knots.formulate(spec)
-    for method, convex in METHODS:
-        if problem.objective.quasiconvex:
-            design = _fractional_objective(knots, problem, method, deadline, convex=convex)
-            if design is not None:
-                yield design
-        else:
-            model, _ = knots.program(problem)
-            optimum = _optimum(knots, model, 0, deadline, convex=convex)
-            if optimum is not None:
-                value = in_core_units(model, optimum.value)
-                yield PerturbedDesign(method, knots, problem, optimum, value)
-
-
-def _optimum(
-    knots: FixedKnots, model: ConicModel, relaxed: int, deadline: float, *, convex: bool
-) -> PerturbedOptimum | None:
-    if not convex:
-        return NonlinearOptimum.sought(model, knots.start(model), relaxed, deadline)
-    return None if model.problem.has_curved_limits else ConvexOptimum.sought(model, deadline)
-
-
-def _fractional_objective(
-    knots: FixedKnots, problem: Problem, method: str, deadline: float, *, convex: bool
-) -> PerturbedDesign | None:
-    segments = [s.with_law(knots.laws[s.index].curve()) for s in problem.free]
-    level = objective_value(problem.with_laws(segments), knots.size)
+    problem, level = knots.formulate(spec), 0.0
+    fractional = problem.objective.quasiconvex
+    if fractional:  # the trial level is the design's own value at first
+        segments = [s.with_law(knots.laws[s.index].curve()) for s in problem.free]
+        level = objective_value(problem.with_laws(segments), knots.size)
     model, relaxed = knots.program(problem, level)
-    first = _optimum(knots, model, relaxed, deadline, convex=convex)
-    if first is None:
-        return None
+    for method in (CONE_PROGRAM, LOCAL_OPTIMUM):
+        optimum: PerturbedOptimum | None = None
+        if method == LOCAL_OPTIMUM:
+            relaxed = relaxed if fractional else 0
+            optimum = NonlinearOptimum.sought(model, knots.start(model), relaxed, deadline)
+        elif not model.problem.has_curved_limits:
+            optimum = ConvexOptimum.sought(model, deadline)
+        if optimum is None:
+            continue
+        design: PerturbedDesign | None
+        value = in_core_units(model, optimum.value)
+        design = PerturbedDesign(method, knots, problem, optimum, value)
+        if fractional:
+            design = _at_optimal_level(replace(design, core_value=level), deadline)
+        if design is not None:
+            yield design
+
+
+def _at_optimal_level(design: PerturbedDesign, deadline: float) -> PerturbedDesign | None:
+    """A fractional objective's optimum at the level without excess, from that at another level."""
+    knots, problem, first, level = design.knots, design.problem, design.optimum, design.core_value
     # The excess at the design's own level and a little above gives its fall.
     above = first.again(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
     if above is None or above.value >= first.value:
         return None
     fall = (first.value - above.value) / (LEVEL_STEP * level)
     best = _find_level(knots, problem, first, (level, fall), deadline)
-    if best is None:
+    optimum = None if best is None else first.again(knots.program(problem, best)[0], deadline)
+    if best is None or optimum is None:
         return None
-    optimum = first.again(knots.program(problem, best)[0], deadline)
-    if optimum is None:
-        return None
-    return PerturbedDesign(method, knots, problem, optimum, best, fall)
+    return replace(design, optimum=optimum, core_value=best, fall=fall)
 
 
 def _find_level(
