@@ -21,7 +21,7 @@ from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.catalogue.objectives import AnyObjective, BaseRadius
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
-from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
+from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
 from synthesis.spec.well_posedness import (
     check_growth_ends,
     check_jerk_finite,
@@ -147,20 +147,7 @@ class DesignSpec(BaseModel):
     def _check_closure(self) -> None:
         """Refuse a program that does not go round once, or does not end where it began."""
         check_turn(self._numbered)
-        rest, largest = math.fsum(self.lifts()), self.stroke()
-        if abs(rest) > 1e-9 * largest:
-            raise PydanticCustomError(
-                "program_lift",
-                "The follower ends {rest} {unit} away from where it began. "
-                "Make the lifts of rises and returns sum to zero.",
-                {"rest": self._motion_units().to_wire(rest), "unit": self.follower.travel.unit},
-            )
-        if largest == 0.0:
-            raise PydanticCustomError(
-                "program_still",
-                "The follower never moves: program holds no rise and no return. Add both.",
-                {},
-            )
+        check_closed(math.fsum(self.lifts()), self.stroke(), self._motion_units())
 
     def _check_base_radius(self) -> None:
         least, largest = ends(self.base_radius_mm)

@@ -23,6 +23,7 @@ from synthesis.spec.program import Segment
 from synthesis.units import FULL_TURN, MotionUnits
 
 ANGLE_SUM_TOLERANCE_DEG = 1e-6
+CLOSURE = 1e-9  # of the stroke: rounding of a sum of lifts that closes after one turn
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that differ by rounding
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
 AT_REST = EndState(0.0, 0.0)
@@ -43,6 +44,30 @@ def check_turn(program: Sequence[Segment]) -> None:
             {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
              "difference": round(abs(360.0 - turn), 9)},
         )  # fmt: skip
+
+
+def check_closed(rest: float, stroke: float, units: MotionUnits) -> None:
+    """Refuse a program that does not end where it began, or does not move at all.
+
+    Args:
+        rest: the sum of its lifts. stroke: its largest displacement less its least.
+
+    Raises:
+        PydanticCustomError: with the lift that is left over.
+    """
+    if abs(rest) > CLOSURE * stroke:
+        raise PydanticCustomError(
+            "program_lift",
+            "The follower ends {rest} {unit} away from where it began. "
+            "Make the lifts of rises and returns sum to zero.",
+            {"rest": float(f"{units.to_wire(rest):.9g}"), "unit": units.travel.unit},
+        )
+    if stroke == 0.0:
+        raise PydanticCustomError(
+            "program_still",
+            "The follower never moves: program holds no rise and no return. Add both.",
+            {},
+        )
 
 
 def check_units(program: Sequence[Segment], limits: Sequence[Any], unit: str, moves: str) -> None:

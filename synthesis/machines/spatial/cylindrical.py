@@ -39,9 +39,9 @@ from synthesis.machines.spatial.size_constraints import (
 from synthesis.numerics.geometry.charts import Chart, Drum
 from synthesis.numerics.geometry.swept_roller import Joint, SweptRoller
 from synthesis.numerics.piecewise import Array
-from synthesis.units import DEGREE, Travel
+from synthesis.spec.schedule import check_closed
+from synthesis.units import DEGREE, MotionUnits, Travel
 
-CLOSURE = 1e-9  # mm or deg: rounding of a sum of lifts that closes after one turn
 X, Y, Z = np.eye(3)
 RIGHT_ANGLE = 0.5 * math.pi
 
@@ -163,23 +163,8 @@ class CylindricalFollower(CylindricalMachine, ABC):
     def mesh_range(self, sizes: Mapping[str, float]) -> tuple[float, float]:
         return -math.inf, math.inf
 
-    def check_gain(self, gain: float) -> None:
-        rest = gain / self.travel.per_unit
-        if abs(rest) > CLOSURE:
-            raise PydanticCustomError(
-                "program_lift",
-                "The follower ends the turn {rest} {unit} away from where it started. "
-                "Make the lifts of rises and returns sum to zero.",
-                {"rest": float(f"{rest:.9g}"), "unit": self.travel.unit},
-            )
-
-    def check_positions(self, lowest: float, highest: float) -> None:
-        if lowest == highest:
-            raise PydanticCustomError(
-                "program_still",
-                "The follower never moves: program has no rise and no return. Add both.",
-                {},
-            )
+    def check_travel(self, gain: float, lowest: float, highest: float) -> None:
+        check_closed(gain, highest - lowest, MotionUnits(self.travel))
 
     def dwell_rib(self, sizes: Mapping[str, float]) -> float:
         distance = self.roller_distance_mm
@@ -264,8 +249,8 @@ class CylindricalOscillating(CylindricalFollower):
         spacing = None if distance is None else 2.0 * math.atan2(0.5 * distance, self.arm_mm)
         return roller_seats(rest, spacing)
 
-    def check_positions(self, lowest: float, highest: float) -> None:
-        super().check_positions(lowest, highest)
+    def check_travel(self, gain: float, lowest: float, highest: float) -> None:
+        super().check_travel(gain, lowest, highest)
         starts = [seat.start for seat in self.seats()]
         least, most = min(starts) + lowest, max(starts) + highest
         if least <= -RIGHT_ANGLE or most >= RIGHT_ANGLE:

@@ -55,23 +55,24 @@ class GrooveSections:
     """Sections through the grooves of one cam.
 
     Attributes:
-        cam, machine: which. chart: of its blank.
-        mesh: least and largest position q of a roller in mesh [rad or mm]; may be infinite.
+        cam, machine: which.
         straight: whether walls continue along the rollers' axes below the rollers' ends, where
             nothing touches them; otherwise they are those of longer rollers.
     """
 
     cam: SpatialCam
     machine: SpatialMachine
-    chart: Chart
-    mesh: tuple[float, float]
     straight: bool = False
 
-    @classmethod
-    def of(cls, cam: SpatialCam, machine: SpatialMachine, straight: bool = False) -> GrooveSections:
-        """The sections of a machine's cam."""
-        chart, mesh = machine.chart(cam.sizes), machine.mesh_range(cam.sizes)
-        return cls(cam, machine, chart, mesh, straight)
+    @cached_property
+    def chart(self) -> Chart:
+        """Of the blank."""
+        return self.machine.chart(self.cam.sizes)
+
+    @cached_property
+    def mesh(self) -> tuple[float, float]:
+        """Least and largest position q of a roller in mesh [rad or mm]; may be infinite."""
+        return self.machine.mesh_range(self.cam.sizes)
 
     def to_chart(self, point: Array) -> tuple[Array, Array, Array]:
         """Angle about the cam's axis, depth and place across of points (3, …), machine's frame."""

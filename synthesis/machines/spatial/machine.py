@@ -174,16 +174,16 @@ class SpatialMachine(BaseModel, ABC):
         """Coordinates (angle, depth, place across) that suit the blank."""
 
     @abstractmethod
-    def check_gain(self, gain: float) -> None:
+    def check_travel(self, gain: float, lowest: float, highest: float) -> None:
         """Refuse a program that moves the follower by ``gain`` in one turn [rad or mm].
 
-        Raises:
-            PydanticCustomError: the next turn would not find a roller where this turn ended.
-        """
+        Args:
+            lowest, highest: its least and largest position in the turn, from the start of it.
 
-    def check_positions(self, lowest: float, highest: float) -> None:
-        """Refuse a program that moves the follower where it cannot be [rad or mm]."""
-        return None
+        Raises:
+            PydanticCustomError: the next turn would not find a roller where this turn ended, or
+                the follower cannot be there.
+        """
 
     # -- sizing: what is asked where the dimension ``size_field`` is minimised ---------------------
 
@@ -272,7 +272,7 @@ class TurretMachine(SpatialMachine, ABC):
             most = self.mesh_angle_deg * DEGREE
         return -most, most
 
-    def check_gain(self, gain: float) -> None:
+    def check_travel(self, gain: float, lowest: float, highest: float) -> None:
         steps = gain / self.spacing
         if round(steps) == 0 or abs(steps - round(steps)) > WHOLE:
             raise PydanticCustomError(

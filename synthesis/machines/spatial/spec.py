@@ -224,10 +224,9 @@ class SpatialCamSpec(BaseModel):
         moves = f"the follower of a {kind} moves by {unit}"
         check_units(self.program, self.limits, unit, moves)
         check_turn(self.program)
-        self.machine.check_gain(self.gain)
         placed = self.placed_segments()
         levels = [level for each in placed for level in (each.s_start, each.max_displacement)]
-        self.machine.check_positions(min(*levels, placed[-1].s_end), max(levels))
+        self.machine.check_travel(self.gain, min(*levels, placed[-1].s_end), max(levels))
         return self
 
     @model_validator(mode="after")

@@ -210,7 +210,7 @@ def test_what_leaves_no_body_is_refused(
 
 def test_a_wall_that_is_undercut_has_no_body() -> None:
     spec = SpatialCamSpec(**body(centre_distance_mm=131.9))
-    cuts = GrooveSections.of(cam_of(spec), spec.machine)
+    cuts = GrooveSections(cam_of(spec), spec.machine)
     with pytest.raises(InputError, match="wall on the left side of a roller is undercut"):
         build_body(cuts, Blank.of(cuts, BlankOptions(), 4), 180)
 
@@ -222,7 +222,7 @@ def test_a_wall_that_only_longer_rollers_would_undercut_goes_straight_down() -> 
     asked["machine"]["centre_distance_mm"] = 180.0
     asked["program"][0]["law"] = {"kind": "cv50_half_sine"}
     spec = SpatialCamSpec(**asked)
-    cuts = GrooveSections.of(cam_of(spec), spec.machine)
+    cuts = GrooveSections(cam_of(spec), spec.machine)
     turn, depth = np.linspace(0.0, 2.2, 60), np.array([90.0, 101.9, 104.5, 107.3])
     found = cuts.grooves(turn, depth)
     for walls in (found.low, found.high):

@@ -70,7 +70,7 @@ def test_a_kernel_reads_one_sound_closed_solid(read: Read) -> None:
 
 def test_its_volume_is_that_of_ever_finer_meshes(read: Read) -> None:
     asked = {key: value for key, value in ASKED[read.name].items() if key != "tolerance_um"}
-    cuts = GrooveSections.of(read.design.cam, read.design.spec.machine, straight=True)
+    cuts = GrooveSections(read.design.cam, read.design.spec.machine, straight=True)
     coarse, fine = (
         triangulate(
             build_body(cuts, Blank.of(cuts, BlankOptions(**asked), 1 + 3 * k), 60 * k, 4 * k)

@@ -14,7 +14,6 @@ from synthesis.errors import InputError
 from synthesis.exporters.exporter import FileContent
 from synthesis.machines.spatial.body import Mesh
 from synthesis.machines.spatial.files import step
-from synthesis.machines.spatial.files.body_mesh import BodyMesh
 from synthesis.machines.spatial.files.step import BODY, FacetedOptions, merge_planar_faces
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
@@ -151,7 +150,7 @@ def test_a_file_too_large_is_refused_before_it_is_made() -> None:
 def test_a_face_too_thin_for_a_kernel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     corners = np.array([(0.0, 0.0, 0.0), (7.3, 0.0, 0.0), (3.1, 4e-8, 0.0), (3.1, 2.0, 5.0)])
     thin = Mesh(corners, np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]))
-    monkeypatch.setattr(step, "mesh_body", lambda *_: BodyMesh(thin, 0.1))
+    monkeypatch.setattr(step, "mesh_body", lambda *_: (thin, {}))
     design = synthesise_spatial(CAMS["groove, flat where it rests"][0])
     with pytest.raises(InputError, match="narrowest face would be 4e-08 mm"):
         BODY.write(design, FacetedOptions(form="faceted"))

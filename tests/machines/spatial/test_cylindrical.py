@@ -160,7 +160,7 @@ def test_a_follower_that_stands_still_is_refused() -> None:
 
 def test_a_follower_that_does_not_come_back_is_refused() -> None:
     steps = [*program("mm", 33.7)[:2], {"kind": "dwell", "angle_deg": 211.0}]
-    with pytest.raises(ValidationError, match=r"ends the turn 33.7 mm away from where it started"):
+    with pytest.raises(ValidationError, match=r"ends 33.7 mm away from where it began"):
         SpatialCamSpec(program=steps, machine={"kind": SLIDE, **SIZES})
 
 

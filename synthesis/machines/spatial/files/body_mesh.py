@@ -58,29 +58,10 @@ class MeshOptions(BlankOptions):
     depths: Levels = 7
 
 
-@dataclass(frozen=True, eq=False)
-class BodyMesh:
-    """A mesh and its distance from the true surface.
-
-    Attributes:
-        error: largest measured distance [mm].
-    """
-
-    mesh: Mesh
-    error: float
-
-    @property
-    def metadata(self) -> Mapping[str, str]:
-        """Metadata of every file of a body."""
-        return {
-            "Surface-Error-Mm": f"{self.error:.3g}",
-            "Volume-Mm3": f"{self.mesh.volume:.10g}",
-            "Triangles": str(len(self.mesh.triangles)),
-        }
-
-
-def mesh_body(design: SpatialDesign, options: MeshOptions, most: int) -> BodyMesh:
-    """The cam's surface with at most so many triangles.
+def mesh_body(
+    design: SpatialDesign, options: MeshOptions, most: int
+) -> tuple[Mesh, Mapping[str, str]]:
+    """The cam's surface with at most so many triangles, and metadata of its files.
 
     Raises:
         InputError: there may be more (checked before anything is computed), or there is no body.
@@ -97,15 +78,20 @@ def mesh_body(design: SpatialDesign, options: MeshOptions, most: int) -> BodyMes
             f"This may make {count:.2g} triangles; a file has at most {most}.",
             f"Request at most {fewer:.3g}, or fewer depths.",
         )
-    cuts = GrooveSections.of(design.cam, design.spec.machine)
+    cuts = GrooveSections(design.cam, design.spec.machine)
     blank = Blank.of(cuts, options, options.depths)
     body = build_body(cuts, blank, round(360.0 * options.points_per_degree))
-    return BodyMesh(triangulate(body), flank_error(cuts, body))
+    mesh = triangulate(body)
+    return mesh, {
+        "Surface-Error-Mm": f"{flank_error(cuts, body):.3g}",
+        "Volume-Mm3": f"{mesh.volume:.10g}",
+        "Triangles": str(len(mesh.triangles)),
+    }
 
 
 def _stl(design: SpatialDesign, options: MeshOptions) -> FileContent:
-    made = mesh_body(design, options, MAX_TRIANGLES)
-    corners = made.mesh.points[made.mesh.triangles]
+    mesh, metadata = mesh_body(design, options, MAX_TRIANGLES)
+    corners = mesh.points[mesh.triangles]
     records = np.zeros(len(corners), dtype=RECORD)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -113,7 +99,7 @@ def _stl(design: SpatialDesign, options: MeshOptions) -> FileContent:
     records["corners"] = corners
     title = f"Camwright {design.engine_version}, {design.id}"
     head = title.encode("ascii", "replace")[:HEADER].ljust(HEADER)
-    return FileContent(head + np.uint32(len(records)).tobytes() + records.tobytes(), made.metadata)
+    return FileContent(head + np.uint32(len(records)).tobytes() + records.tobytes(), metadata)
 
 
 STL = FileFormat(
@@ -135,7 +121,7 @@ class SurfaceOptions(BlankOptions):
 
 
 def _surfaces(design: SpatialDesign, options: SurfaceOptions) -> bytes:
-    cuts = GrooveSections.of(design.cam, design.spec.machine)
+    cuts = GrooveSections(design.cam, design.spec.machine)
     blank = Blank.of(cuts, options, DEPTHS)
     parts = min(PARTS, blank.chart.parts)
     body = build_body(cuts, blank, round(360.0 * options.points_per_degree), parts)

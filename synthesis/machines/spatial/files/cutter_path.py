@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -43,8 +43,7 @@ RANK = 1e-9  # of the largest singular value: smaller ones count as 0 in the lea
 BOTH = 0  # side of a path that machines both walls
 
 
-@dataclass(frozen=True, eq=False)
-class CutterPoses:
+class CutterPoses(NamedTuple):
     """Poses of a cutter.
 
     Attributes:

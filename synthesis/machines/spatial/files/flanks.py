@@ -238,28 +238,26 @@ def _columns(each: Patch) -> list[Column]:
 
 
 def _json(design: SpatialDesign, options: FlankOptions) -> bytes:
-    flanks = [_flank(each) for each in patches(design, options)]
+    def rows(points: Array) -> Any:
+        """Nested lists by cam angle, then by place: x, y, z."""
+        return np.moveaxis(points, 0, -1).tolist()
+
+    flanks = [
+        {
+            "name": each.name,
+            "roller": each.wall.seat.number,
+            "side": each.wall.letter,
+            "theta_deg": (each.theta / DEGREE).tolist(),
+            "rho_mm": each.rho.tolist(),
+            "points_mm": rows(each.points),
+            "normals": rows(each.normals),
+            "pressure_angle_deg": (each.contacts.pressure_angle / DEGREE).tolist(),
+            "regular": each.contacts.regular.tolist(),
+        }
+        for each in patches(design, options)
+    ]
     head = {"kind": "flanks", "frame": FRAME, "design": design.identification}
     return compact_json({**head, "flanks": flanks})
-
-
-def _flank(each: Patch) -> dict[str, Any]:
-    return {
-        "name": each.name,
-        "roller": each.wall.seat.number,
-        "side": each.wall.letter,
-        "theta_deg": (each.theta / DEGREE).tolist(),
-        "rho_mm": each.rho.tolist(),
-        "points_mm": _rows(each.points),
-        "normals": _rows(each.normals),
-        "pressure_angle_deg": (each.contacts.pressure_angle / DEGREE).tolist(),
-        "regular": each.contacts.regular.tolist(),
-    }
-
-
-def _rows(points: Array) -> list[Any]:
-    """Nested lists by cam angle, then by place: x, y, z."""
-    return np.moveaxis(points, 0, -1).tolist()  # type: ignore[no-any-return]
 
 
 FLANKS = FileFormat(

@@ -197,7 +197,7 @@ def build_solid(
         NotSmooth: the body has no smooth boundary.
         InputError: there is no body.
     """
-    cuts = GrooveSections.of(design.cam, design.spec.machine, straight=True)
+    cuts = GrooveSections(design.cam, design.spec.machine, straight=True)
     sheets = WallSheets.of(cuts, Blank.of(cuts, options, DEPTHS, cluster_at_ends))
     for stride in STRIDES:
         builder = Builder(sheets, tolerance, stride)
@@ -210,29 +210,29 @@ def build_solid(
 
 
 def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
-    made = mesh_body(design, options, MAX_TRIANGLES)
-    thin = thinnest(made.mesh)
+    mesh, metadata = mesh_body(design, options, MAX_TRIANGLES)
+    thin = thinnest(mesh)
     if thin < FINEST:
         raise InputError(
             "/points_per_degree", options.points_per_degree,
             f"The narrowest face would be {thin:.2g} mm wide; a solid needs {FINEST:.2g} mm.",
             "Change the number of points, the width or the bore, or use the mesh in STL.",
         )  # fmt: skip
-    facets = merge_planar_faces(made.mesh)
+    facets = merge_planar_faces(mesh)
 
     def write(data: Entities) -> str:
         points = [
             data.add("CARTESIAN_POINT", "''", many(map(real, point)))
-            for point in made.mesh.points.tolist()
+            for point in mesh.points.tolist()
         ]
         shell = data.add("CLOSED_SHELL", "''", many([_face(data, each, points) for each in facets]))
         return data.add("FACETED_BREP", text(design.name or f"cam {design.id}"), shell)
 
     title = (
-        f"Spatial cam, faceted: flat faces, {made.metadata['Surface-Error-Mm']} mm measured to the "
+        f"Spatial cam, faceted: flat faces, {metadata['Surface-Error-Mm']} mm measured to the "
         "true surface; the smooth walls are in flanks.step"
     )
-    metadata = {"Body": "faceted", **made.metadata, "Faces": str(len(facets))}
+    metadata = {"Body": "faceted", **metadata, "Faces": str(len(facets))}
     kind, meaning = "FACETED_BREP_SHAPE_REPRESENTATION", "points nearer to each other are one"
     return FileContent(shape_file(design, title, kind, write, meaning=meaning), metadata)
 
