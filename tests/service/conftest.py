@@ -6,7 +6,6 @@ import asyncio
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 
 import httpx2
@@ -17,7 +16,7 @@ from service.app import create_app
 from service.server import server_config
 from service.settings import Settings, listening_socket
 from service.wire.observe import configure_logs
-from service.workers.engine import Engine, running_engine
+from service.workers.engine import running_engine
 from tests.service import fake_core
 from tests.service.browsing import browser, closed
 
@@ -29,11 +28,13 @@ class Running:
 
     def __init__(self, settings: Settings, real: bool) -> None:
         configure_logs("warning")
-        self.app = create_app(settings, running_engine if real else _fake_engine)
+        self.app = create_app(settings, running_engine if real else fake_core.engine)
         self._socket = listening_socket(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
         self.server = uvicorn.Server(server_config(self.app))
-        self.client = httpx2.Client(base_url=self.url, timeout=180.0)
+        # The server ends a connection on which nothing is asked for a while: each has its own.
+        anew = httpx2.Limits(max_keepalive_connections=0)
+        self.client = httpx2.Client(base_url=self.url, timeout=180.0, limits=anew)
         self._thread = threading.Thread(target=self._run)
 
     def _run(self) -> None:
@@ -52,10 +53,6 @@ class Running:
         self._thread.join(180.0)
         self._socket.close()
         assert not self._thread.is_alive(), "the service did not stop"
-
-
-def _fake_engine(settings: Settings) -> AbstractAsyncContextManager[Engine]:
-    return running_engine(settings, fake_core.task, fake_core.prepare)
 
 
 def settings_for(folder: Path, **given: object) -> Settings:

@@ -8,9 +8,12 @@ import os
 import signal
 import time
 from collections.abc import Sequence
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import Any
 
+from service.settings import Settings
+from service.workers.engine import Engine, running_engine
 from service.workers.tasks import Answer, design_answer
 from synthesis.design.design import Certificate, Design, Report
 from synthesis.design.identity import design_id, engine_version
@@ -19,6 +22,11 @@ from synthesis.numerics import clock
 from synthesis.spec.design_spec import DesignSpec
 
 LOG = "FAKE_CORE_LOG"
+
+
+def engine(settings: Settings) -> AbstractAsyncContextManager[Engine]:
+    """An engine whose workers have this core."""
+    return running_engine(settings, task, prepare)
 
 
 def prepare() -> None:

@@ -17,6 +17,8 @@ from benchmarks import processes
 ROOT = Path(__file__).resolve().parents[2]
 SERVE = """
 if __name__ == "__main__":
+    import gc
+    gc.disable()  # while modules are imported, of which nothing is let go
     from service.workers import prefork
     from service.settings import Settings
     if Settings().scheduler is None:
@@ -25,11 +27,13 @@ if __name__ == "__main__":
     from service.wire.observe import configure_logs
     from service.settings import listening_socket
     from service.server import server_config
-    from tests.service.conftest import _fake_engine
+    from tests.service import fake_core
     import uvicorn
+    gc.freeze()
+    gc.enable()
     configure_logs("error")
     settings = Settings()
-    server = uvicorn.Server(server_config(create_app(settings, _fake_engine)))
+    server = uvicorn.Server(server_config(create_app(settings, fake_core.engine)))
     server.run([listening_socket(settings)])
 """
 

@@ -113,7 +113,7 @@ def test_a_sweep_while_workers_come_and_go(database: int, tmp_path: Path) -> Non
         api = here.started("api")
         running += [*workers, api]
         url = f"http://127.0.0.1:{here.api}"
-        with Client(url, timeout_s=30.0) as client, httpx2.Client(base_url=url) as plain:
+        with Client(url, timeout_s=180.0) as client, httpx2.Client(base_url=url) as plain:
             answering(plain)
             until(lambda: ready(plain, 2))
             for name in ("worker 1", "worker 2"):

@@ -14,6 +14,7 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 from synthesis.catalogue.profile import cam_profile
+from synthesis.numerics import clock
 from synthesis.numerics.solvers import ipopt
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import StopReason
@@ -356,19 +357,17 @@ def test_a_coarser_accuracy_saves_iterations_and_keeps_the_rows(solved: Callable
 
 def test_a_deadline_in_the_past_returns_the_start_at_once():
     model, start, _ = planned(SCENES["unequal angles"])
-    began = time.process_time()
     found = solve_ipopt(model, start, deadline=time.monotonic() - 1.0)
-    assert time.process_time() - began < 0.05
     assert (found.stopped, found.iterations) == (StopReason.OUT_OF_TIME, 0)
     assert np.array_equal(found.x[: model.size.stop], start[: model.size.stop])
 
 
-def test_a_deadline_stops_the_solver():
+def test_a_deadline_stops_the_solver(monkeypatch: pytest.MonkeyPatch):
+    """A hundredth of what it takes to solve; the clock stands, so that this is left to IPOPT."""
+    monkeypatch.setattr(clock, "now", lambda: 100.0)
     model, start, _ = planned(SCENES["hollow flank"], 60)
-    began = time.process_time()
-    found = solve_ipopt(model, start, deadline=time.monotonic() + 0.06)
-    assert time.process_time() - began < 1.0
-    assert found.stopped is StopReason.OUT_OF_TIME
+    found = solve_ipopt(model, start, deadline=100.002)
+    assert (found.stopped, found.word) == (StopReason.OUT_OF_TIME, "Maximum_WallTime_Exceeded")
 
 
 def test_words_that_the_table_does_not_know_mean_failed():

@@ -54,7 +54,7 @@ def test_the_service_and_its_workers_killed(tmp_path: Path) -> None:
     """The service goes, with its workers; then each worker goes while the service stays."""
     port, items, gate = free_port(), 240, Gate(tmp_path / "gate")
     running = service(tmp_path, port)
-    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
+    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=180.0) as client:
         try:
             answering(client)
             where = posted(client, slow(items, gate))
@@ -92,7 +92,7 @@ def test_a_scheduler_elsewhere_and_its_workers_killed(tmp_path: Path) -> None:
         Process(*dask[1], at, *alone, "--local-directory", str(folder)) for folder in folders
     ]
     running = service(tmp_path, port, at)
-    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
+    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=180.0) as client:
         try:
             answering(client)
             where = posted(client, slow(items, gate))
@@ -132,7 +132,7 @@ def test_strikes_outlive_the_service(tmp_path: Path) -> None:
     (deadly,) = gate.names(1, "wait-and-die")
     gate.let(2)
     running = service(tmp_path, port, FAKE_CORE_LOG=str(log), CAMWRIGHT_WORKERS="1")
-    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) as client:
+    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=180.0) as client:
         try:
             answering(client)
             where = posted(client, sweep_of([deadly, "fine", "fine too"]))

@@ -96,7 +96,7 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
             for folder, port in zip(folders(tmp_path), ports, strict=True)
         ]  # fmt: skip
         first, second = (
-            httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0) for port in ports
+            httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=180.0) for port in ports
         )
         try:
             answering(first)
