@@ -16,7 +16,7 @@ from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import rad_per_s
 
 KILOGRAM = 1e-3  # N s²/mm in 1 kg
-MOST_MASSES, MOST_SPEEDS = 20, 100  # so that an answer takes seconds
+MAX_MASSES, MAX_SPEEDS = 20, 100  # so that an answer takes seconds
 
 Stiffness = Annotated[float, Field(ge=-1e15, le=1e15)]
 Damping = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -43,7 +43,7 @@ class Mass(FiniteModel):
 class Train(FiniteModel):
     """Masses in a row, the first one next to the cam; the last one is the output."""
 
-    masses: Annotated[list[Mass], Field(min_length=1, max_length=MOST_MASSES)]
+    masses: Annotated[list[Mass], Field(min_length=1, max_length=MAX_MASSES)]
     preload_n: float | None = Field(
         None,
         ge=0.0,
@@ -70,7 +70,7 @@ class TrainSpec(FiniteModel):
     train: Train = Field(description="The train that the cam drives.")
     speeds_rpm: list[CamSpeed] = Field(
         [],
-        max_length=MOST_SPEEDS,
+        max_length=MAX_SPEEDS,
         description="Speeds of the cam; left out: that of the cam's own spec.",
     )
     turns: int = Field(

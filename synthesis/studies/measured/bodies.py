@@ -10,7 +10,7 @@ from synthesis.catalogue.fields import AnswerModel, CamRotation, CamSpeed, Finit
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.limits.face_width import FaceWidth
 
-MOST_POINTS = 20_000
+MAX_POINTS = 20_000
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
@@ -22,7 +22,7 @@ class MeasuredCam(FiniteModel):
     rotation: CamRotation = "ccw"
     points_mm: list[tuple[Coordinate, Coordinate]] = Field(
         min_length=3,
-        max_length=MOST_POINTS,
+        max_length=MAX_POINTS,
         fail_fast=True,  # thousands of errors help nobody and take long to make
         description="Points [x, y] once around the profile, in order, in either direction and "
         "from any start, evenly spaced or not. The cam's axis is the origin; at cam angle 0 "

@@ -21,7 +21,7 @@ from synthesis.machines.linkages.arm.geometry import (
 from synthesis.units import DEGREE
 
 LARGEST = 1e6  # mm and kg: far beyond any arm, so that products stay finite
-MOST_POSES, MOST_MASSES = 500, 50  # so that an answer stays small and takes milliseconds
+MAX_POSES, MAX_MASSES = 500, 50  # so that an answer stays small and takes milliseconds
 Length = Annotated[float, Field(ge=1e-6, le=LARGEST)]
 Offset = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Angle = Annotated[float, Field(ge=-720.0, le=720.0)]
@@ -157,12 +157,12 @@ class ArmSpec(FiniteModel):
     tool_deg: JointLimits = Field(
         JointLimits(min=-360.0, max=360.0), description="Limits of axis 6."
     )
-    masses: list[ArmMass] = Field([], max_length=MOST_MASSES, description="Masses of the links.")
+    masses: list[ArmMass] = Field([], max_length=MAX_MASSES, description="Masses of the links.")
     payload_kg: float = Field(
         0.0, ge=0.0, le=LARGEST, description="Load at the tool, including the tool [kg]."
     )
     poses: list[Pose] = Field(
-        [], max_length=MOST_POSES, description="Joint angles, or places of the tool."
+        [], max_length=MAX_POSES, description="Joint angles, or places of the tool."
     )
     time_budget_s: float | None = Field(
         None, gt=0.0, le=3600.0, description="Stop after this long."

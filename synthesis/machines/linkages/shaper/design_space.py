@@ -23,16 +23,16 @@ import numpy as np
 
 from synthesis.catalogue.fields import ends
 from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, identity
-from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
 Value = Any  # arrays, or models of the same
 Span = tuple[float, float]
-CLEAR: Final = 1e-9  # of a sine, kept from: links in line, coupler upright, no stroke
-EXACT: Final = 1e-12  # relative: rounding of a number that is given by two fields
+CLEARANCE: Final = 1e-9  # of a sine, from where links are in line, or upright, or do not move
+ROUNDING: Final = 1e-12  # relative: rounding of a number that is given by two fields
 # Crank angles at which points are compared; the finished linkage is measured by enclosures.
-DENSE: Final = FULL_TURN * np.arange(240) / 240
+CRANK_ANGLES: Final = FULL_TURN * np.arange(240) / 240
 
 
 def swing_sine(ratio: float) -> float:
@@ -52,8 +52,8 @@ class ShaperBatch:
 
     Attributes:
         s, cosine: sin β and cos β. guide, pivot_distance, coupler [mm].
-        level: sin γ at the middle of the swing, (H − L)/c.
-        short: length that the coupler lacks to reach everywhere [mm]; positive: infeasible.
+        middle_sine: sin γ at the middle of the swing, (H − L)/c.
+        deficit: length that the coupler lacks to reach everywhere [mm]; positive: infeasible.
         narrow: narrows sin γ to its range, where it is a model.
     """
 
@@ -62,19 +62,19 @@ class ShaperBatch:
     guide: Value
     pivot_distance: Value
     coupler: Value
-    level: Value
-    short: Value
+    middle_sine: Value
+    deficit: Value
     narrow: Narrowing = identity
 
     @property
     def ram_line(self) -> Value:
         """H [mm]."""
-        return self.guide + self.coupler * self.level
+        return self.guide + self.coupler * self.middle_sine
 
     @property
-    def level_at_ends(self) -> Value:
+    def end_sine(self) -> Value:
         """sin γ at the ends of the swing."""
-        return self.level + self.guide * (1.0 - self.cosine) / self.coupler
+        return self.middle_sine + self.guide * (1.0 - self.cosine) / self.coupler
 
 
 @dataclass(frozen=True)
@@ -84,13 +84,13 @@ class DesignSpace:
     Attributes:
         sines: range of s = sin β that each field allows, by field.
         lengths: both ends of every length [mm]. stroke: both ends [mm].
-        steep: k, the largest |sin γ|.
+        largest_sine: k, the largest |sin γ|.
     """
 
     sines: dict[str, Span]
     lengths: dict[str, Span]
     stroke: Span
-    steep: float
+    largest_sine: float
 
     @classmethod
     def of(cls, spec: ShaperSpec) -> DesignSpace:
@@ -106,56 +106,55 @@ class DesignSpace:
             "stroke_mm": (stroke[0] / (2.0 * GUIDE), stroke[1] / (2.0 * guide)),
         }
         least = spec.least_transmission_angle_deg
-        steep = 1.0 - CLEAR if least is None else math.cos(least * DEGREE)
-        return cls(sines, lengths, stroke, steep)
+        largest_sine = 1.0 - CLEARANCE if least is None else math.cos(least * DEGREE)
+        return cls(sines, lengths, stroke, largest_sine)
 
-    def span(self, *without: str) -> Span:
+    def sine_range(self, *without: str) -> Span:
         """Range of s with some fields left aside; empty where the lower end is above the upper."""
         spans = [span for name, span in self.sines.items() if name not in without]
-        low = max(CLEAR, *(span[0] for span in spans))
-        high = min(1.0 - CLEAR, *(span[1] for span in spans))
-        if high < low <= high * (1.0 + EXACT):
+        low = max(CLEARANCE, *(span[0] for span in spans))
+        high = min(1.0 - CLEARANCE, *(span[1] for span in spans))
+        if high < low <= high * (1.0 + ROUNDING):
             low = high
         return low, high
 
     def at(self, u: Sequence[Value] | Array) -> ShaperBatch:
         """The shapers at points of the unit box: five coordinates, (n,) or models."""
-        k = self.steep
-        (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (
-            self.lengths[name] for name in
-            ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm", "ram_line_mm")
-        )  # fmt: skip
-        s = _between(u[0], *self.span())
-        cosine = np.sqrt(1.0 - s * s)
-        near = np.minimum(k + 0.0 * cosine, cosine * (1.0 - CLEAR))  # k at the ends of the swing
-        half = 0.5 / s
-        L = _between(u[1], np.maximum(guide + 0.0 * s, self.stroke[0] * half),
-                     np.minimum(GUIDE + 0.0 * s, self.stroke[1] * half))  # fmt: skip
-        distance = _between(u[2], np.maximum(a + 0.0 * s, r / s), np.minimum(A + 0.0 * s, R / s))
+        k, stroke = self.largest_sine, self.stroke
+        (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (self.lengths[name] for name in LENGTHS)
+        s = _between(u[0], *self.sine_range())
+        cosine, zero = np.sqrt(1.0 - s * s), 0.0 * s  # zero: numbers as arrays or models
+        # The guide from the stroke, S = 2 L s; the pivot distance from the crank, r = a s.
+        L = _between(u[1], np.maximum(guide + zero, 0.5 * stroke[0] / s),
+                     np.minimum(GUIDE + zero, 0.5 * stroke[1] / s))  # fmt: skip
+        distance = _between(u[2], np.maximum(a + zero, r / s), np.minimum(A + zero, R / s))
+        # The coupler reaches a ram's line in its range from both ends of the guide's height, L and
+        # L cos β: |sin γ| is at most k at the middle of the swing, ``near`` at its ends.
+        near = np.minimum(k + zero, cosine * (1.0 - CLEARANCE))
         low = L * cosine
         least = np.maximum((L - low) / (k + near), np.maximum((L - H1) / k, (H0 - L) / k))
         least = np.maximum(least, np.maximum((low - H1) / near, (H0 - low) / near))
-        coupler = _between(u[3], np.maximum(c + 0.0 * s, least), C + 0.0 * s)
-        drop = (L - low) / coupler  # sin γ at the ends of the swing less that at its middle
-        level = _between(
+        coupler = _between(u[3], np.maximum(c + zero, least), C + zero)
+        # The ram's line by sin γ at the middle; at the ends it is larger by ``rise``.
+        rise = (L - low) / coupler
+        middle_sine = _between(
             u[4],
-            np.maximum((H0 - L) / coupler, np.maximum(-k + 0.0 * s, -near - drop)),
-            np.minimum((H1 - L) / coupler, np.minimum(k + 0.0 * s, near - drop)),
+            np.maximum((H0 - L) / coupler, np.maximum(-k + zero, -near - rise)),
+            np.minimum((H1 - L) / coupler, np.minimum(k + zero, near - rise)),
         )
-        return ShaperBatch(s, cosine, L, distance, coupler, level, least - C)
+        return ShaperBatch(s, cosine, L, distance, coupler, middle_sine, least - C)
 
     def lengths_at(self, u: Array) -> dict[str, float] | None:
-        """The lengths [mm] at one point (5,) of the unit box; None: the coupler is too short."""
+        """The lengths [mm] at one point (5,) of the unit box; None: no coupler is long enough."""
         one = self.at(u[:, None])
-        if float(one.short[0]) > EXACT * float(one.coupler[0]):
+        if float(one.deficit[0]) > ROUNDING * float(one.coupler[0]):
             return None
-        lengths = {
-            "crank_mm": one.s * one.pivot_distance, "guide_mm": one.guide,
-            "coupler_mm": one.coupler, "pivot_distance_mm": one.pivot_distance,
-            "ram_line_mm": one.ram_line,
-        }  # fmt: skip
-        spans = self.lengths
-        return {name: float(np.clip(each[0], *spans[name])) for name, each in lengths.items()}
+        crank = one.s * one.pivot_distance
+        lengths = (crank, one.guide, one.coupler, one.pivot_distance, one.ram_line)
+        return {
+            name: float(np.clip(each[0], *self.lengths[name]))
+            for name, each in zip(LENGTHS, lengths, strict=True)
+        }
 
 
 def _between(u: Value, low: Value, high: Value) -> Value:
@@ -190,7 +189,8 @@ class ShaperObjective:
     def over_turn(self, one: ShaperBatch) -> Array:
         """The functions at points, (functions, n, crank angles)."""
         columns = {name: each[:, None] for name, each in vars(one).items() if name != "narrow"}
-        return np.stack(self.parts(ShaperBatch(**columns), DENSE if self.angles else DENSE[:1]))
+        phi = CRANK_ANGLES if self.angles else CRANK_ANGLES[:1]
+        return np.stack(self.parts(ShaperBatch(**columns), phi))
 
     def values(self, one: ShaperBatch) -> Array:
         """The objective at points, (n,)."""
@@ -204,7 +204,7 @@ def _links(one: ShaperBatch, _: Value) -> list[Value]:
 
 def _coupler_sines(one: ShaperBatch, _: Value) -> list[Value]:
     """|sin γ| at the middle and at the ends of the swing."""
-    return [one.level, -one.level, one.level_at_ends, -one.level_at_ends]
+    return [one.middle_sine, -one.middle_sine, one.end_sine, -one.end_sine]
 
 
 def _least_coupler_sines(one: ShaperBatch, ram_line: Span) -> list[Value]:
@@ -217,7 +217,7 @@ def _least_coupler_sines(one: ShaperBatch, ram_line: Span) -> list[Value]:
 def _second_derivative(one: ShaperBatch, phi: Value) -> list[Value]:
     """|x''| at a crank angle, of the similar shaper with coupler and pivot distance 1."""
     guide = one.guide / one.coupler
-    similar = Shaper(one.s, guide, 1.0, 1.0, guide + one.level)
+    similar = Shaper(one.s, guide, 1.0, 1.0, guide + one.middle_sine)
     bend = one.coupler * similar.motion(phi, one.narrow).ram[2]
     return [bend, -bend]
 

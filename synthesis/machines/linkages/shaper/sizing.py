@@ -20,10 +20,10 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Proof, Relaxation, Status
 from synthesis.errors import InputError, TimeBudgetExceeded
 from synthesis.machines.linkages.shaper.design_space import (
-    CLEAR,
-    DENSE,
-    EXACT,
+    CLEARANCE,
+    CRANK_ANGLES,
     OBJECTIVES,
+    ROUNDING,
     SHORTEST_COUPLER,
     DesignSpace,
     ShaperObjective,
@@ -55,7 +55,7 @@ BATCH: Final = 1500  # boxes of a round
 MAX_BOXES: Final = 60_000  # in all
 MIDDLES: Final = 32  # boxes of a round whose middles are evaluated
 WIDE: Final = 0.05  # weight of a box's width beside its slopes in the choice of the split
-ROUNDING: Final = 1e-9  # relative: a value may be better than its bound by so much
+VALUE_ROUNDING: Final = 1e-9  # relative: by so much rounding may make a value better than its bound
 SHARE: Final = 0.9  # of the tolerance; the rest is for the measured value
 GAP: Final = 1e-3  # relative: of what would be needed
 LONG_COUPLER: Final = 1e3  # longest guides: a longer coupler is no better
@@ -85,7 +85,7 @@ def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper
             "sized.", f"Allow cranks below {farthest:g} mm, or give every length.",
         )  # fmt: skip
     space = DesignSpace.of(spec)
-    low, high = space.span()
+    low, high = space.sine_range()
     if low > high:
         return report_infeasible(spec, _explain_closed_form(spec, space, deadline))
     objective = OBJECTIVES[spec.objective.kind]
@@ -110,7 +110,7 @@ def _certified(answer: SixBarShaper, objective: ShaperObjective, bound: float) -
         "least_transmission_angle_deg": answer.least_transmission_angle_deg,
         "ram_acceleration_mm_per_s2": max(abs(peaks.largest.value), abs(peaks.smallest.value)),
     }[objective.name]
-    if abs(value - bound) <= ROUNDING * abs(value):  # rounding may make it better than the bound
+    if abs(value - bound) <= VALUE_ROUNDING * abs(value):
         bound = value
     gap = abs(value - bound) / abs(value)
     proof = Proof(
@@ -149,7 +149,7 @@ def _closed_form_relaxations(
         ("pivot_distance_mm", "crank_mm", lambda low, high: (crank[0] / high, crank[1] / low)),
     )  # fmt: skip
     for name, field, range_of in ranges:
-        low, high = space.span(field)
+        low, high = space.sine_range(field)
         first, last = ends(getattr(spec, name))
         least, most = range_of(low, high) if low <= high else (1.0, 0.0)
         requested, needed = (last, least) if last < least else (first, most)
@@ -173,12 +173,12 @@ def _explain_coupler(
     relaxations = []
     requested = spec.least_transmission_angle_deg
     if requested is not None:
-        level = OBJECTIVES["transmission_angle"]
-        result = global_minimum(replace(space, steep=1.0 - CLEAR), level, GAP, deadline)
-        needed = None if result.u is None else level.to_wire(result.value, 1.0)
+        angle = OBJECTIVES["transmission_angle"]
+        result = global_minimum(replace(space, largest_sine=1.0 - CLEARANCE), angle, GAP, deadline)
+        needed = None if result.u is None else angle.to_wire(result.value, 1.0)
         note = (
             "No coupler in its range reaches the ram's line everywhere." if result.u is None else
-            f"Proven: none has more than {level.to_wire(result.bound, 1.0):.6g}°."
+            f"Proven: none has more than {angle.to_wire(result.bound, 1.0):.6g}°."
         )  # fmt: skip
         relaxations.append(Relaxation(
             limit="least_transmission_angle_deg", field="/least_transmission_angle_deg",
@@ -222,7 +222,7 @@ def global_minimum(
     space: DesignSpace, objective: ShaperObjective, tolerance: float, deadline: float | None
 ) -> SearchResult:
     """The best shaper, to a relative gap where time allows (``deadline``: ``time.monotonic()``)."""
-    low, high = space.span()
+    low, high = space.sine_range()
     if low > high:
         return SearchResult(None, np.inf, np.inf)
     with np.errstate(all="ignore"):
@@ -236,7 +236,7 @@ def global_minimum(
         for k, preferred in PREFERRED:
             other = u.copy()
             other[k] = preferred
-            if _values(space, objective, other[None])[0] <= value * (1.0 + EXACT):
+            if _values(space, objective, other[None])[0] <= value * (1.0 + ROUNDING):
                 u = other
         return replace(result, u=u)
 
@@ -245,7 +245,7 @@ def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
     """The objective at points (n, 5); inf where the coupler is too short."""
     one = space.at(u.T)
     values = objective.values(one)
-    possible = (one.short <= EXACT * np.abs(one.coupler)) & np.isfinite(values)
+    possible = (one.deficit <= ROUNDING * np.abs(one.coupler)) & np.isfinite(values)
     return np.asarray(np.where(possible, values, np.inf))
 
 
@@ -318,7 +318,7 @@ def _angles(objective: ShaperObjective, space: DesignSpace, u: Array | None) -> 
     phi = FULL_TURN * np.arange(SAMPLES) / SAMPLES
     if u is not None:
         for part in objective.over_turn(space.at(u[:, None]))[:, 0]:
-            phi = np.append(phi, DENSE[np.argmax(part)] + 0.05 * np.arange(-3, 4))
+            phi = np.append(phi, CRANK_ANGLES[np.argmax(part)] + 0.05 * np.arange(-3, 4))
     return [float(each) for each in phi]
 
 
@@ -327,7 +327,7 @@ def _bounds(
 ) -> tuple[Array, Array]:
     """A lower bound on every box, inf where nothing is feasible, and the coordinate to split."""
     # Affine models of the shapers on the boxes; |sin γ| ≤ k narrows them.
-    k = space.steep
+    k = space.largest_sine
     one = replace(space.at(Affine.variables(lo, hi)), narrow=lambda sine: sine.restrict(-k, k))
     parts = objective.lower_bounds(one, phi, space.lengths["ram_line_mm"])
     lows = np.stack([part.lower for part in parts])
@@ -337,10 +337,10 @@ def _bounds(
     slopes = np.abs(np.stack([part.g for part in parts]))[which, :, rows]
     rem = np.stack([part.rem for part in parts])[which, rows]
     # Where nothing is known yet, split what makes the coupler's angle uncertain.
-    steep = np.abs(one.level.g.T) + np.abs(one.level_at_ends.g.T)
+    uncertain = np.abs(one.middle_sine.g.T) + np.abs(one.end_sine.g.T)
     known = np.isfinite(lower)[:, None]
-    slopes, rem = np.where(known, slopes, steep), np.where(known[:, 0], rem, 0.0)
+    slopes, rem = np.where(known, slopes, uncertain), np.where(known[:, 0], rem, 0.0)
     spread = (rem + np.sum(slopes, axis=1))[:, None]
     split = np.argmax(slopes + WIDE * spread * (hi - lo), axis=1)
     # Objectives are not negative.
-    return np.where(one.short.lower > 0.0, np.inf, np.maximum(lower, 0.0)), split
+    return np.where(one.deficit.lower > 0.0, np.inf, np.maximum(lower, 0.0)), split
