@@ -68,6 +68,8 @@ def simulate_flights(chain: Chain, motion: Motion, omega: float, turns: int) -> 
 
 @dataclass(frozen=True)
 class _Simulation:
+    """One integration from rest, with a relative tolerance."""
+
     chain: Chain
     motion: Motion
     omega: float
@@ -77,13 +79,15 @@ class _Simulation:
     def run(self) -> Flight:
         """All turns; the state is (y, y') in contact and (y, y', z) in flight."""
         n, last_turn = self.chain.count, (self.turns - 1) * FULL_TURN
+        # Equilibrium on the cam, which stands still at its start.
         state = np.zeros(2 * n)
         start = float(self.motion.derivatives([0.0])[0, 0])
         state[:n] = -np.linalg.solve(self.chain.stiffness, self.chain.ground_springs) * start
         flying, z, losses = False, float(state[0]), list[float]()
-        peaks, in_flight = {True: 0.0, False: 0.0}, 0.0  # gap, force; cam angle of the last turn
+        # Largest gap and force; cam angle without contact in the last turn.
+        peaks, in_flight = {True: 0.0, False: 0.0}, 0.0
         for low, high, jump in self._stages():
-            state[n:] -= jump * self.omega
+            state[n:] -= jump * self.omega  # y' = x' − s' jumps where the cam's velocity does
             at = low
             while at < high and len(losses) <= MAX_LOSSES:
                 clock.now()  # so that a cancelled task ends here
@@ -130,8 +134,11 @@ class _Simulation:
             cam angle, (y, y') and z there, whether contact changed, and the largest gap (in flight)
             or contact force.
         """
-        n, event = self.chain.count, _gap if flying else self._force
+        n = self.chain.count
         begin = np.append(state, z) if flying else state
+
+        def event(x: Array) -> Array:  # the gap y_1 − z or the force, positive until the phase ends
+            return np.asarray(x[0] - x[-1]) if flying else self._force(x)
 
         def crossing(theta: float, x: Array) -> float:
             return float(event(x))
@@ -181,11 +188,6 @@ class _Simulation:
             return change / omega
 
         return rate
-
-
-def _gap(x: Array) -> Array:
-    """y_1 − z of states (2n + 1,) or (2n + 1, k) in flight."""
-    return np.asarray(x[0] - x[-1])
 
 
 def _evaluator(curve: Piecewise) -> Callable[[float], tuple[float, float, float]]:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from math import factorial, sqrt
 
 import numpy as np
+from scipy.linalg import toeplitz
 
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.dynamics.chain import Chain, Complex, Modes
@@ -26,6 +27,7 @@ from synthesis.units import FULL_TURN
 TERMS = 22  # of the series of φ in the unit disc, where the last is below rounding
 WAVE = 0.5  # rad: largest phase of a law's own sinusoids in one step
 SERIES = 18  # terms of their Taylor series: 0.5^18/18! is below rounding
+RESONANT = 1e-9  # change of a mode over one turn below which the response grows
 IMPACT = 1e-9  # of the largest velocity: smaller jumps of it are rounding
 
 
@@ -45,16 +47,15 @@ def phi(z: Complex, highest: int) -> Complex:
     for j in range(1, TERMS):
         term = term * small / (j + orders)
         values += term
-    shares = np.array(
-        [[1.0 / factorial(k - j) if 1 <= j <= k else 0.0 for j in range(highest + 1)]
-         for k in range(highest + 1)]
-    )  # fmt: skip
+    # Doublings: 1/(k − j)! for 1 ≤ j ≤ k, and 2^(−k).
+    weights = np.tril(toeplitz(first))
+    weights[:, 0] = 0.0
     scale = 0.5 ** np.arange(highest + 1)
     for done in range(int(halvings.max(initial=0))):
-        going = halvings > done
-        part = values[:, going]
-        before = np.exp(small[going] * 2.0**done)
-        values[:, going] = scale[:, None] * (before * part + shares @ part)
+        active = halvings > done
+        part = values[:, active]
+        exponential = np.exp(small[active] * 2.0**done)
+        values[:, active] = scale[:, None] * (exponential * part + weights @ part)
     values[0] = np.exp(z)
     return values
 
@@ -194,7 +195,7 @@ def from_rest(chain: Chain, steps: Steps, omega: float, turns: int) -> list[Resp
     return responses
 
 
-def resonance(modes: Modes, omega: float, nearness: float = 1e-9) -> tuple[float, int] | None:
+def resonance(modes: Modes, omega: float) -> tuple[float, int] | None:
     """The undamped mode whose frequency is a harmonic of the cam's, and that harmonic.
 
     There the response grows from turn to turn, and no periodic one exists.
@@ -202,19 +203,22 @@ def resonance(modes: Modes, omega: float, nearness: float = 1e-9) -> tuple[float
     Returns:
         its natural frequency [Hz] and the harmonic of the shaft; None where there is none.
     """
-    turn = modes.rates * FULL_TURN / omega
-    for k in modes.independent.tolist():
-        if abs(np.expm1(turn[k] - 2j * np.pi * round(turn[k].imag / FULL_TURN))) < nearness:
-            return float(abs(modes.rates[k]) / FULL_TURN), round(turn[k].imag / FULL_TURN)
+    for rate in modes.rates[modes.independent].tolist():
+        harmonic = round(rate.imag / omega)
+        # Over a turn the mode changes by this factor, less 1: 0 where it comes back as it was.
+        if abs(np.expm1((rate - 1j * harmonic * omega) * FULL_TURN / omega)) < RESONANT:
+            return abs(rate) / FULL_TURN, harmonic
     return None
 
 
 def _transition(modes: Modes, steps: Steps, omega: float) -> tuple[Complex, Complex]:
     """Factor of ξ over every step and what the motion adds to it: (2n, k) each."""
     degree = len(steps.taylor) - 1
+    # The φ-functions of every mode at every length of a step [s], of which there are few.
     length = np.diff(steps.theta) / omega
     sizes, which = np.unique(length, return_inverse=True)
     functions = phi(np.multiply.outer(modes.rates, sizes), degree + 1)  # (d+2, 2n, sizes)
+    # Order k of the force's Taylor series on ξ, from s, s' and s''; an impact adds s' ω at once.
     derivatives = np.vstack([steps.taylor, np.zeros((2, steps.taylor.shape[1]))])
     moving = length > 0.0
     h = np.where(moving, length, 1.0)
@@ -268,7 +272,7 @@ def residual_spectrum(
         sizes, which = np.unique(width, return_inverse=True)
         functions = phi(np.multiply.outer(-rate, sizes), len(taylor) - 1)
         each = sum(functions[k][:, which] * taylor[k] for k in range(1, len(taylor)))
-        left = segment.end - steps.theta[1:][inside] + after
-        total += np.sum(each * np.exp(-np.multiply.outer(rate, left)), axis=1)
+        rest = segment.end - steps.theta[1:][inside] + after
+        total += np.sum(each * np.exp(-np.multiply.outer(rate, rest)), axis=1)
         after += segment.angle
     return np.asarray(np.abs(total) / sqrt(1.0 - damping**2))
