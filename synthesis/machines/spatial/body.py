@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -321,31 +321,17 @@ class Mesh:
 
 def triangulate(body: Body) -> Mesh:
     """The body's surface."""
-    points, names = _merge_points(body)
-    triangles = _cancel_folds(_triangles(body, names))
-    mesh = Mesh(points, triangles)
-    return mesh if mesh.volume > 0.0 else Mesh(points, triangles[:, ::-1])
-
-
-def _merge_points(body: Body) -> tuple[Array, Whole]:
-    """Distinct points, and the number of each grid point among them: (n + 1, c).
-
-    Compared in single precision, as files store them.
-    """
+    # Distinct points, and the number of each grid point among them: (n + 1, c). They are compared
+    # in single precision, as files store them.
     points = body.points.astype(np.float32).reshape(3, -1) + np.float32(0.0)
-    distinct, names = np.unique(points, axis=1, return_inverse=True)
-    return distinct.T.astype(float), names.reshape(body.radius.shape)
-
-
-def _triangles(body: Body, names: Whole) -> Whole:
-    """Two triangles a cell; in walls the diagonal is the same for columns up and down.
-
-    So that two walls in one place cancel, triangle by triangle.
-    """
+    distinct, numbers = np.unique(points, axis=1, return_inverse=True)
+    numbers = numbers.reshape(body.radius.shape)
+    # Two triangles a cell; in walls the diagonal is the same for columns up and down, so that two
+    # walls in one place cancel, triangle by triangle.
     triangles = []
     for strip in body.strips:
         columns = [*range(strip.first, strip.last + 1)] or [strip.first, strip.last]
-        grid = names[:, columns]
+        grid = numbers[:, columns]
         here, beside = grid[:-1, :-1], grid[:-1, 1:]
         after, across = grid[1:, :-1], grid[1:, 1:]
         corners = (
@@ -354,7 +340,8 @@ def _triangles(body: Body, names: Whole) -> Whole:
             else [(here, beside, after), (beside, across, after)]
         )
         triangles += [np.stack(each, axis=-1).reshape(-1, 3) for each in corners]
-    return np.concatenate(triangles)
+    mesh = Mesh(distinct.T.astype(float), _cancel_folds(np.concatenate(triangles)))
+    return mesh if mesh.volume > 0.0 else replace(mesh, triangles=mesh.triangles[:, ::-1])
 
 
 def _cancel_folds(triangles: Whole) -> Whole:

@@ -15,10 +15,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
-from synthesis.design.design import Certificate, Report, StageReport
+from synthesis.design.design import Certificate, Conflict, Report, StageReport
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
@@ -26,13 +25,10 @@ from synthesis.machines.spatial.design import Arc, SpatialDesign, SpatialWall, s
 from synthesis.machines.spatial.measuring.measure import measure
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
-from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
+from synthesis.optimise.parameters.table_smoothing import smooth_tables
 from synthesis.optimise.recovery.junction_repair import Splines
 from synthesis.pipeline.assembly import segment_motions
 from synthesis.units import DEGREE
-
-if TYPE_CHECKING:
-    from synthesis.machines.spatial.sizing.size_cam import SizingResult
 
 TIGHTENINGS = (1e-7, 1e-6, 1e-5)  # relative amounts by which limits are tightened, in turn
 GIVEN = Certificate(
@@ -60,92 +56,71 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
             "Give the number.",
         )
     tables = smooth_tables(spec.placed_segments(), stop)
-    sizes = spec.given_sizes()
+    sizes, stages = spec.given_sizes(), list[StageReport]()
     if sizes is not None and not spec.has_free_law:
         cam = build_cam(spec, sizes, Motion.of(tables.segments))
-        return answer(spec, cam, tables.segments, tables.splines, [], started)
+        return _answer(spec, stages, started, GIVEN, cam, tables.segments, tables.splines)
     # Imported on demand: cams that are given in full need no optimiser.
+    from synthesis.machines.spatial.sizing.infeasibility import diagnose
     from synthesis.machines.spatial.sizing.size_cam import size_cam
 
-    stages: list[StageReport] = []
     for number, tighten in enumerate(TIGHTENINGS):
         # Most cams have room for their ribs; measuring these waits until a cam is refused.
         result = size_cam(spec, tables, stop, tighten, ribs=number > 0)
         stages += [StageReport(**asdict(stage)) for stage in result.stages]
         if result.sizes is None:
-            return _infeasible(spec, tables, result, stages, stop, started)
+            conflict = diagnose(spec, tables, result, stop)
+            lower = result.lower if isfinite(result.lower) else None
+            none = _certificate(spec, None, lower, result.valid_for)
+            return _answer(spec, stages, started, none, None, (), {}, conflict)
         value = result.sizes[spec.machine.size_field]
-        proof = Certificate(
-            certified=False, objective=spec.machine.size_field, value=value,
-            lower_bound=result.lower, bound_valid_for=result.valid_for,
-            gap=max(value - result.lower, 0.0) / value,
-        )  # fmt: skip
+        proof = _certificate(spec, value, result.lower, result.valid_for)
         cam = build_cam(spec, result.sizes, result.motion)
-        design = answer(spec, cam, result.segments, result.splines, stages, started, proof)
+        design = _answer(spec, stages, started, proof, cam, result.segments, result.splines)
         if design.status != "infeasible" or clock.now() >= stop:
             break
     return design
 
 
-def _infeasible(
+def _certificate(
+    spec: SpatialCamSpec, value: float | None, lower: float | None, valid_for: str
+) -> Certificate:
+    """What is proven of the minimised dimension [mm]; not yet of the cam."""
+    gap = None if value is None or lower is None else max(value - lower, 0.0) / value
+    return Certificate(
+        certified=False, objective=spec.machine.size_field, value=value, lower_bound=lower,
+        bound_valid_for=valid_for, gap=gap,
+    )  # fmt: skip
+
+
+def _answer(
     spec: SpatialCamSpec,
-    tables: Tables,
-    result: SizingResult,
     stages: Sequence[StageReport],
-    stop: float,
     started: float,
-) -> SpatialDesign:
-    """The answer where no cam was found."""
-    from synthesis.machines.spatial.sizing.infeasibility import diagnose
-
-    conflict = diagnose(spec, tables, result, stop)
-    lower = result.lower if isfinite(result.lower) else None
-    no_cam = Certificate(
-        certified=False, objective=spec.machine.size_field, value=None, lower_bound=lower,
-        bound_valid_for=result.valid_for, gap=None,
-    )  # fmt: skip
-    return SpatialDesign(
-        **_head(spec, stages, started), status="infeasible", dimensions={}, motion=[], walls=[],
-        extremes=[], certificate=no_cam, conflict=conflict,
-    )  # fmt: skip
-
-
-def answer(
-    spec: SpatialCamSpec,
-    cam: SpatialCam,
+    certificate: Certificate,
+    cam: SpatialCam | None,
     segments: Sequence[PlacedSegment],
     splines: Splines,
-    stages: Sequence[StageReport],
-    started: float,
-    certificate: Certificate = GIVEN,
+    conflict: Conflict | None = None,
 ) -> SpatialDesign:
-    """The answer with a cam, measured; ``started`` is a ``time.perf_counter()``."""
-    extremes = measure(spec, cam)
-    holds = all(extreme.holds for extreme in extremes)
+    """The answer, its cam measured if it has one; ``started`` is a ``time.perf_counter()``."""
+    extremes = [] if cam is None else measure(spec, cam)
+    holds = cam is not None and all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
     walls = [
         SpatialWall(
             name=wall.name, roller=wall.seat.number, side=wall.letter,
             arcs=[Arc(start_deg=a / DEGREE, end_deg=b / DEGREE) for a, b in wall.spans],
         )
-        for wall in cam.walls
+        for wall in (cam.walls if cam else ())
     ]  # fmt: skip
     return SpatialDesign(
-        **_head(spec, stages, started),
+        id=spatial_design_id(spec), name=spec.name, engine_version=engine_version(),
         status="infeasible" if not holds else "optimal" if within else "feasible",
-        dimensions=dict(spec.machine.dimensions(cam.sizes)),
+        rotation=spec.rotation, speed_rpm=spec.speed_rpm, machine=spec.machine.kind,
+        dimensions=dict(spec.machine.dimensions(cam.sizes)) if cam else {},
         motion=segment_motions(spec.program, spec.machine.travel, segments, splines),
-        walls=walls,
-        extremes=extremes,
+        walls=walls, extremes=extremes, conflict=conflict,
         certificate=certificate.model_copy(update={"certified": holds}),
-    )
-
-
-def _head(spec: SpatialCamSpec, stages: Sequence[StageReport], started: float) -> dict[str, Any]:
-    """The fields that every answer has from its spec and its making."""
-    return {
-        "id": spatial_design_id(spec), "name": spec.name, "engine_version": engine_version(),
-        "rotation": spec.rotation, "speed_rpm": spec.speed_rpm, "machine": spec.machine.kind,
-        "spec": spec,
-        "report": Report(stages=list(stages), seconds=time.perf_counter() - started),
-    }  # fmt: skip
+        report=Report(stages=list(stages), seconds=time.perf_counter() - started), spec=spec,
+    )  # fmt: skip

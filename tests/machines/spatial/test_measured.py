@@ -65,7 +65,7 @@ def test_the_judge_s_surface_says_what_contacts_say(name: str) -> None:
     for i, part in enumerate(parts):
         theta = part.low + (part.high - part.low) * rng.random(4)
         rho = roller.inner + (roller.outer - roller.inner) * rng.random(4)
-        at = enclosure.SweptAxis(models, enclosure.Boxes(np.full(4, i), theta, theta, rho, rho))
+        at = enclosure.SweptAxis(models, np.stack([np.full(4, i), theta, theta, rho, rho]))
         found = part.at(theta, rho).contacts
         steep = np.tan(np.diag(found.pressure_angle)) ** 2
         assert np.abs(enclosure.pressure(at).c0 - steep).max() < 1e-12

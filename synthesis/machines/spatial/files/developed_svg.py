@@ -86,9 +86,14 @@ def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
     width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
     scale = shown_at(width)
     lines = unrolled.curves
+    curves = (
+        path
+        for line in lines
+        for path in _paths(plane, f"line {'outline' if line.side else 'pitch'}", line.phi, line.z)
+    )
     body = [
         *above(design, LEFT * u, width - RIGHT * u, u),
-        *_clipped(plane, [*_grooves(plane, lines), *_curves(plane, lines)]),
+        *_clipped(plane, [*_grooves(plane, lines), *curves]),
         *_axes(plane),
         *_legend(plane, unrolled, scale),
     ]
@@ -130,11 +135,6 @@ def _grooves(plane: _Plane, lines: list[WallCurve]) -> Iterator[str]:
                 z = np.concatenate([one.z, other.z[::-1]])
                 kind = "rest" if one.seat == other.seat else "body"
                 yield from _paths(plane, kind, phi, z, closed=True)
-
-
-def _curves(plane: _Plane, lines: list[WallCurve]) -> Iterator[str]:
-    for line in lines:
-        yield from _paths(plane, "line outline" if line.side else "line pitch", line.phi, line.z)
 
 
 def _axes(plane: _Plane) -> list[str]:

@@ -19,17 +19,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.measuring.patches import Extremum, Patch
 from synthesis.numerics.box_search import BoxSearch, Budget
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Mask
 from synthesis.numerics.taylor import Jets, Taylor
 
 Vector = tuple[Any, Any, Any]
@@ -68,25 +67,13 @@ def _sum(*terms: tuple[Any, Vector]) -> Vector:
     return x, y, z
 
 
-@dataclass(frozen=True, eq=False)
-class Boxes:
-    """Boxes (n,): the patch, its cam angles and its places on the roller's axis."""
-
-    patch: NDArray[np.intp]
-    low: Array
-    high: Array
-    inner: Array
-    outer: Array
-
-    def split(self, keep: NDArray[np.bool_], counts: tuple[int, int]) -> Boxes:
-        """Each box to ``keep`` (n,) cut into so many parts in θ and in ρ."""
-        patch, low, high, inner, outer = (part[keep] for part in vars(self).values())
-        theta, rho = _cut(low, high, counts[0]), _cut(inner, outer, counts[1])
-        parts = (theta[:, :-1, None], theta[:, 1:, None], rho[:, None, :-1], rho[:, None, 1:])
-        return Boxes(
-            np.repeat(patch, math.prod(counts)),
-            *(np.broadcast_to(part, (len(low), *counts)).ravel() for part in parts),
-        )
+def _split(boxes: Array, keep: Mask, counts: tuple[int, int]) -> Array:
+    """Each box (5, n) to ``keep`` (n,) cut into so many parts in θ and in ρ."""
+    patch, low, high, inner, outer = boxes[:, keep]
+    theta, rho = _cut(low, high, counts[0]), _cut(inner, outer, counts[1])
+    parts = (patch[:, None, None], theta[:, :-1, None], theta[:, 1:, None],
+             rho[:, None, :-1], rho[:, None, 1:])  # fmt: skip
+    return np.stack([np.broadcast_to(part, (len(low), *counts)).ravel() for part in parts])
 
 
 def _cut(low: Array, high: Array, count: int) -> Array:
@@ -113,33 +100,32 @@ class Models:
         patch, rho = parts[0], np.array([swept.roller.middle])
         at = np.array([0.5 * (patch.low + patch.high)])
         normal = patch.at(at, rho).contacts.normal[:, 0, 0]
-        swept_axis = SweptAxis(self, Boxes(np.array([0]), at, at, rho, rho))
+        swept_axis = SweptAxis(self, np.stack([0.0 * at, at, at, rho, rho]))
         alike = dot(swept_axis.normal, tuple(normal.tolist()))
         self.side = self.side * patch.wall.side * (1 if float(alike.c0[0]) > 0.0 else -1)
 
     @cached_property
-    def first(self) -> tuple[Boxes, SweptAxis]:
+    def first(self) -> tuple[Array, SweptAxis]:
         """The first level's boxes and their models, shared by all quantities.
 
         Each patch has its share of ``ANGLES`` boxes a wall in θ. Where the follower dwells the
         contact is the same at every angle relative to the cam: one box.
         """
         parts, roller = self.parts, self.cam.swept.roller
-        low, high = np.array([(part.low, part.high) for part in parts]).T
-        ends = (np.full(len(parts), end) for end in (roller.inner, roller.outer))
-        whole = Boxes(np.arange(len(parts)), low, high, *ends)
+        ends = [(part.low, part.high, roller.inner, roller.outer) for part in parts]
+        whole = np.vstack([np.arange(len(parts)), np.array(ends).T])
         rests = np.array([part.rests for part in parts])
         angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
-        resting = whole.split(rests, (1, PLACES))
-        moving = whole.split(~rests, (angles, PLACES))
-        both = zip(vars(resting).values(), vars(moving).values(), strict=True)
-        boxes = Boxes(*map(np.concatenate, both))
+        still, moving = _split(whole, rests, (1, PLACES)), _split(whole, ~rests, (angles, PLACES))
+        boxes = np.hstack([still, moving])
         with np.errstate(all="ignore"):
             return boxes, SweptAxis(self, boxes)
 
 
 class SweptAxis:
     """The surface that a roller's axis sweeps, on boxes; vectors in the machine's frame.
+
+    A box is a column: number of its patch, ends of its cam angles, ends of its places ρ.
 
     Attributes:
         p: P from the cam's centre. u, w: the axis's direction, and dP/dq. v: P_θ.
@@ -148,16 +134,17 @@ class SweptAxis:
         side: (n,) whether the wall's normal is along ``normal`` or against it.
     """
 
-    def __init__(self, models: Models, boxes: Boxes) -> None:
-        self._models, self.side = models, models.side[boxes.patch]
+    def __init__(self, models: Models, boxes: Array) -> None:
+        patch, (_, low, high, inner, outer) = boxes[0].astype(int), boxes
+        self._models, self.side = models, models.side[patch]
         # q and its derivatives as Taylor models in θ, ρ as an interval.
-        piece = models.piece[boxes.patch]
-        q, self._q1, self._q2 = models.jets.models(piece, boxes.low, boxes.high, 2)
-        q = q + models.start[boxes.patch]
+        piece = models.piece[patch]
+        q, self._q1, self._q2 = models.jets.models(piece, low, high, 2)
+        q = q + models.start[patch]
         # A little wider, for the rounding of its ends.
-        half = (0.5 + 1e-15) * (boxes.outer - boxes.inner)
+        half = (0.5 + 1e-15) * (outer - inner)
         none = np.zeros(len(piece))
-        self._rho = rho = Taylor.of(0.5 * (boxes.inner + boxes.outer), none, none, half)
+        self._rho = rho = Taylor.of(0.5 * (inner + outer), none, none, half)
         # u, o and their derivatives by q; then P, w = P_q and P_θ by the module's formulas.
         cos, sin = q.cos(), q.sin()
         self.u, self._u1, self._u2 = _moving(models.along, q, cos, sin)
@@ -262,7 +249,7 @@ def upper_bound(models: Models, of: Enclosed, enough: float, splits: Splits = QU
     return float(search.proven)
 
 
-class _WallSearch(BoxSearch[Boxes]):
+class _WallSearch(BoxSearch[Array]):
     """Branch and bound of one quantity over boxes of cam angle and place on the roller."""
 
     def __init__(self, models: Models, of: Enclosed, enough: float, splits: Splits) -> None:
@@ -273,7 +260,7 @@ class _WallSearch(BoxSearch[Boxes]):
     def children(self) -> int:  # type: ignore[override]
         return math.prod(self.splits[(self.level - 1) % len(self.splits)])
 
-    def bound(self, boxes: Boxes) -> Array:
+    def bound(self, boxes: Array) -> Array:
         # The first level is the same for all quantities, and its models are made once.
         swept = self.models.first[1] if self.level == 0 else SweptAxis(self.models, boxes)
         self.level += 1
@@ -288,8 +275,8 @@ class _WallSearch(BoxSearch[Boxes]):
     def threshold(self) -> float:
         return self.enough
 
-    def split(self, boxes: Boxes, keep: NDArray[np.bool_]) -> Boxes:
-        return boxes.split(keep, self.splits[(self.level - 1) % len(self.splits)])
+    def split(self, boxes: Array, keep: Mask) -> Array:
+        return _split(boxes, keep, self.splits[(self.level - 1) % len(self.splits)])
 
 
 def _range(model: Taylor) -> tuple[Array, Array]:

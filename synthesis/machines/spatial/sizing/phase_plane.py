@@ -45,28 +45,6 @@ TUBE_NODES = 128  # cam angles of a tube
 TUBE_MARGIN = 1e-4  # of the lift: far above the error of linear interpolation in a profile
 
 
-@dataclass(frozen=True)
-class DerivativeCaps:
-    """Upper bounds of |s'|, |s''| and |s'''| on a whole segment [mm/rad^k]; infinite: none."""
-
-    velocity: float
-    acceleration: float
-    jerk: float
-
-    @classmethod
-    def of(cls, problem: Problem, segment: PlacedSegment) -> DerivativeCaps:
-        """From the limits on single derivatives; of their two signs the looser one."""
-        sides = {(k, sign): inf for k in (1, 2, 3) for sign in (1, -1)}
-        for row in problem.limit_rows(segment):
-            orders = [k for k, factor in enumerate(row.coefficients) if factor]
-            if len(orders) == 1 and orders[0] > 0 and row.interval is None and not any(row.size):
-                factor = row.coefficients[orders[0]]
-                side = orders[0], 1 if factor > 0.0 else -1
-                sides[side] = min(sides[side], row.upper / abs(factor))
-        velocity, acceleration, jerk = (max(sides[k, 1], sides[k, -1]) for k in (1, 2, 3))
-        return cls(velocity, acceleration, jerk)
-
-
 @dataclass(frozen=True, eq=False)
 class SpeedProfile:
     """Speeds that no law exceeds, by position, and the least cam angles that follow.
@@ -93,13 +71,14 @@ class PhasePlane:
     """A free segment and what bounds the speed of its laws.
 
     Attributes:
-        problem, segment: which. caps: of its derivatives.
+        problem, segment: which.
+        caps: upper bounds of |s'|, |s''| and |s'''| on the segment [mm/rad^k]; infinite: none.
         states: s' and s'' at its start and at its end as far as known, in its direction.
     """
 
     problem: Problem
     segment: PlacedSegment
-    caps: DerivativeCaps
+    caps: tuple[float, ...]
     states: tuple[Sequence[float], Sequence[float]]
 
     @classmethod
@@ -109,13 +88,22 @@ class PhasePlane:
         start, end = (
             [float(v * u) for v, u in zip(g[1:3], units[1:], strict=False)] for g in known
         )
-        return cls(problem, segment, DerivativeCaps.of(problem, segment), (start, end))
+        # Caps are the limits on single derivatives; of their two signs the looser one.
+        sides = {(k, sign): inf for k in (1, 2, 3) for sign in (1, -1)}
+        for row in problem.limit_rows(segment):
+            orders = [k for k, factor in enumerate(row.coefficients) if factor]
+            if len(orders) == 1 and orders[0] > 0 and row.interval is None and not any(row.size):
+                factor = row.coefficients[orders[0]]
+                side = orders[0], 1 if factor > 0.0 else -1
+                sides[side] = min(sides[side], row.upper / abs(factor))
+        caps = tuple(max(sides[k, 1], sides[k, -1]) for k in (1, 2, 3))
+        return cls(problem, segment, caps, (start, end))
 
     def speed_limit(self, p: Array, size: float) -> Array:
         """V at positions p (n,) [mm/rad]; not above 0 where the cam is too small."""
         sense = 1.0 if self.segment.lift > 0.0 else -1.0
         s = self.segment.s_start + sense * p
-        limit = np.full(len(p), self.caps.velocity)
+        limit = np.full(len(p), self.caps[0])
         for curve in self.problem.curved_limits_on(self.segment):
             limit = np.minimum(limit, cast(SizeConstraint, curve).max_speed(s, size, sense))
         return limit
@@ -171,7 +159,7 @@ class PhasePlane:
 
 def _integrate(
     state: Sequence[float],
-    caps: DerivativeCaps,
+    caps: Sequence[float],
     p: list[float],
     limit: list[float],
     peak: list[float],
@@ -179,14 +167,15 @@ def _integrate(
     """The fastest start from a known state until it meets the limit, by steps in the cam angle.
 
     Args:
-        state: s' and, if known, s'' at p = 0. caps: of the derivatives.
+        state: s' and, if known, s'' at p = 0. caps: as in ``PhasePlane``.
         p: positions. limit: V there. peak: the largest V from there on.
 
     Returns:
         positions, speeds and cam angles after each step; positions and speeds are overestimated.
     """
     v0, a0 = state[0], state[1] if len(state) > 1 else inf
-    J, A, lift, jerk_capped = caps.jerk, caps.acceleration, p[-1], caps.jerk < inf
+    (_, A, J), lift = caps, p[-1]
+    jerk_capped = inf > J
     # The step is a share of the angle in which a law from rest reaches its largest speed.
     h = (2.0 * sqrt(peak[0] / J) + peak[0] / A) / STEPS
     if h == 0.0:
@@ -279,7 +268,7 @@ def trajectory_tubes(plan: ConicModel, size: float) -> tuple[LawBounds, ...]:
         low[-1] = high[-1] = lift
         fast = np.full(len(nodes), min(float(np.max(profile.speed)) * angle / lift, 1e6))
         slow = -fast if segment.free.overshoot else 0.0 * fast
-        order = 3 if plane.caps.jerk < inf else 2
-        cap = (plane.caps.jerk if order == 3 else plane.caps.acceleration) * angle**order / lift
+        order = 3 if plane.caps[2] < inf else 2
+        cap = plane.caps[order - 1] * angle**order / lift
         tubes.append(LawBounds(nodes, low / lift, high / lift, slow, fast, order, cap))
     return tuple(tubes)

@@ -36,7 +36,6 @@ from synthesis.optimise import driver
 from synthesis.optimise.conic.semi_infinite import most_violated
 from synthesis.optimise.parameters.table_smoothing import Tables
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.recovery.junction_repair import Splines
 from synthesis.optimise.state.solve_state import SolveState, Stage
@@ -164,7 +163,14 @@ def _solve_laws_and_size(
     kept = replace(problem, limits=(walls,), segments=best.problem.segments)
     if np.any(most_violated(kept, best.size).excess > 0.0):
         best = _minimise(with_walls, result, spec.tolerance, deadline, tighten).incumbent or best
-    _adopt_laws(result, problem, best)
+    # The laws of the cam belong to the program, in its own unit.
+    laws = {segment.index: law for segment, law in zip(problem.free, best.laws, strict=True)}
+    result.segments = tuple(
+        segment.with_law(laws[segment.index].curve()) if segment.index in laws else segment
+        for segment in result.segments
+    )
+    chosen = {index: (law.space, law.coefficients) for index, law in laws.items()}
+    result.splines = {**result.splines, **chosen}
     return best.size[0]
 
 
@@ -194,17 +200,6 @@ def _size_of_given_laws(problem: Problem, result: SizingResult) -> float | None:
     result.lower = exact[0] * (1.0 - ROUNDING)
     result.valid_for = "every size of the given laws"
     return clear[0]
-
-
-def _adopt_laws(result: SizingResult, problem: Problem, cam: Candidate) -> None:
-    """Take the laws of a cam over into the program, in its own unit."""
-    laws = {segment.index: law for segment, law in zip(problem.free, cam.laws, strict=True)}
-    result.segments = tuple(
-        segment.with_law(laws[segment.index].curve()) if segment.index in laws else segment
-        for segment in result.segments
-    )
-    chosen = {index: (law.space, law.coefficients) for index, law in laws.items()}
-    result.splines = {**result.splines, **chosen}
 
 
 def strictest_minimum(limits: Sequence[AnySpatialLimit], quantity: str) -> float:
