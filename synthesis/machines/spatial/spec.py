@@ -316,12 +316,7 @@ def check_well_posed(machine: SpatialMachine, limits: Sequence[Limit], free_laws
             "on pressure_angle, or give the number or the law.",
             {"what": machine.size_field if machine.size_field in free else "A law"},
         )
-    _check_rollers(machine, ranges)
-    _check_crown(machine, limits, ranges)
-
-
-def _check_rollers(machine: SpatialMachine, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse rollers whose radius, or radius and inner end together, may go to zero."""
+    # Rollers may not vanish: their radius, or radius and inner end together, may not go to zero.
     open_below = [name for name in ranges if name != machine.size_field and ranges[name][0] <= 0.0]
     if machine.inner_end_field in open_below and ROLLER_RADIUS in open_below:
         raise PydanticCustomError(
@@ -331,26 +326,17 @@ def _check_rollers(machine: SpatialMachine, ranges: Mapping[str, tuple[float, fl
             "one of them a number or a min.",
             {"place": machine.inner_end_field, "radius": ROLLER_RADIUS},
         )
-    crowned = machine.swept_roller(dict.fromkeys(ranges, 1.0), 1).roller.crown > 0.0
-    if ROLLER_RADIUS in open_below and crowned:
+    sizes = {name: low if low > 0.0 else 1.0 for name, (low, _) in ranges.items()}
+    roller = machine.swept_roller(sizes, 1).roller
+    if ROLLER_RADIUS in open_below and roller.crown > 0.0:
         raise PydanticCustomError(
             "rollers_vanish",
             "{radius} of crowned rollers is left free without a min: below a certain radius the "
             "crown meets the roller's axis before its ends. Give it a number or a min.",
             {"radius": ROLLER_RADIUS},
         )
-
-
-def _check_crown(
-    machine: SpatialMachine,
-    limits: Sequence[Limit],
-    ranges: Mapping[str, tuple[float, float]],
-) -> None:
-    """Refuse a limit on the pressure angle that a crown's ends break even at rest."""
-    sizes = {name: low if low > 0.0 else 1.0 for name, (low, _) in ranges.items()}
     # The largest |r'| is the tangent of the pressure angle that the roller's ends have at rest.
-    roller = machine.swept_roller(sizes, 1).roller
-    slope = float(np.max(np.abs(roller.profile(np.array([roller.inner, roller.outer]))[1])))
+    slope = float(np.max(np.abs(roller.profile(roller.places(2))[1])))
     for position, limit in enumerate(limits):
         if isinstance(limit, SpatialPressureAngle) and slope >= limit.max_slope:
             raise PydanticCustomError(
@@ -358,8 +344,5 @@ def _check_crown(
                 "limits/{position} allows a pressure angle of at most {bound}°, but at the ends of "
                 "the crowned rollers it is larger even at rest. Increase crown_radius_mm, reduce "
                 "roller_width_mm, or raise the limit.",
-                {
-                    "position": position,
-                    "bound": float(f"{math.atan(limit.max_slope) / DEGREE:.9g}"),
-                },
+                {"position": position, "bound": float(f"{limit.max_deg:.9g}")},
             )
