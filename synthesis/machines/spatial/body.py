@@ -132,13 +132,13 @@ class Blank:
 
 def _depth_range(cuts: GrooveSections) -> tuple[float, float]:
     """Depth of the ribs' tops, and the largest depth of the rollers' rims [mm]."""
-    roller, way = cuts.cam.swept.roller, cuts.cam.swept.joint.velocity_per_q
+    roller, velocity = cuts.cam.swept.roller, cuts.cam.swept.joint.velocity_per_q
     u = cuts.directions()
     ends = np.array([roller.inner, roller.outer])
     deepest = [*cuts.chart.depth_of_place(ends)]
     for rho, radius in zip(ends, roller.profile(ends)[0], strict=True):
         axis = cuts.axes(rho)
-        one = way(axis) - dot(way(axis), u) * u
+        one = velocity(axis) - dot(velocity(axis), u) * u
         one = one / norm(one)
         rim = axis + radius * (np.cos(RIM_ANGLES) * one + np.sin(RIM_ANGLES) * cross(u, one))
         deepest += [np.max(cuts.to_chart(axis)[1]), np.max(cuts.to_chart(rim)[1])]
@@ -185,8 +185,8 @@ class Body:
     @property
     def points(self) -> Array:
         """(3, n + 1, c) of the cam's frame [mm]."""
-        way = -self.hand * (self.turn[:, None] % FULL_TURN)
-        return np.stack([self.radius * np.cos(way), self.radius * np.sin(way), self.height])
+        at = -self.hand * (self.turn[:, None] % FULL_TURN)
+        return np.stack([self.radius * np.cos(at), self.radius * np.sin(at), self.height])
 
 
 def build_body(cuts: GrooveSections, blank: Blank, rows: int, parts: int | None = None) -> Body:
@@ -354,5 +354,5 @@ def _cancel_folds(triangles: Whole) -> Whole:
     _, first, which = np.unique(sorted_, axis=0, return_index=True, return_inverse=True)
     net = np.bincount(which.ravel(), weights=np.where(even, 1.0, -1.0))
     kept = np.flatnonzero(net)
-    chosen, way = sorted_[first[kept]], net[kept] > 0
-    return np.where(way[:, None], chosen, chosen[:, ::-1])
+    triangles = sorted_[first[kept]]
+    return np.where(net[kept, None] > 0, triangles, triangles[:, ::-1])

@@ -185,7 +185,7 @@ class SpatialMachine(BaseModel, ABC):
                 the follower cannot be there.
         """
 
-    # -- sizing: what is asked where the dimension ``size_field`` is minimised ---------------------
+    # -- sizing: members used where the dimension ``size_field`` is minimised ----------------------
 
     @property
     def can_be_sized(self) -> bool:
@@ -254,9 +254,9 @@ class TurretMachine(SpatialMachine, ABC):
     def thread_sign(self) -> int:
         """χ of the cam: +1 where it turns about its axis e, −1 about −e.
 
-        e points the way the rollers move as q grows. A right-hand screw that turns about its axis
-        and is fixed along it moves its nut backwards, so that rollers moving along e need a cam
-        that turns about −e. Whether that is seen as ccw or cw depends on the side one looks from.
+        e points in the direction in which the rollers move as q grows. A right-hand screw that
+        turns about its axis and is fixed along it moves its nut backwards, so that rollers moving
+        along e need a cam that turns about −e. Seen from the other side, ccw is cw.
         """
         return -1 if self.hand == "right" else 1
 

@@ -5,8 +5,8 @@
 
 A cam that the measurement refuses is sized again with limits tightened more, as in
 ``pipeline.synthesise``. The two do not share a loop: the planar one orders several objectives,
-certifies segment by segment and grows base circles; here there is one objective, and the judge
-takes extremes over whole walls.
+certifies segment by segment and grows base circles; here there is one objective, and the
+measurement takes extremes over whole walls.
 """
 
 from __future__ import annotations

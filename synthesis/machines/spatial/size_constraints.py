@@ -69,7 +69,7 @@ from synthesis.numerics.geometry.swept_roller import Roller
 from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * pi
-PLACES = 17  # samples along a crowned roller; its profile is smooth, and the judge measures anyway
+PLACES = 17  # samples along a crowned roller; its profile is smooth; ``measuring`` decides
 UNREACHABLE = 1e9  # arm lengths: least radius where no cylinder keeps the limit even at rest
 LEAST_LEVER = 1e-9  # of t cos ψ ± χ sin ψ: below it the limit cannot be kept at any radius
 ARM_STEP = 1e-6  # of the arm's length: forward differences, error and cancellation both near 1e-6

@@ -32,7 +32,7 @@ from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.spatial.cam import SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.machines.spatial.files.flanks import Density, Flank, chosen, sample_angles
+from synthesis.machines.spatial.files.flanks import Density, Flank, sample_angles, select_walls
 from synthesis.numerics.geometry.swept_roller import cross, dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -149,7 +149,7 @@ class CutterOptions(Options):
 
 def _csv(design: SpatialDesign, options: CutterOptions) -> FileContent:
     cam = design.cam
-    walls, radius = chosen(cam, options.flank), _radius(cam, options)
+    walls, radius = select_walls(cam, options.flank), _radius(cam, options)
     if radius is None:
         walls = list({wall.seat.number: wall for wall in walls}.values())
     columns, errors = [], []

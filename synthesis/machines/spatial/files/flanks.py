@@ -110,7 +110,7 @@ def patches(design: SpatialDesign, options: FlankOptions) -> list[Patch]:
     """
     cam = design.cam
     rho = cam.swept.roller.places(options.depths)
-    walls = chosen(cam, options.flank)
+    walls = select_walls(cam, options.flank)
     sampled = sample_angles(walls, options.points_per_degree, options.points, options.depths)
     return [patch(cam, wall, part, theta, rho) for wall, part, theta in sampled]
 
@@ -171,7 +171,7 @@ def spline_error(design: SpatialDesign, flanks: Sequence[Patch]) -> float:
     return largest
 
 
-def chosen(cam: SpatialCam, name: str) -> list[Wall]:
+def select_walls(cam: SpatialCam, name: str) -> list[Wall]:
     """The flank of this name; for "", all flanks.
 
     Raises:

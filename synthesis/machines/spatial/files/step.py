@@ -33,7 +33,7 @@ from synthesis.machines.spatial.body import Blank, BlankOptions, Mesh, Whole
 from synthesis.machines.spatial.cam import Span, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.body_mesh import Levels, MeshOptions, Rows, mesh_body
-from synthesis.machines.spatial.files.flanks import Flank, Patch, chosen, patch
+from synthesis.machines.spatial.files.flanks import Flank, Patch, patch, select_walls
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.build import Builder
 from synthesis.machines.spatial.solid.geometry import (
@@ -123,7 +123,7 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
     cuts = cam.motion.curve.breaks
     if len(cuts) > MANY:
         cuts = np.array([segment.end for segment in cam.motion.segments])
-    for wall in chosen(cam, options.flank):
+    for wall in select_walls(cam, options.flank):
         for start, end in wall.spans:
             inside = cuts[(cuts > start + SHORT) & (cuts < end - SHORT)]
             made += [(wall.name, *_fit_flank(cam, wall, part, options.tolerance_um))
@@ -244,8 +244,8 @@ def _face(data: Entities, facet: Facet, points: list[str]) -> str:
     plane = data.add("PLANE", "''", placed)
     bounds = []
     for i, loop in enumerate(facet.loops):
-        way = data.add("POLY_LOOP", "''", many([points[corner] for corner in loop]))
-        bounds.append(data.add("FACE_BOUND" if i else "FACE_OUTER_BOUND", "''", way, ".T."))
+        ring = data.add("POLY_LOOP", "''", many([points[corner] for corner in loop]))
+        bounds.append(data.add("FACE_BOUND" if i else "FACE_OUTER_BOUND", "''", ring, ".T."))
     return data.add("FACE_SURFACE", "''", many(bounds), plane, ".T.")
 
 

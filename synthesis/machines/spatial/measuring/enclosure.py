@@ -5,7 +5,7 @@ a Taylor model in θ with ρ as an interval, and boxes whose bound is no worse t
 by samples are pruned. The formulas are those of the surface P(θ, ρ) that the roller's axis sweeps
 in the turning cam: a ruled surface, P_ρ = u. With V = P_θ and n the normal, along u × V,
 
-    tan²α = |n × w|² / (n·w)²,          w = dP/dq, the follower's way;
+    tan²α = |n × w|² / (n·w)²,          w = dP/dq;
     W² = V² − (u·V)²,  F = u·V,  M = n·u_θ,  N = n·P_θθ,
     K = −M²/W²,  H = (N − 2FM)/(2W²),   (1 − Rr κ1)(1 − Rr κ2) = 1 − 2 Rr H + Rr² K,
 
@@ -150,7 +150,7 @@ class SweptAxis:
         self.u, self._u1, self._u2 = _moving(models.along, q, cos, sin)
         origin, o1, self._o2 = _moving(models.origin, q, cos, sin)
         self.p = _sum((1.0, origin), (rho, self.u), (-1.0, tuple(models.cam.swept.centre)))
-        self.w, self.carried = _sum((1.0, o1), (rho, self._u1)), self._turned(self.p)
+        self.w, self.carried = _sum((1.0, o1), (rho, self._u1)), self._cross_axis(self.p)
         self.v = _sum((self._q1, self.w), (-1.0, self.carried))
         self.lead = dot(self.u, o1)  # u·u' is 0
         self.normal = cross(self.u, self.v)
@@ -159,15 +159,15 @@ class SweptAxis:
     def curved(self) -> tuple[Any, Any]:
         """2H and K of the surface, with the wall's normal."""
         q1, w1 = self._q1, _sum((1.0, self._o2), (self._rho, self._u2))
-        bend = _sum((self._q2, self.w), (q1 * q1, w1), (-2.0 * q1, self._turned(self.w)),
-                    (1.0, self._turned(self.carried)))  # fmt: skip
-        twist = _sum((q1, self._u1), (-1.0, self._turned(self.u)))
+        bend = _sum((self._q2, self.w), (q1 * q1, w1), (-2.0 * q1, self._cross_axis(self.w)),
+                    (1.0, self._cross_axis(self.carried)))  # fmt: skip
+        twist = _sum((q1, self._u1), (-1.0, self._cross_axis(self.u)))
         square = dot(self.normal, self.normal)  # W², as u is a unit vector
         f, m = dot(self.u, self.v), dot(self.normal, twist)
         mean = self.side * (dot(self.normal, bend) - 2.0 * f * m) / (square * square.sqrt())
         return mean, -(m * m) / (square * square)
 
-    def _turned(self, vector: Vector) -> Vector:
+    def _cross_axis(self, vector: Vector) -> Vector:
         """J of a vector."""
         x, y, z = (dot(tuple(row), vector) for row in self._models.turn)
         return x, y, z

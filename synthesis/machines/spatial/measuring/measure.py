@@ -49,27 +49,25 @@ def measure(spec: SpatialCamSpec, cam: SpatialCam) -> list[SpatialExtreme]:
         known = bounds.get(limit.quantity)
         if known is None or (limit.bound < known.value) is limit.upper:
             bounds[limit.quantity] = Bound(limit.bound, f"limits/{position}/{limit.field}")
+    parts = list(patches(cam))
+
+    def measured() -> Iterator[tuple[Quantity, Extremum]]:
+        yield from contact_extrema(cam, parts, spec.omega, bounds)
+        thinnest = thinnest_rib(cam, parts, spec.machine.seats())
+        if thinnest is not None:
+            yield RIB, thinnest
+        for name, clearance in spec.machine.clearances(cam.sizes).items():
+            positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
+            yield positive, Extremum(clearance, clearance, "closed form")
+        yield from contact_counts(cam)
+        yield from follower_peaks(cam, spec.machine.travel, spec.omega)
+        yield from segment_bound_extremes(spec, cam)
+
     extremes = []
-    for quantity, extremum in _extrema(spec, cam, bounds):
+    for quantity, extremum in measured():
         extremes.append(to_wire(quantity, extremum, bounds))
         clock.now()  # raises Cancelled between two quantities
     return extremes
-
-
-def _extrema(
-    spec: SpatialCamSpec, cam: SpatialCam, bounds: Bounds
-) -> Iterator[tuple[Quantity, Extremum]]:
-    parts = list(patches(cam))
-    yield from contact_extrema(cam, parts, spec.omega, bounds)
-    thinnest = thinnest_rib(cam, parts, spec.machine.seats())
-    if thinnest is not None:
-        yield RIB, thinnest
-    for name, clearance in spec.machine.clearances(cam.sizes).items():
-        positive = Quantity(name, "mm", largest=False, required=Bound(0.0))
-        yield positive, Extremum(clearance, clearance, "closed form")
-    yield from contact_counts(cam)
-    yield from follower_peaks(cam, spec.machine.travel, spec.omega)
-    yield from segment_bound_extremes(spec, cam)
 
 
 def to_wire(quantity: Quantity, extremum: Extremum, bounds: Bounds) -> SpatialExtreme:

@@ -239,12 +239,12 @@ def find_extremum(
         value, where = best(points, *(axis[:, None] for axis in others))
         axes = [np.broadcast_to(axis, (count, axis.shape[-1]))
                 for axis in (*others, points.theta, points.rho)]  # fmt: skip
-        spots = [axis[np.arange(count), i] for axis, i in zip(axes, where.T, strict=True)]
+        coordinates = [axis[np.arange(count), i] for axis, i in zip(axes, where.T, strict=True)]
         steps = [(axis[:, -1] - axis[:, 0]) / max(axis.shape[1] - 1, 1) for axis in axes]
         if each == 1:  # one sample stands for the whole patch
             steps[-2] = np.array([patch.high - patch.low for patch in points.patches])
         parts += points.patches
-        rows.append(np.column_stack([value, *spots, *steps]))
+        rows.append(np.column_stack([value, *coordinates, *steps]))
         ends = points.rho[0], points.rho[-1]
     table = np.concatenate(rows)
     kept = sorted(range(len(parts)), key=lambda i: -rounded(table[i, 0]))[: how.kept]

@@ -4,7 +4,7 @@ Every quantity is sampled on each patch and refined around the best samples (``p
 ``enclosure`` proves pressure angle, undercut and radii where rollers are cylindrical.
 
 A rib stands between two consecutive rollers. At a point of the wall that one of them envelops, the
-rib is as thick as the least distance to the other roller over half a turn either way. Where the
+rib is as thick as the least distance to the other roller over half a turn to either side. Where the
 rollers' swept volumes overlap it is negative: the rib is cut through. The distance is to the roller
 as a solid of revolution about its axis; it uses no formula of contacts.
 """

@@ -172,7 +172,7 @@ def minimise_size(
     """The smallest cam to a relative gap, or as near as the rounds come.
 
     Args:
-        problem: with free laws. tolerance: relative gap asked for.
+        problem: with free laws. tolerance: relative gap that suffices.
         deadline: ``clock.now()`` at which to stop.
         tighten: relative amount by which rows are tightened against the solver's tolerance.
     """

@@ -57,14 +57,14 @@ def circle(centre: Array, x: Array, y: Array, radius: float, start: float, end: 
 
 def line(first: Array, last: Array) -> Curve:
     """A straight line."""
-    way = last - first
+    span = last - first
 
     def to_step(data: Entities) -> str:
-        along = entity(data, "DIRECTION", way / float(np.linalg.norm(way)))
+        along = entity(data, "DIRECTION", span / float(np.linalg.norm(span)))
         vector = data.add("VECTOR", "''", along, real(1.0))
         return data.add("LINE", "''", entity(data, "CARTESIAN_POINT", first), vector)
 
-    return Curve(lambda share: first + share[:, None] * way, to_step)
+    return Curve(lambda share: first + share[:, None] * span, to_step)
 
 
 def spline_curve(spline: BSpline) -> Curve:
@@ -96,36 +96,36 @@ class Surface(NamedTuple):
     spline: NdBSpline | None = None
 
 
-def _turned(
+def _surface_of_revolution(
     kind: str, sizes: tuple[float, ...], normal: Callable[[Array], Array],
-    height: float = 0.0, way: float = 1.0,
+    height: float = 0.0, sense: float = 1.0,
 ) -> Surface:  # fmt: skip
     """A surface about the cam's axis: STEP entity and its numbers.
 
     Args:
-        height, way: of its placement on the axis [mm], and up (1) or down (−1) along it.
+        height, sense: of its placement on the axis [mm], and up (1) or down (−1) along it.
     """
 
     def to_step(data: Entities) -> str:
-        placed = placement(data, height * UP, way * UP, X)
+        placed = placement(data, height * UP, sense * UP, X)
         return data.add(kind, "''", placed, *map(real, sizes))
 
     return Surface(normal, to_step)
 
 
-def plane(height: float, way: int) -> Surface:
+def plane(height: float, sense: int) -> Surface:
     """A plane across the axis at a height [mm], normal up (1) or down (−1)."""
-    return _turned("PLANE", (), lambda place: way * UP, height, way)
+    return _surface_of_revolution("PLANE", (), lambda place: sense * UP, height, sense)
 
 
 def cylinder(radius: float) -> Surface:
     """A cylinder about the axis [mm]."""
-    return _turned("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
+    return _surface_of_revolution("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
 
 
 def torus(middle: float, tube: float) -> Surface:
     """A torus about the axis: major and minor radius [mm]."""
-    return _turned(
+    return _surface_of_revolution(
         "TOROIDAL_SURFACE", (middle, tube),
         lambda place: place - middle * (place * ACROSS) / np.hypot(place[0], place[1]),
     )  # fmt: skip
@@ -133,7 +133,7 @@ def torus(middle: float, tube: float) -> Surface:
 
 def cone(height: float, radius: float, slope: float) -> Surface:
     """A cone about the axis: its radius at a height [mm], and d radius/d height."""
-    return _turned(
+    return _surface_of_revolution(
         "CONICAL_SURFACE", (radius, math.atan(abs(slope))),
         lambda place: place * ACROSS / np.hypot(place[0], place[1]) - slope * UP, height,
         math.copysign(1.0, slope),  # STEP's cones widen along their axis
@@ -265,8 +265,8 @@ def write_spline(data: Entities, name: str, spline: NdBSpline) -> str:
 def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
     """Writes a placement: origin, axis, x direction."""
     place = entity(data, "CARTESIAN_POINT", origin)
-    ways = (entity(data, "DIRECTION", way) for way in (axis, x))
-    return data.add("AXIS2_PLACEMENT_3D", "''", place, *ways)
+    directions = (entity(data, "DIRECTION", each) for each in (axis, x))
+    return data.add("AXIS2_PLACEMENT_3D", "''", place, *directions)
 
 
 def entity(data: Entities, kind: str, vector: Array) -> str:
