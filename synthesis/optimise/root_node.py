@@ -103,7 +103,7 @@ class RootNode(Node):
         # 2. Recover a cam, and the points at which it violates rows.
         state, cam, violations = _recover(state, model, solution, bound)
         seconds = time.perf_counter() - started
-        state = state.with_stage(_report(self.number, model, solution, seconds))
+        state = state.with_stage(program_stage(f"convex {self.number}", model, solution, seconds))
         # 3. No spline of this mesh satisfies the rows: other knots may have one.
         if solution.stopped is StopReason.INFEASIBLE:
             other_knots = self._seek_knots(state, violations)
@@ -286,7 +286,8 @@ def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate |
     started = time.perf_counter()
     state, model, solution, bound = relax(state, 0.0)
     state, cam, _ = _recover(state, model, solution, bound)
-    return state.with_stage(_report(number, model, solution, time.perf_counter() - started)), cam
+    seconds = time.perf_counter() - started
+    return state.with_stage(program_stage(f"convex {number}", model, solution, seconds)), cam
 
 
 def _recover(
@@ -352,13 +353,14 @@ def _bound_without_vibration(state: SolveState) -> SolveState:
     return state.with_bound(dual_bound(model, solution)) if solution.stopped in USABLE else state
 
 
-def _report(number: int, model: ConicModel, solution: ConeSolution, seconds: float) -> Stage:
+def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds: float) -> Stage:
+    """What a cone program was, and what it cost, for the report."""
     rows, unknowns = model.program.matrix.shape
     conic = any(
         len(ball.shift) > 1 for ball in model.cone_blocks
     )  # a ball of one row is two half-spaces
     kind = "QP" if model.energy is not None else "SOCP" if conic else "LP"
     return Stage(
-        f"convex {number}", f"{kind}, {_count(model.grids)} spline intervals", "Clarabel",
+        name, f"{kind}, {_count(model.grids)} spline intervals", "Clarabel",
         unknowns, rows, solution.iterations, seconds, solution.stopped.value,
     )  # fmt: skip

@@ -36,11 +36,11 @@ from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.machines.spatial.sizing.phase_plane import PhasePlane, least_size, trajectory_tubes
 from synthesis.machines.spatial.spec import SpatialCamSpec, objective_of
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.clarabel import ConeSolution, solve
+from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import Tightening
-from synthesis.optimise.conic.program import ConicModel, formulate
+from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
@@ -52,6 +52,7 @@ from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.refinement.mesh import refine_mesh
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.root_node import program_stage
 from synthesis.optimise.state.solve_state import SolveState, Stage
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.units import Travel
@@ -275,8 +276,8 @@ def _relinearise(
         no_gain = before - last.value <= NO_GAIN * state.tolerance * last.value
         if (no_gain and excess <= ALLOWED) or state.time_left <= 0.0:
             break
-    state = _with_stage(state, f"tangents {number}", plan, solution, iterations, began)
-    return state, last, lower, missed
+    stage = program_stage(f"tangents {number}", plan, solution, time.perf_counter() - began)
+    return state.with_stage(replace(stage, iterations=iterations)), last, lower, missed
 
 
 def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveState, Bound | None]:
@@ -300,22 +301,5 @@ def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveS
     lower = dual_bound(plan, solution) if solution.stopped in USABLE else None
     if lower is not None:
         state = state.raise_bound(lower.value, lower.valid_for)
-    chords = f"chords {number}"
-    return _with_stage(state, chords, plan, solution, solution.iterations, began), lower
-
-
-def _with_stage(
-    state: SolveState,
-    name: str,
-    plan: ConicModel,
-    solution: ConeSolution,
-    iterations: int,
-    began: float,
-) -> SolveState:
-    """The state with a stage that began at a ``time.perf_counter()``, for the report."""
-    rows, unknowns = plan.program.matrix.shape
-    intervals = sum(len(grid.space.breaks) - 1 for grid in plan.grids)
-    return state.with_stage(
-        Stage(name, f"LP, {intervals} spline intervals", "Clarabel", unknowns, rows, iterations,
-              time.perf_counter() - began, solution.stopped.value)
-    )  # fmt: skip
+    stage = program_stage(f"chords {number}", plan, solution, time.perf_counter() - began)
+    return state.with_stage(stage), lower
