@@ -46,7 +46,7 @@ class CounterRollerPlacement:
 def place_counter_roller(
     spec: DesignSpec, cam: Candidate, deadline: float = inf
 ) -> CounterRollerPlacement:
-    """Settle what the size leaves open, for a finished main cam.
+    """Choose what the size leaves open, for a finished main cam.
 
     Args:
         spec: the specification.
@@ -69,11 +69,11 @@ def place_counter_roller(
     segments = cam.problem.segments
     highest = max(max(s.s_start, s.s_end) for s in segments)
     closure = spec.follower.active_closure
-    eased = closure.eased_by_distance
+    helps = closure.eased_by_distance
     first, last = closure.counter_range(spec.follower, cam.size, highest)
     nearest, most = max(low, first), min(high, last)
     if most <= nearest:
-        return CounterRollerPlacement(spec.with_deferred({name: most}), False, farthest=eased)
+        return CounterRollerPlacement(spec.with_deferred({name: most}), False, farthest=helps)
     least = counter_cam.nearest_feasible(nearest, most)
     value = counter_cam.least_violated(nearest, most) if least is None else least
     if counter_cam.size_excess(value) > 0.0 >= counter_cam.size_excess(nearest):
@@ -81,8 +81,7 @@ def place_counter_roller(
         return CounterRollerPlacement(
             spec.with_deferred({name: value}), False
         )  # too small or too large, with these laws
-    alone = not any(True for _ in counter_cam.cones(value))
-    farthest = eased and alone
+    farthest = helps and not any(counter_cam.cones(value))
     return CounterRollerPlacement(spec.with_deferred({name: value}), least is not None, farthest)
 
 
@@ -113,28 +112,28 @@ class _CounterCam:
 
     def nearest_feasible(self, low: float, high: float) -> float | None:
         """The least distance between two ends that keeps every limit, None where none does."""
-        samples = sample(self.cam.problem)
+        samples, size = sample(self.cam.problem), self.cam.size
         for _ in range(ROUNDS):
-            result = self._nearest_feasible(samples, low, high)
+            # 1. The first place tried that does at the samples, and where its limit just holds.
+            before, result = low, None
+            for place in _trial_places(low, high):
+                if self.excess(place, samples) > 0.0:
+                    before = place
+                    continue
+                result = place
+                if place != low and clock.now() < self.deadline:
+                    root = brentq(self.excess, before, place, (samples,), xtol=1e-300, rtol=1e-13)
+                    result = min(float(root) * (1.0 + CLEARANCE), high)
+                break
             if result is None:
                 return None
-            peak_samples = peaks(self.at(result), samples, self.cam.size)
-            if violation(self.at(result), peak_samples, self.cam.size) <= 0.0:
+            # 2. Once more with the peaks between the samples, until none is exceeded.
+            problem = self.at(result)
+            peak_samples = peaks(problem, samples, size)
+            if violation(problem, peak_samples, size) <= 0.0:
                 return result
             samples = [*samples, *peak_samples]
         return result
-
-    def _nearest_feasible(self, samples: list[Samples], low: float, high: float) -> float | None:
-        before = low
-        for place in _trial_places(low, high):
-            if self.excess(place, samples) > 0.0:
-                before = place
-            elif place == low or clock.now() >= self.deadline:
-                return place
-            else:
-                root = brentq(self.excess, before, place, args=(samples,), xtol=1e-300, rtol=1e-13)
-                return min(float(root) * (1.0 + CLEARANCE), high)
-        return None
 
     def least_violated(self, low: float, high: float) -> float:
         """The place at which the worst limit is exceeded least; the nearest of several."""
@@ -144,7 +143,12 @@ class _CounterCam:
     def excess(self, distance: float, samples: list[Samples]) -> float:
         """By how much the worst limit is exceeded, relative."""
         problem = self.at(distance)
-        worst = max(self._rows(problem), default=-1.0)
+        worst = -1.0
+        for segment in problem.segments:
+            for row in problem.rows_on(segment, self.cam.value):
+                if row.size:
+                    scale = max(map(abs, row.size)) * problem.length
+                    worst = max(worst, row_excess(row, segment, self.cam.size) / scale)
         with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
             shape = violation(problem, samples, self.cam.size)
         value = max(worst, shape + CLEARANCE)
@@ -162,14 +166,6 @@ class _CounterCam:
         problem = self.at(distance)
         for limit in problem.limits:
             yield from limit.norm_bounds(problem.segments, problem.machine)
-
-    def _rows(self, problem: Problem) -> Iterator[float]:
-        """Excess of every row that speaks of the size, over the stroke."""
-        for segment in problem.segments:
-            for row in problem.rows_on(segment, self.cam.value):
-                if row.size:
-                    scale = max(map(abs, row.size)) * problem.length
-                    yield row_excess(row, segment, self.cam.size) / scale
 
 
 def _trial_places(low: float, high: float) -> list[float]:

@@ -11,7 +11,7 @@ Where the limit is not convex, the rows are as tight as the region is narrow: bo
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 
 import numpy as np
 
@@ -20,10 +20,9 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
 from synthesis.optimise.problem.grid import Grid
-from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.law_tightening import (
     initial_law_bounds,
     tighten_law,
@@ -83,31 +82,22 @@ def relax(state: SolveState, level: float) -> Relaxed:
         if state.problem.omits_curved_rows:
             break
         # 3. Go on while new tangents raise the optimum.
-        before, value = value, _optimum(model, solution)
-        if value - before > _least_gain(state, value):
+        before, value = value, in_core_units(model, model.program.value(solution.x))
+        best = state.smallest_value
+        missing = best - value if isfinite(best) else 0.0
+        if value - before > STALLED * max(state.tolerance * abs(value), missing):
             continue
-        # 4. The rows have turned as far as they do: what is left is due to the region's width.
-        if not _rows_leave_most(state, value):
+        # 4. New tangents gain nothing more: what is left is due to the region's width, or to knots.
+        if best - value <= ROW_SHARE * (best - state.lower) < inf:
             break
         state = _look_for_cam(state)
         if value - value_when_tightened <= TIGHTENING_GAIN * (state.smallest_value - value) < inf:
             break
-        narrowed = _tighten_region(state, model, lower, loose)
-        if narrowed is None:
+        tightened = _tighten_region(state, model, lower, loose)
+        if tightened is None:
             break
-        state, value_when_tightened = narrowed, value
+        state, value_when_tightened = tightened, value
     return state, model, solution, lower
-
-
-def _optimum(model: ConicModel, solution: ConeSolution) -> float:
-    """The program's objective in core units."""
-    if model.energy is not None:
-        squares = float(np.sum(solution.x[model.energy_columns] ** 2))
-        return sqrt(squares * model.energy.unit + model.energy.constant)
-    norm = model.problem.objective.norm(model.problem.machine)
-    assert model.epigraph is not None
-    unit = model.scales.level if norm is None else model.scales.size
-    return float(solution.x[model.epigraph]) * unit
 
 
 def _look_for_cam(state: SolveState) -> SolveState:
@@ -118,20 +108,6 @@ def _look_for_cam(state: SolveState) -> SolveState:
         return state
     start = state.incumbent or state.relaxed or state.last
     return improve_from(replace(state, local_search_done=True), start)
-
-
-def _least_gain(state: SolveState, value: float) -> float:
-    """The least gain of a round after which there is another one."""
-    least, missing = STALLED * state.tolerance * abs(value), state.smallest_value - value
-    return max(least, STALLED * missing) if isfinite(missing) else least
-
-
-def _rows_leave_most(state: SolveState, value: float) -> bool:
-    """Whether rows leave more to gain than knots do."""
-    best = state.smallest_value
-    if not isfinite(best - state.lower):
-        return True
-    return best - value > ROW_SHARE * (best - state.lower)
 
 
 def _tighten_region(
@@ -181,26 +157,19 @@ def _linearise(
     points = (TangentPoint(curves, cam.size), TangentPoint(curves, size), *region.tangent_points)
     region = replace(region, sizes=_sizes(state), tangent_points=points[:KEPT_POINTS])
     state = replace(state, region=region)
-    value = _optimum(model, solution)
+    value = in_core_units(model, model.program.value(solution.x))
     if state.smallest_value - value <= SIZE_GAIN * state.tolerance * abs(value):
         return state, set()
-    both = zip(problem.free, curves, strict=True)
-    at_solution = problem.with_laws([segment.with_law(curve) for segment, curve in both])
-    excesses = _excesses(state, at_solution, size)
-    return state, {position for position, excess in enumerate(excesses) if excess > TANGENT}
-
-
-def _excesses(state: SolveState, cam: Problem, size: tuple[float, ...]) -> list[float]:
-    """By how much curved limits are exceeded on every free law, at the points of its rows."""
-    excesses = []
-    by_index = {segment.index: segment for segment in cam.segments}
-    for free, grid in zip(state.problem.free, state.grids, strict=True):
-        segment = by_index[free.index]
+    loose = set[int]()
+    for position, (free, grid, curve) in enumerate(
+        zip(problem.free, state.grids, curves, strict=True)
+    ):
+        segment = free.with_law(curve)
         s = segment.placed().derivatives(segment.start + segment.angle * grid.points)
-        curves = state.problem.curved_limits_on(segment)
-        values = [value for curve in curves for value in curve.excess(s, size)]
-        excesses.append(max((float(np.max(value)) for value in values), default=-inf))
-    return excesses
+        limits = problem.curved_limits_on(segment)
+        if any(np.max(excess) > TANGENT for limit in limits for excess in limit.excess(s, size)):
+            loose.add(position)
+    return state, loose
 
 
 def _sizes(state: SolveState) -> tuple[tuple[float, float], ...]:
