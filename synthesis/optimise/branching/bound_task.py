@@ -19,14 +19,10 @@ from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.relaxation import fixed_motion
 from synthesis.optimise.state.solve_state import SolveState
 
-INTERVALS = 20
-"""Of the mesh on which the caps of the laws are read."""
-SAMPLES = 200
-"""Points of a segment at which limits are looked at."""
-JOINED = 0.08
-"""Share of a segment: parts with binding limits that are no farther apart are one."""
-AIM = 0.985
-"""Share of the tolerance: the gap that is to be proven."""
+INTERVALS = 20  # of the mesh on which the caps of the laws are read
+SAMPLES = 200  # points of a segment at which limits are looked at
+JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
+AIM = 0.985  # share of the tolerance: the gap that is to be proven
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,26 +45,19 @@ from synthesis.optimise.relaxation.fixed_motion import NEAR, relative_excess
 from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
-COARSE = 20
-"""Intervals of the mesh on which laws and sizes are bounded."""
-NODES = 7
-"""Points of a law at which it is bounded."""
-SAMPLES = 200
-"""Points of a segment at which limits are looked at."""
-ROUNDS = 5
-"""Meshes of one relaxation, each finer than the one before."""
-FEWEST_ROWS = 40
-"""Points along the bounded part of a law at which implied rows are written."""
+COARSE = 20  # intervals of the mesh on which laws and sizes are bounded
+NODES = 7  # points of a law at which it is bounded
+SAMPLES = 200  # points of a segment at which limits are looked at
+ROUNDS = 5  # meshes of one relaxation, each finer than the one before
+FEWEST_ROWS = 40  # points along the bounded part of a law at which implied rows are written
 SPARE = 1e-9
 """Relative slack of a value that is held, and least excess of a proof, against rounding."""
 REACHED = 1e-5
 """Relative amount beyond what laws on coarse knots reach, so that there is a choice left."""
 TURNS, QUICK_TURNS = 4, 2
 """Turns of bounds and rows; few where the incumbent is a local optimum already."""
-LEAST_GAIN = 0.15
-"""Of the gap: what a turn must gain for another one."""
-KNOT_GAIN = 0.3
-"""Of the gap: what knots must have to gain for a finer mesh."""
+LEAST_GAIN = 0.15  # of the gap: what a turn must gain for another one
+KNOT_GAIN = 0.3  # of the gap: what knots must have to gain for a finer mesh
 MAX_NODES = 15
 
 Parts = Mapping[int, tuple[float, float]]

@@ -48,34 +48,23 @@ from synthesis.optimise.relaxation import fixed_motion
 from synthesis.optimise.relaxation.reverse_convex import outside_ball_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
-INTERVALS = 20
-"""Of the first mesh of every node."""
-SAMPLES = 200
-"""Points of a segment at which limits are looked at."""
-SPARE = 1e-9
-"""Relative slack of a value that is held, against rounding."""
-TIME_SHARE = 0.5
-"""Of the time left, if the proof was not asked for."""
+INTERVALS = 20  # of the first mesh of every node
+SAMPLES = 200  # points of a segment at which limits are looked at
+SPARE = 1e-9  # relative slack of a value that is held, against rounding
+TIME_SHARE = 0.5  # of the time left, if the proof was not asked for
 FIRST_TURNS, TURNS, FEW_TURNS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
-WIDTH_KEPT = 0.85
-"""Of the bounds' width: a turn that leaves more is idle."""
-ROUNDS = 5
-"""Meshes of one relaxation, each finer than the one before."""
+WIDTH_KEPT = 0.85  # of the bounds' width: a turn that leaves more is idle
+ROUNDS = 5  # meshes of one relaxation, each finer than the one before
 EARLY_ROUNDS = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
-MESH_LOSS = 0.25
-"""Of what rows must still gain: a loss to coarse knots that does not matter yet."""
-SPREAD = 14
-"""Points between two rows over which their multipliers are distributed."""
-GAIN = 0.1
-"""Of what is missing: a finer mesh must gain as much for another one."""
+MESH_LOSS = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
+SPREAD = 14  # points between two rows over which their multipliers are distributed
+GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 MAX_NODES, FEW_NODES = 21, 3
 """Nodes at most: of a thorough proof, and of another one where the gap is wide."""
-WIDE = 0.05
-"""Relative gap that is wide."""
-VALUE_SPLIT = 0.4
-"""Of the widest size: values of a node farther apart than that are divided first."""
+WIDE = 0.05  # relative gap that is wide
+VALUE_SPLIT = 0.4  # of the widest size: values of a node farther apart than that are divided first
 
 
 @dataclass(frozen=True, eq=False)

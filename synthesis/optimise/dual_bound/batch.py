@@ -24,8 +24,7 @@ from synthesis.optimise.dual_bound.nonlinear_terms import fixed_size_rows
 from synthesis.optimise.dual_bound.row_functionals import row_functionals
 from synthesis.optimise.dual_bound.switching import mean_absolute
 
-ORDER = 3
-"""Of the control: only capped jerks are handled here."""
+ORDER = 3  # of the control: only capped jerks are handled here
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,10 +66,8 @@ WORSE = 2.0
 """Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
 """Factors on an infeasibility certificate: any multiple of it is dual feasible."""
-WINDOW_NODES = 33
-"""Chebyshev points of a window on which its multipliers are redistributed."""
-WINDOW_SAMPLES = 3
-"""Between two of them, at which ψ is made small."""
+WINDOW_NODES = 33  # Chebyshev points of a window on which its multipliers are redistributed
+WINDOW_SAMPLES = 3  # between two of them, at which ψ is made small
 NAMES = {2: "acceleration", 3: "jerk"}
 
 

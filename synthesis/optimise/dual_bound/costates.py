@@ -29,10 +29,8 @@ NOISE = 1e-10
 """Of the largest multiplier: an interior point gives rows that do not bind about as much."""
 STEPS = 30
 """Of Newton's method: one without a cap, a few where the cap is active on a part of the law."""
-GAIN = 1e-14
-"""Relative gain of the bound below which a step is the last: rounding."""
-LEAST_STEP = 1e-6
-"""Of a Newton step: below it, rounding hides whether the bound rises."""
+GAIN = 1e-14  # relative gain of the bound below which a step is the last: rounding
+LEAST_STEP = 1e-6  # of a Newton step: below it, rounding hides whether the bound rises
 
 Mask = NDArray[np.bool_]
 

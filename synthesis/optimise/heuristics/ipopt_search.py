@@ -36,10 +36,8 @@ from synthesis.optimise.recovery.smooth_limits import (
     violation,
 )
 
-ROUNDS = 6
-"""Programs at most, each with the peaks that violated a limit at the solution before."""
-NOWHERE = 1e-24
-"""Added to a norm's square: so its slope is finite at 0 too, where IPOPT may pass."""
+ROUNDS = 6  # programs at most, each with the peaks that violated a limit at the solution before
+NOWHERE = 1e-24  # added to a norm's square: so its slope is finite at 0 too, where IPOPT may pass
 
 
 @dataclass(frozen=True, eq=False)

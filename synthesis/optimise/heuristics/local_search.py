@@ -27,24 +27,16 @@ from synthesis.optimise.state.warm_start import WarmStart
 Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
-FAR = 1.5
-"""Value over the bound from which an incumbent is not the only start that is tried."""
-EXCHANGES = 3
-"""Runs of IPOPT at most, each with points where the run before violated rows."""
-GROWTH = 0.1
-"""Share of the tolerance that IPOPT may leave to the final enlargement; it saves a run."""
+FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
+EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
+GROWTH = 0.1  # share of the tolerance that IPOPT may leave to the final enlargement; it saves a run
 STOP_GAP = 0.08
 """Share of the tolerance that the linearised limits may leave to the final enlargement."""
-MAX_STOP_GAP = 4e-4
-"""The same as a relative value, whatever the tolerance."""
-ROW_FACTOR = 2.0
-"""Factor on the stop gap: what rows written at points may cost besides, in between."""
-TIGHTENING = 1e-6
-"""Relative tightening of limits at the points where they are linearised."""
-RETRIES = 2
-"""Repeats with tighter limits, where the enlargement does not repair every violation."""
-RETRY_TIGHTENING = 0.5
-"""Share of the stop gap by which these repeats tighten."""
+MAX_STOP_GAP = 4e-4  # the same as a relative value, whatever the tolerance
+ROW_FACTOR = 2.0  # factor on the stop gap: what rows written at points may cost besides, in between
+TIGHTENING = 1e-6  # relative tightening of limits at the points where they are linearised
+RETRIES = 2  # repeats with tighter limits, where the enlargement does not repair every violation
+RETRY_TIGHTENING = 0.5  # share of the stop gap by which these repeats tighten
 
 
 def local_search(state: SolveState) -> SolveState:

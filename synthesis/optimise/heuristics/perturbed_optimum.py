@@ -35,14 +35,10 @@ from synthesis.optimise.heuristics.ipopt_search import (
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.smooth_limits import ConstraintSamples, sample, violation
 
-TIGHTENING = 1e-7
-"""Relative, of smooth limits; between samples they may be exceeded by as much."""
-ACCURACY = 1e-10
-"""Relative, of the optimum: differences over steps of 1e-4 keep five digits."""
-KEPT = 1e-6
-"""Relative excess of rows up to which the optimum is said to satisfy them."""
-VIOLATED = 1e-6
-"""Excess of a smooth limit from which on a cone program does not know enough."""
+TIGHTENING = 1e-7  # relative, of smooth limits; between samples they may be exceeded by as much
+ACCURACY = 1e-10  # relative, of the optimum: differences over steps of 1e-4 keep five digits
+KEPT = 1e-6  # relative excess of rows up to which the optimum is said to satisfy them
+VIOLATED = 1e-6  # excess of a smooth limit from which on a cone program does not know enough
 
 
 class PerturbedOptimum(ABC):

@@ -35,20 +35,14 @@ from synthesis.optimise.recovery.smooth_limits import (
 )
 
 Vector = tuple[float, ...]
-ROUNDS = 12
-"""Convex programs at most; three or four suffice where the iteration converges."""
-NEAR = -0.6
-"""Relative value of a smooth limit below which it gets no tangent."""
-REACH = 0.4
-"""Share of the value by which a cam may shrink in the first round: the trust region."""
-BACK = 0.25
-"""Factor on the trust region where no smaller cam lies on the way."""
+ROUNDS = 12  # convex programs at most; three or four suffice where the iteration converges
+NEAR = -0.6  # relative value of a smooth limit below which it gets no tangent
+REACH = 0.4  # share of the value by which a cam may shrink in the first round: the trust region
+BACK = 0.25  # factor on the trust region where no smaller cam lies on the way
 LEAST_STEP, BOLD = 1.0 / 16.0, 0.5
 """Shares of the way to the target: the least that is tried; from which on tangents move there."""
-KEPT = 1e-6
-"""Relative excess of rows by a start that counts as rounding."""
-STEP = 1e-6
-"""Of a natural unit, for central differences: their error is about its square."""
+KEPT = 1e-6  # relative excess of rows by a start that counts as rounding
+STEP = 1e-6  # of a natural unit, for central differences: their error is about its square
 SOURCE = "tangents"
 
 

@@ -29,35 +29,23 @@ from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state.solve_state import Stage
 from synthesis.spec.design_spec import DesignSpec
 
-SAMPLED, COARSE = 12, 24
-"""Spline intervals: of samples, of a descent."""
-CORNERS = 4
-"""Per free direction, towards which samples are taken."""
-SHARES = (0.5, 0.95)
-"""Of the way from the middle to a corner, where samples lie."""
+SAMPLED, COARSE = 12, 24  # spline intervals: of samples, of a descent
+CORNERS = 4  # per free direction, towards which samples are taken
+SHARES = (0.5, 0.95)  # of the way from the middle to a corner, where samples lie
 STARTS = 3
-DISTANCE = 0.1
-"""Of the box, between starts: nearer ones lead to the same place."""
-RADIUS, ROUNDS = 0.15, 25
-"""First step of a descent, of the box, and steps at most."""
-LAST_RADIUS, LAST_ROUNDS = 0.03, 20
-"""The same on the knots of the full search."""
-POLISHED = 4
-"""Descents on such knots at most; each gives new ones."""
-SHARE_OF_TIME = 0.6
-"""Of what is left: the best point is still to be solved in full."""
-TRIED = 33
-"""Lengths of a machine, to find one that reaches its cam."""
-ROUGH, FINE = 2e-2, 4e-3
-"""Tolerances of whole searches with free laws, first and last."""
+DISTANCE = 0.1  # of the box, between starts: nearer ones lead to the same place
+RADIUS, ROUNDS = 0.15, 25  # first step of a descent, of the box, and steps at most
+LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # the same on the knots of the full search
+POLISHED = 4  # descents on such knots at most; each gives new ones
+SHARE_OF_TIME = 0.6  # of what is left: the best point is still to be solved in full
+TRIED = 33  # lengths of a machine, to find one that reaches its cam
+ROUGH, FINE = 2e-2, 4e-3  # tolerances of whole searches with free laws, first and last
 FEW, MANY = 8, 33
 """Lengths tried first, evenly in their logarithm; the latter where a whole search is cheap."""
 ROUGHLY, CLOSELY = 5e-3, 1e-7
 """Relative distance to the best length: with free laws, with given ones."""
-NOTHING = 1e30
-"""Value of a length at which nothing fits."""
-NEAR = 0.1
-"""Of a value: so near to an end of its range the end is tried too."""
+NOTHING = 1e30  # value of a length at which nothing fits
+NEAR = 0.1  # of a value: so near to an end of its range the end is tried too
 INWARDS = 0.02
 """Of the way from an end of the range to the next length tried: whether the end itself is best."""
 

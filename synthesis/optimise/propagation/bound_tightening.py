@@ -31,8 +31,7 @@ from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, 
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes, cone_tangents
 
-SPREAD = 12
-"""Points between two rows over which multipliers are distributed."""
+SPREAD = 12  # points between two rows over which multipliers are distributed
 
 
 def tighten_bounds(

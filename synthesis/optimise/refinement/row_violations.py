@@ -21,8 +21,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state.solve_state import SolveState
 
-ALLOWED = 1e-9
-"""Relative excess of a row that is the solver's noise; the certificate decides."""
+ALLOWED = 1e-9  # relative excess of a row that is the solver's noise; the certificate decides
 
 
 def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], float]:

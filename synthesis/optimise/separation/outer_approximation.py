@@ -33,20 +33,13 @@ from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state.solve_state import SolveState
 
 MAX_ROUNDS = 24
-STALLED = 0.05
-"""Of the tolerance, or of the open gap: a round that gains less has stalled."""
-TIGHTENING_GAIN = 0.1
-"""Of the open gap: what bound tightening has to gain before it is done again."""
-ROW_SHARE = 0.3
-"""Of the gap: the part left by the rows from which on the region is narrowed."""
-KEPT_POINTS = 4
-"""Solutions at which rows are kept tangent."""
-TANGENT = 1e-9
-"""Excess of a curved limit up to which rows at the solution cannot cut it off."""
-SIZE_GAIN = 0.1
-"""Of the tolerance: what rows may leave to gain once a cam of that value is known."""
-SPARE = 1e-9
-"""Relative slack of values that a better cam satisfies, against rounding."""
+STALLED = 0.05  # of the tolerance, or of the open gap: a round that gains less has stalled
+TIGHTENING_GAIN = 0.1  # of the open gap: what bound tightening has to gain before it is done again
+ROW_SHARE = 0.3  # of the gap: the part left by the rows from which on the region is narrowed
+KEPT_POINTS = 4  # solutions at which rows are kept tangent
+TANGENT = 1e-9  # excess of a curved limit up to which rows at the solution cannot cut it off
+SIZE_GAIN = 0.1  # of the tolerance: what rows may leave to gain once a cam of that value is known
+SPARE = 1e-9  # relative slack of values that a better cam satisfies, against rounding
 
 Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
 
