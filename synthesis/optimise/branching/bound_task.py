@@ -87,8 +87,3 @@ def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:
 def is_traced(state: SolveState, limit: Limit) -> bool:
     """Whether a limit implies rows where a traced point is nearly known."""
     return any(limit.curvature_bounds(s, state.problem.machine) for s in state.problem.segments)
-
-
-def is_of_traced_forces(state: SolveState, limit: Limit) -> bool:
-    """Whether it does, and limits a force or a pressure."""
-    return limit.needs_load and is_traced(state, limit)

@@ -23,7 +23,6 @@ from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.bound_task import (
     BoundTask,
     binding_parts,
-    is_of_traced_forces,
     is_traced,
 )
 from synthesis.optimise.branching.node import Node, Tree, halve
@@ -95,7 +94,8 @@ class TracedNode(Node):
         started, best, problem = time.perf_counter(), state.incumbent, state.problem
         if best is None or problem.objective.quasiconvex or not problem.free:
             return None
-        if not state.thorough and not any(is_of_traced_forces(state, x) for x in problem.limits):
+        forces = [limit for limit in problem.limits if limit.needs_load]
+        if not state.thorough and not any(is_traced(state, limit) for limit in forces):
             return None
         parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
         if not parts and not fixed_motion.binds_on_fixed_motion(best.problem, best.size):

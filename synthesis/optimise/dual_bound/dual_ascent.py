@@ -134,8 +134,8 @@ class _DualProgram:
     @cached_property
     def end_costates(self) -> NDArray[np.intp]:
         """Which unknowns the costates of g to g^(m−1) at the ends are: (laws, m)."""
-        shape = len(self.model.grids), self.order
-        return self.first[-1] - shape[0] * shape[1] + np.arange(shape[0] * shape[1]).reshape(shape)
+        count = len(self.model.grids) * self.order
+        return np.arange(self.first[-1] - count, self.first[-1]).reshape(-1, self.order)
 
     def solve(self, sign_changes: Sequence[Array], time_limit: float) -> Bound | None:
         """One program, its cells close about these turns of ψ; the bound that it gives."""
@@ -155,31 +155,46 @@ class _DualProgram:
 
     def _program(self, sign_changes: Sequence[Array]) -> ConeProgram:
         """Unknowns: masses and costates, |ψ| at all nodes, y of the norm."""
+        model, order, n = self.model, self.order, self.first[-1]
+        # ψ at the nodes of a quadrature of |ψ|, and the initial values, linear in the unknowns
         nodes = [
             _quadrature(
-                [g for g in self.groups if g.position == k], sign_changes[k], grid.space.breaks
+                [g for g in self.groups if g.position == k], sign_changes[k], g.space.breaks
             )
-            for k, grid in enumerate(self.model.grids)
+            for k, g in enumerate(model.grids)
         ]
         caps, rates = (
             np.concatenate([c * share for c, (_, share) in zip(each, nodes, strict=True)])
             for each in ([c.cap for c in self.controls], [c.rate for c in self.controls])
         )
-        psi, offset = self._psi([tau for tau, _ in nodes])
-        objective, (stationarity, stationarity_rest) = self._objective(), self._stationarity()
+        psi, offset = self._effect(lambda rows, k: rows.psi(nodes[k][0]))
+        initial, given = self._effect(lambda rows, k: initial_terms(rows.x, rows.weights).T)
+        initial, given = initial.reshape(-1, order, n), given.reshape(-1, order)
+        for before, after, k, ratio in shared_derivatives(model, order):
+            initial[after, k, self.end_costates[before, k]] += ratio
+        # What a unit of each unknown adds to the bound by itself.
+        objective = -np.concatenate([rows.rhs for rows in self.groups])
+        for ends, state in zip(model.boundary_states, initial, strict=True):
+            known = ends.start[:order]
+            objective += known @ state[: len(known)]
+        # Unknown initial values must vanish, and costates of unknown final ones.
+        _, unknown, priced = stationarity_conditions(model, order)
+        worthless = np.eye(n)[self.end_costates[~priced]]
+        stationarity = np.vstack([initial[unknown], worthless])
+        remainder = np.concatenate([given[unknown], np.zeros(len(worthless))])
         level = np.concatenate([np.full(len(rows.rhs), rows.level) for rows in self.groups])
         size = np.concatenate([rows.size for rows in self.groups]).T
-        norm = self.model.problem.objective.norm(self.model.problem.machine)
+        norm = model.problem.objective.norm(model.problem.machine)
         image = np.zeros((0, len(size))) if norm is None else np.array(norm.matrix)
-        shift = np.zeros(0) if norm is None else np.array(norm.shift) / self.model.scales.size
-        one, own = sparse.eye_array(len(offset)), sparse.eye_array(self.first[-1], format="csr")
+        shift = np.zeros(0) if norm is None else np.array(norm.shift) / model.scales.size
+        one, own = sparse.eye_array(len(offset)), sparse.eye_array(n, format="csr")
         signed = np.concatenate([np.full(len(rows.rhs), rows.signed) for rows in self.groups])
         ball = np.eye(1 + len(image))[:, 1:]
         # The dual, row by row: stationarity in the unknown initial values and in the size; |ψ| from
         # above by ±ψ; multipliers of inequalities not negative; the objective's own multiplier; and
         # the norm of the size, whose dual variable lies in the unit ball.
         table: list[tuple[Any, Any, Any, Array]] = [
-            (stationarity, None, None, -stationarity_rest),
+            (stationarity, None, None, -remainder),
             (size, None, image.T, np.zeros(len(size))),
             (psi, -one, None, -offset),
             (-psi, -one, None, offset),
@@ -189,7 +204,7 @@ class _DualProgram:
         ]
         rhs = [row[-1] for row in table]
         counts = [len(part) for part in rhs]
-        width = self.first[-1] + len(offset) + len(image)
+        width = n + len(offset) + len(image)
         return ConeProgram(
             sparse.csc_matrix((width, width)),
             np.concatenate([-objective, caps, -shift]),
@@ -197,53 +212,22 @@ class _DualProgram:
             np.concatenate(rhs), sum(counts[:2]), sum(counts[2:-1]), (counts[-1],),
         )  # fmt: skip
 
-    def _psi(self, nodes: Sequence[Array]) -> tuple[Array, Array]:
-        """ψ at all nodes: (q, n) what a unit of each adds, (q,) what the fixed ones make it."""
-        result = [np.zeros((len(tau), self.first[-1])) for tau in nodes]
-        for at, rows in zip(self.first, self.groups, strict=False):
-            if rows.position is not None:
-                result[rows.position][:, at : at + len(rows.rhs)] = rows.psi(nodes[rows.position])
-        given = [np.zeros(len(tau)) for tau in nodes]
-        for rows, mass in self.fixed:
-            if rows.position is not None:
-                given[rows.position] += rows.psi(nodes[rows.position]) @ mass
-        return np.vstack(result), np.concatenate(given)
+    def _effect(self, act: Callable[[WeightedRows, int], Array]) -> tuple[Array, Array]:
+        """What rows do to the laws, law below law: (r, n) a unit of each, (r,) the fixed ones.
 
-    @cached_property
-    def _initial_values(self) -> tuple[Array, Array]:
-        """Initial values: (laws, m, n) what a unit of each comes to in them, (laws, m) given."""
-        shape = len(self.model.grids), self.order
-        result, given = np.zeros((*shape, self.first[-1])), np.zeros(shape)
-        for at, rows in zip(self.first, self.groups, strict=False):
-            if rows.position is not None:
-                here = slice(at, at + len(rows.rhs))
-                result[rows.position][:, here] = initial_terms(rows.x, rows.weights).T
-        for rows, mass in self.fixed:
-            if rows.position is not None:
-                given[rows.position] += mass @ initial_terms(rows.x, rows.weights)
-        for before, after, k, ratio in shared_derivatives(self.model, self.order):
-            result[after, k, self.end_costates[before, k]] += ratio
-        return result, given
-
-    def _objective(self) -> Array:
-        """What a unit of each is worth by itself: (n,)."""
-        objective = -np.concatenate([rows.rhs for rows in self.groups])
-        for ends, state in zip(self.model.boundary_states, self._initial_values[0], strict=True):
-            known = ends.start[: self.order]
-            objective += known @ state[: len(known)]
-        return objective
-
-    def _stationarity(self) -> tuple[Array, Array]:
-        """What must come to nothing: unknown initial values, costates of unknown final ones.
-
-        Returns:
-            (r, n) and (r,): what unknowns and given masses come to.
+        ``act``: what a unit of each of some rows does to their law, at its position.
         """
-        result, given = self._initial_values
-        _, unknown, priced = stationarity_conditions(self.model, self.order)
-        worthless = np.eye(self.first[-1])[self.end_costates[~priced]]
-        rest = np.concatenate([given[unknown], np.zeros(len(worthless))])
-        return np.vstack([result[unknown], worthless]), rest
+        groups = [*self.groups, *(rows for rows, _ in self.fixed)]
+        table = []
+        for k in range(len(self.model.grids)):
+            parts = [act(rows, k) if rows.position == k else None for rows in groups]
+            height = next(len(part) for part in parts if part is not None)
+            empty = (np.zeros((height, len(rows.rhs))) for rows in groups)
+            both = zip(parts, empty, strict=True)
+            table.append(np.hstack([none if part is None else part for part, none in both]))
+        result, n = np.vstack(table), self.first[-1]
+        fixed = np.concatenate([np.zeros(0), *(mass for _, mass in self.fixed)])
+        return result[:, :n], result[:, n:] @ fixed
 
 
 def _quadrature(

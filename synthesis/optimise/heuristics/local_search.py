@@ -17,7 +17,7 @@ from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
-from synthesis.optimise.heuristics.scp import ScpResult, ScpTarget, solve_scp
+from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
@@ -105,7 +105,16 @@ def scp_search(
     repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
     for target in (first, *repeats):
-        state, result = _solve_convex(state, laws, size, target, stage)
+        started = time.perf_counter()
+        # Nonconvex limits enter through their tangents, so rows of curved limits are left out.
+        model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
+        result = solve_scp(model, laws, size, state.deadline, target)
+        stopped = StopReason.SOLVED if result.converged else StopReason.INACCURATE
+        report = Stage(
+            stage, f"{result.rounds} SOCPs", "Clarabel", model.program.matrix.shape[1],
+            result.rows, result.iterations, time.perf_counter() - started, stopped.value,
+        )  # fmt: skip
+        state = state.with_stage(report)
         cam = result.cam
         if cam is None:
             return state, False
@@ -121,22 +130,6 @@ def scp_search(
         state = add_violated_points(state, violations)
         laws, size = cam.laws, cam.size
     return state, False
-
-
-def _solve_convex(
-    state: SolveState, laws: Sequence[SplineLaw], size: Vector, target: ScpTarget, stage: str
-) -> tuple[SolveState, ScpResult]:
-    """One run of sequential convex programming, with its stage in the report."""
-    started = time.perf_counter()
-    # Nonconvex limits enter through their linearisations, so the rows of curved limits are left out
-    model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
-    result = solve_scp(model, laws, size, state.deadline, target)
-    stopped = StopReason.SOLVED if result.converged else StopReason.INACCURATE
-    report = Stage(
-        stage, f"{result.rounds} SOCPs", "Clarabel", model.program.matrix.shape[1], result.rows,
-        result.iterations, time.perf_counter() - started, stopped.value,
-    )  # fmt: skip
-    return state.with_stage(report), result
 
 
 def add_violated_points(state: SolveState, violations: Violations) -> SolveState:

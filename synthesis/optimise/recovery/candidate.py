@@ -70,13 +70,14 @@ def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Ca
 
 def project_size(problem: Problem, size: Vector) -> Vector:
     """The size within its bounds and cones, which a solver keeps to its tolerance only."""
-    follower, bounds = problem.machine.follower, problem.sizing.bounds
+    bounds, cones = problem.sizing.bounds, problem.norm_bounds
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
-    size = enlarged(size, -_cone_excess(problem, size))
-    size = follower.enlarged_to(size, problem.sizing.min_norm)
-    return enlarged(
-        size, max((cone.growth_to_lower(size) for cone in problem.norm_bounds), default=0.0)
-    )
+    # back into cones that it has left by no more than the solver's tolerance
+    outside = [cone for cone in cones if cone.norm.value(size) > cone.upper]
+    steps = [(-cone.growth_to_upper(size), OUTSIDE * cone.upper) for cone in outside]
+    inwards = max((step for step, most in steps if 0.0 < step <= most), default=0.0)
+    size = problem.machine.follower.enlarged_to(enlarged(size, -inwards), problem.sizing.min_norm)
+    return enlarged(size, max((cone.growth_to_lower(size) for cone in cones), default=0.0))
 
 
 def enlarge_for_rows(cam: Candidate) -> Candidate:
@@ -112,38 +113,25 @@ def enlarge_until_feasible(cam: Candidate, *, densely: bool = False) -> Candidat
 
     ``densely``: as in ``enlarged_size``.
     """
-    size = enlarged_size(cam.problem, cam.size, CLEARANCE, densely=densely)
-    if size is None or (
-        cam.problem.machine.follower.active_closure.counter_paths
-        and violates_rows(cam.problem, size)
+    problem = cam.problem
+    size = enlarged_size(problem, cam.size, CLEARANCE, densely=densely)
+    if size is None or _is_out_of_bounds(problem, size):
+        return None
+    if size == cam.size:
+        return cam
+    return replace(cam, size=size, value=objective_value(problem, size))
+
+
+def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
+    """Whether enlarging a cam has violated what it does not ease: rows of a counter roller, which
+    comes nearer as the main cam grows, or the cone of another distance.
+    """
+    cones = problem.norm_bounds
+    if any(cone.lower > 0.0 for cone in cones) and any(
+        cone.norm.value(size) > cone.upper * (1.0 + OUTSIDE) for cone in cones
     ):
-        return None
-    if _leaves_cone(cam.problem, size):
-        return None
-    return (
-        cam
-        if size == cam.size
-        else replace(cam, size=size, value=objective_value(cam.problem, size))
-    )
-
-
-def _cone_excess(problem: Problem, size: Vector) -> float:
-    """How far a size lies outside its cones [length]; 0 beyond the solver's tolerance."""
-    left = (cone for cone in problem.norm_bounds if cone.norm.value(size) > cone.upper)
-    inwards = [(-cone.growth_to_upper(size), OUTSIDE * cone.upper) for cone in left]
-    return max((step for step, most in inwards if 0.0 < step <= most), default=0.0)
-
-
-def _leaves_cone(problem: Problem, size: Vector) -> bool:
-    """Whether a size that was raised for a least distance has left another cone for it."""
-    if not any(cone.lower > 0.0 for cone in problem.norm_bounds):
-        return False
-    return any(cone.norm.value(size) > cone.upper * (1.0 + OUTSIDE) for cone in problem.norm_bounds)
-
-
-def violates_rows(problem: Problem, size: Vector) -> bool:
-    """Whether a row is broken at this size: a counter roller comes nearer as the main cam grows."""
-    return any(
+        return True
+    return bool(problem.machine.follower.active_closure.counter_paths) and any(
         row_excess(row, segment, size) > ALLOWED * max(map(abs, row.size)) * problem.length
         for segment in problem.segments
         for row in problem.limit_rows(segment)
