@@ -50,8 +50,11 @@ from synthesis.optimise.propagation.law_tightening import (
     with_value_cap,
 )
 from synthesis.optimise.recovery.candidate import Candidate, objective_value
-from synthesis.optimise.relaxation.fixed_motion import fixed_motion_rows, tighten_sizes
-from synthesis.optimise.relaxation.reverse_convex import outside_ball_rows
+from synthesis.optimise.relaxation.size_rows import (
+    fixed_motion_rows,
+    outside_ball_rows,
+    tighten_sizes,
+)
 from synthesis.spec.design_spec import DesignSpec
 
 EXAMPLES = Path(__file__).parents[2] / "openapi" / "examples"

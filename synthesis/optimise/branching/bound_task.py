@@ -16,7 +16,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.improving_region import Parts
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.relaxation import fixed_motion
+from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state.solve_state import SolveState
 
 INTERVALS = 20  # of the mesh on which the caps of the laws are read
@@ -73,9 +73,9 @@ def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:
         if cam is not None:
             (segment,) = (s for s in cam.problem.segments if s.index == free.index)
             theta = segment.start + segment.angle * x
-            excess = fixed_motion.relative_excess(cam.problem, segment, theta, cam.size)
+            excess = size_rows.relative_excess(cam.problem, segment, theta, cam.size)
             worst = np.maximum(worst, excess)
-    where = np.flatnonzero(worst > fixed_motion.NEAR)
+    where = np.flatnonzero(worst > size_rows.NEAR)
     if not len(where):
         return ()
     runs = np.split(where, np.flatnonzero(np.diff(where) > JOINED * SAMPLES) + 1)

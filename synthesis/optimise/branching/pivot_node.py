@@ -41,8 +41,7 @@ from synthesis.optimise.propagation.law_tightening import (
 )
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
-from synthesis.optimise.relaxation.fixed_motion import NEAR, relative_excess
-from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
+from synthesis.optimise.relaxation.size_rows import NEAR, relative_excess, reverse_convex_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
 COARSE = 20  # intervals of the mesh on which laws and sizes are bounded

@@ -43,8 +43,8 @@ from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
-from synthesis.optimise.relaxation import fixed_motion
-from synthesis.optimise.relaxation.reverse_convex import outside_ball_rows
+from synthesis.optimise.relaxation import size_rows
+from synthesis.optimise.relaxation.size_rows import outside_ball_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
 INTERVALS = 20  # of the first mesh of every node
@@ -98,7 +98,7 @@ class TracedNode(Node):
         if not state.thorough and not any(is_traced(state, limit) for limit in forces):
             return None
         parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
-        if not parts and not fixed_motion.binds_on_fixed_motion(best.problem, best.size):
+        if not parts and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
         share = 1.0 if state.thorough else TIME_SHARE
         deadline = state.deadline if share == 1.0 else state.deadline - share * state.time_left
@@ -256,7 +256,7 @@ def _violating_laws(node: TracedNode) -> tuple[int, ...]:
     for k in sorted({position for position, _ in node.region.point_bounds}):
         law = problem.free[k].with_law(guess.laws[k].curve())
         theta = law.start + law.angle * x
-        if np.max(fixed_motion.relative_excess(problem, law, theta, guess.size)) > 0.0:
+        if np.max(size_rows.relative_excess(problem, law, theta, guess.size)) > 0.0:
             violating.append(k)
     return tuple(violating)
 
@@ -270,7 +270,7 @@ def _tighten_region(
     cap is raised by what the incumbent is above the target, then their intervals are halved.
     """
     task, grids = node.task, tuple(Grid(grid.space, grid.space.breaks) for grid in node.grids)
-    region = node.region.restrict(fixed_motion.tighten_sizes(task.problem, node.region.sizes))
+    region = node.region.restrict(size_rows.tighten_sizes(task.problem, node.region.sizes))
     if region.is_empty:
         return region
     pending = frozenset(among)
@@ -294,7 +294,7 @@ def _tighten_region(
 def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
     """Rows on the size alone that all better cams of a node satisfy."""
     problem, sizes = node.task.problem, node.region.sizes
-    rows = list(fixed_motion.fixed_motion_rows(problem, sizes, scales))
+    rows = list(size_rows.fixed_motion_rows(problem, sizes, scales))
     norm = problem.objective.norm(problem.machine)
     if norm is not None and isfinite(node.least):
         rows += outside_ball_rows(norm, node.least, sizes, scales)
@@ -320,7 +320,7 @@ def solve_relaxation(
         # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
         grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
         bare = formulate(problem, grids)
-        given = list(fixed_motion.fixed_motion_rows(problem, sizes, bare.scales))
+        given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
         model = with_rows(bare, [*given, *node.region.rows(bare, sparing=True)])
         solution = solve(model.program, state.time_left)
         # 2. Its multipliers, distributed over points between the knots: the implied rows hold

@@ -146,9 +146,11 @@ def absolute_integrals(each: Sequence[Switching]) -> list[float]:
     if not each:
         return []
     degree = max(psi.poly.shape[1] for psi in each)
-    poly = np.concatenate([_padded(psi.poly, degree) for psi in each])
-    width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
+    poly = np.zeros((sum(len(psi.poly) for psi in each), degree))
     ends = list(accumulate((len(psi.poly) for psi in each), initial=0))
+    for psi, first, last in zip(each, ends[:-1], ends[1:], strict=True):
+        poly[first:last, : psi.poly.shape[1]] = psi.poly
+    width = np.concatenate([psi.breaks[1:] - psi.breaks[:-1] for psi in each])
     result: list[float] = np.add.reduceat(mean_absolute(poly) * width, ends[:-1]).tolist()
     return result
 
@@ -173,13 +175,6 @@ def mean_absolute(poly: Array, *, exact: bool = False) -> Array:
     bernstein = restrict_polynomials(poly, cuts[:-1], cuts[1:]) @ _bernstein(poly.shape[1])
     sizes = np.abs(bernstein).sum(axis=2) / poly.shape[1]
     return np.asarray((np.diff(cuts, axis=0) * sizes).sum(axis=0))
-
-
-def _padded(poly: Array, degree: int) -> Array:
-    """The same with zeros for the powers that others have: (n, degree)."""
-    if poly.shape[1] == degree:
-        return poly
-    return np.pad(poly, ((0, 0), (0, degree - poly.shape[1])))
 
 
 def restrict_polynomials(poly: Array, low: Array, high: Array) -> Array:
@@ -260,9 +255,3 @@ def switching_pieces(points: Array, weights: Array) -> tuple[Array, Array]:
     for j in range(order):
         poly[..., j] = parts[j]
     return breaks, poly
-
-
-def switching(points: Array, weights: Array) -> Switching:
-    """ψ from point rows: x_i (r,) and weights (r, m), as in ``switching_pieces``."""
-    breaks, poly = switching_pieces(points, weights[None])
-    return Switching(breaks, poly[0])

@@ -15,19 +15,27 @@ point is solved in full: that no other is better is not proven.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
 from math import exp, inf, log
 
 import numpy as np
+from pydantic_core import PydanticCustomError
 from scipy.optimize import minimize_scalar
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import BundlePoint, Function, minimise
-from synthesis.optimise.parameters.value_function import ValueFunction
+from synthesis.optimise.driver import estimate, optimise
+from synthesis.optimise.parameters.table_smoothing import smooth_tables
+from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
+from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state.solve_state import Stage
+from synthesis.optimise.strategy.phase_one import least_excess
 from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.free_parameters import FreeParameters
 
 SAMPLED, COARSE = 12, 24  # spline intervals: of samples, of a descent
 CORNERS = 4  # per free direction, towards which samples are taken
@@ -48,6 +56,8 @@ NOTHING = 1e30  # value of a length at which nothing fits
 NEAR = 0.1  # of a value: so near to an end of its range the end is tried too
 INWARDS = 0.02
 """Of the way from an end of the range to the next length tried: whether the end itself is best."""
+INSIDE = 0.01
+"""Relative tightening of limits while any feasible point is sought: the next search needs room."""
 
 Trial = tuple[BundlePoint, Candidate | None]
 """A point with its value, and the cam of a whole search there."""
@@ -218,3 +228,117 @@ def _closer(
             return more  # the end of the range is best
     minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": close})
     return more
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Knots of every free law that follow the windows while angles change.
+
+    Attributes:
+        breaks: per free law. needed: per free law, those of its windows and points.
+    """
+
+    breaks: tuple[Array, ...]
+    needed: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, problem: Problem, grids: Sequence[Grid]) -> Mesh:
+        """The mesh of these grids."""
+        return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
+
+    def grids(self, problem: Problem) -> list[Grid]:
+        """On another problem: between the knots needed, all others keep their shares."""
+        return [
+            grid_through(segment, np.interp(breaks, before, after))
+            for segment, breaks, before, after in zip(
+                problem.free, self.breaks, self.needed, _needed(problem), strict=True
+            )
+        ]
+
+
+def _needed(problem: Problem) -> Iterator[Array]:
+    for segment in problem.free:
+        assert segment.free is not None
+        yield np.array([0.0, *segment.free.knots, 1.0])
+
+
+@dataclass(eq=False)
+class ValueFunction:
+    """The value of numbers: the relaxation's optimum with the first objective [wire]."""
+
+    spec: DesignSpec
+    free_parameters: FreeParameters
+    deadline: float
+    calls: int = 0
+    level: float = 1.0
+
+    def problem(self, u: Array) -> Problem | None:
+        """The problem at a point of the unit box; None where a given law cannot be run there."""
+        spec = self.spec.with_values(self.free_parameters.values_at(u))
+        try:
+            segments = smooth_tables(spec.placed_segments(), self.deadline).segments
+            spec.check_reach()
+        except PydanticCustomError:
+            return None
+        return formulate_problem(spec, spec.objectives()[0], (), segments)
+
+    def uniform(self, u: Array, intervals: int) -> Mesh:
+        """Equal intervals, by the windows as they are at u."""
+        problem = self.problem(u)
+        if problem is None:
+            return Mesh((), ())
+        return Mesh.of(problem, [uniform_grid(s, intervals) for s in problem.free])
+
+    def refined(self, u: Array) -> Mesh:
+        """The knots that the full search comes to at u."""
+        problem = self.problem(u)
+        assert problem is not None
+        grids = optimise(problem, self.spec.tolerance, self.deadline).grids
+        return Mesh.of(problem, grids)
+
+    def on(self, mesh: Mesh) -> Function:
+        """The value on a mesh; None where nothing fits, or time is up."""
+
+        @cache
+        def value(key: bytes) -> float | None:
+            problem = self.problem(np.frombuffer(key))
+            self.calls += 1
+            if problem is None:
+                return None
+            result = estimate(problem, mesh.grids(problem), self.level, self.deadline)
+            if result is None:
+                return None
+            self.level = result or self.level
+            # the core's unit may depend on the numbers, that of the wire does not
+            return problem.objective.to_wire(result, problem.machine)
+
+        return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
+
+    def solved(self, u: Array, tolerance: float, fixed: float | None = None) -> Candidate | None:
+        """The best cam that a whole search finds; None where it finds none.
+
+        Args:
+            u: where. tolerance: of a search that has one; half-planes are met exactly.
+            fixed: a value for what can be fixed; None: free, as in the spec.
+        """
+        problem = self.problem(u) if clock.now() < self.deadline else None
+        if problem is None:
+            return None
+        self.calls += 1
+        fixable = problem.machine.follower.fixable_dimension()
+        if fixed is not None and fixable is not None:
+            problem = problem.with_follower(fixable.fixed_at(fixed))
+        return optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
+
+    def excess(self, mesh: Mesh) -> Function:
+        """By how much limits must be exceeded at least, in all; 0 where everything fits."""
+
+        def value(u: Array) -> float | None:
+            problem = self.problem(u)
+            if problem is None or clock.now() >= self.deadline:
+                return None
+            self.calls += 1
+            result = least_excess(problem, mesh.grids(problem), INSIDE)
+            return None if result is None else result + problem.vibration_excess
+
+        return value

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.catalogue.forces.reduced import history
 from synthesis.errors import InputError
-from synthesis.optimise.parameters.spring_program import SpringProgram
+from synthesis.optimise.parameters.spring_design import SpringProgram
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers.samples import spec
 from tests.catalogue.forces.loads import ARM, SLIDE, load_of, loaded

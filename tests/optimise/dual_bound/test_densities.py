@@ -28,10 +28,11 @@ from synthesis.optimise.dual_bound.row_functionals import (
     distribute_to_intervals,
     row_functionals,
 )
-from synthesis.optimise.dual_bound.switching import Switching, switching
+from synthesis.optimise.dual_bound.switching import Switching
 from synthesis.optimise.problem.grid import uniform_grid
 from tests.optimise.dual_bound.test_bound import CASES, FAMILY
 from tests.optimise.dual_bound.test_bound import found as solved_on
+from tests.optimise.dual_bound.test_switching import switching
 from tests.optimise.scenes import direct, problem
 
 PARTS = 4000  # masses that stand for a density

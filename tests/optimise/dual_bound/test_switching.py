@@ -11,7 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.dual_bound.switching import Switching, switching
+from synthesis.optimise.dual_bound.switching import Switching, switching_pieces
+
+
+def switching(points: Array, weights: Array) -> Switching:
+    """ψ from point rows: x_i (r,) and weights (r, m)."""
+    breaks, poly = switching_pieces(points, weights[None])
+    return Switching(breaks, poly[0])
+
 
 DENSE = 200_001
 

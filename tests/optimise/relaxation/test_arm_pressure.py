@@ -19,7 +19,7 @@ from synthesis.catalogue.followers.arm_pressure_angle import (
 from synthesis.certify.quantities import TracedPoint, pressure_angle
 from synthesis.optimise.conic.linear_rows import Scales
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.relaxation.reverse_convex import reverse_convex_rows
+from synthesis.optimise.relaxation.size_rows import reverse_convex_rows
 from tests.optimise.arms import angles, jerk, scene
 
 ARM, DISTANCE = 83.7, 101.9

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.catalogue.constraints import MotionBox
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.relaxation.fixed_motion import tighten_sizes
+from synthesis.optimise.relaxation.size_rows import tighten_sizes
 
 RPM, MASS, DAMPING, RATE, PRELOAD, WIDTH, ROLLER = 317.0, 2.1, 31.0, 6.3, 410.0, 12.3, 9.7
 RISE, LIFT, JERK = 71.3, 28.9, 2.7e7
