@@ -40,7 +40,6 @@ from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import (
     ImprovingRegion,
-    TangentCam,
     initial_region,
 )
 from synthesis.optimise.propagation.law_tightening import (
@@ -309,7 +308,10 @@ def test_every_cam_lies_in_the_region_and_satisfies_its_cuts(family: Family):
             assert np.max(point - high) <= slack
     for domain in (region, of_the_pool(family, region)):
         for other in (None, *family.cams):
-            reference = None if other is None else TangentCam(other.laws, other.size)
+            reference = None
+            if other is not None:
+                curves = tuple(law.curve() for law in other.laws)
+                reference = TangentPoint(curves, other.size)
             blocks = replace(domain, reference=reference).rows(model)
             for cam in family.cams:
                 assert excess_at_points(model, blocks, cam) <= ALLOWED

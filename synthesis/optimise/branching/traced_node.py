@@ -28,6 +28,7 @@ from synthesis.optimise.branching.bound_task import (
 from synthesis.optimise.branching.node import Node, Tree, halve
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
+from synthesis.optimise.conic.tangent_cuts import TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
@@ -36,7 +37,6 @@ from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uni
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import (
     ImprovingRegion,
-    TangentCam,
     initial_region,
 )
 from synthesis.optimise.propagation.law_tightening import with_value_cap
@@ -248,15 +248,15 @@ def tighten(state: SolveState, node: TracedNode, turns: int) -> TracedNode:
 
 def _violating_laws(node: TracedNode) -> tuple[int, ...]:
     """The laws of the relaxation's solution that violate limits."""
-    guess, problem = node.region.reference, node.task.problem
-    if guess is None:
+    reference, problem = node.region.reference, node.task.problem
+    if reference is None:
         return ()
     x = np.linspace(0.0, 1.0, SAMPLES + 1)
     violating = []
     for k in sorted({position for position, _ in node.region.point_bounds}):
-        law = problem.free[k].with_law(guess.laws[k].curve())
+        law = problem.free[k].with_law(reference.laws[k])
         theta = law.start + law.angle * x
-        if np.max(size_rows.relative_excess(problem, law, theta, guess.size)) > 0.0:
+        if np.max(size_rows.relative_excess(problem, law, theta, reference.size)) > 0.0:
             violating.append(k)
     return tuple(violating)
 
@@ -344,7 +344,9 @@ def solve_relaxation(
             return node
         # 3. The solution is where the next rows are tangent.
         laws, size = model.recover(solution.x)
-        region = replace(node.region, reference=TangentCam(tuple(laws), size))
+        region = replace(
+            node.region, reference=TangentPoint(tuple(law.curve() for law in laws), size)
+        )
         node = replace(node.raised(bound), region=region)
         if number <= EARLY_ROUNDS:
             node = replace(node, grids=grids)

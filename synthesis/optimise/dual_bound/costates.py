@@ -30,6 +30,7 @@ NOISE = 1e-10
 STEPS = 30
 """Of Newton's method: one without a cap, a few where the cap is active on a part of the law."""
 GAIN = 1e-14  # relative gain of the bound below which a step is the last: rounding
+REGULAR = 1e-14  # of the trace: where the cap is active all along a law its Hessian is singular
 LEAST_STEP = 1e-6  # of a Newton step: below it, rounding hides whether the bound rises
 
 Mask = NDArray[np.bool_]
@@ -163,7 +164,13 @@ def best_costates(
     costates = _minimum_norm_solution(matrix, -given[0, unknown])
     value, gradient, hessian = _total(laws, costates)
     for _ in range(STEPS):
-        step, share, before = _newton(gradient, hessian, matrix) * priced.ravel(), 1.0, value
+        # to the top of the quadratic model, with matrix · costates kept
+        size = len(gradient)
+        regular = hessian - REGULAR * np.trace(np.abs(hessian)) * np.eye(size)
+        system = np.block([[regular, matrix.T], [matrix, np.zeros((len(matrix),) * 2)]])
+        rhs = np.concatenate([-gradient, np.zeros(len(matrix))])
+        step = _minimum_norm_solution(system, rhs)[:size] * priced.ravel()
+        share, before = 1.0, value
         while share > LEAST_STEP and (new := _total(laws, costates + share * step))[0] <= before:
             share *= 0.5
         if share <= LEAST_STEP:
@@ -225,15 +232,6 @@ def _total(laws: Sequence[_Law], costates: Array) -> tuple[float, Array, Array]:
         *(law.value(row) for law, row in zip(laws, table, strict=True)), strict=True
     )
     return sum(values), np.concatenate(gradients), block_diag(*blocks)
-
-
-def _newton(gradient: Array, hessian: Array, matrix: Array) -> Array:
-    """The step to the top of the quadratic model that keeps matrix · costates."""
-    n, rows = len(gradient), len(matrix)
-    system = np.zeros((n + rows, n + rows))
-    system[:n, :n] = hessian - 1e-14 * np.trace(np.abs(hessian)) * np.eye(n)
-    system[:n, n:], system[n:, :n] = matrix.T, matrix
-    return _minimum_norm_solution(system, np.concatenate([-gradient, np.zeros(rows)]))[:n]
 
 
 def _minimum_norm_solution(matrix: Array, rhs: Array) -> Array:

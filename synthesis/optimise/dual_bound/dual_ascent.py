@@ -117,7 +117,13 @@ class _DualProgram:
                 groups.append(one.hat_rows(np.tile(close[:-1] & close[1:], 2)))
         z = solution.multipliers
         groups += [rows for rows, _ in (*fixed_size_rows(model, z), *cone_rows(model, z))]
-        groups += [_end_rows(model, position, order) for position in range(len(model.grids))]
+        for position, boundary in enumerate(model.boundary_states):
+            # g to g^(m−1) at the end of a law, with costates of either sign
+            rhs, known = np.zeros(order), boundary.end[:order]
+            rhs[: len(known)] = known
+            sizes = np.zeros((order, len(model.problem.sizing.bounds)))
+            ends = WeightedRows(position, np.ones(order), np.eye(order), rhs, sizes, signed=True)
+            groups.append(ends)
         vibrations, psi_error = vibration_terms(model, order, z)
         fixed = [*energy_tangents(model, solution, order), *vibrations]
         return cls(model, solution, controls, tuple(groups), fixed, psi_error)
@@ -262,12 +268,3 @@ def _control_steps(law: SplineLaw, order: int) -> Array:
     level = law.curve().derivatives(0.5 * (breaks[1:] + breaks[:-1]), order)[order]
     stepped = np.abs(np.diff(level)) > STEP * np.ptp(level)
     return np.concatenate([[0.0, 1.0], breaks[1:-1][stepped]])
-
-
-def _end_rows(model: ConicModel, position: int, order: int) -> WeightedRows:
-    """g to g^(m−1) at the end of a law, with costates of either sign."""
-    rhs = np.zeros(order)
-    known = model.boundary_states[position].end[:order]
-    rhs[: len(known)] = known
-    sizes = np.zeros((order, len(model.problem.sizing.bounds)))
-    return WeightedRows(position, np.ones(order), np.eye(order), rhs, sizes, signed=True)

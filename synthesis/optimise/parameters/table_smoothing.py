@@ -171,8 +171,11 @@ def _fit(rows: Rows, space: SplineSpace, time_limit: float) -> Fit | None:
     n, q = frame.basis.shape[1], frame.jerk.shape[0]
     unit = max(1.0, sqrt(float(np.mean(frame.jerk_before**2)) * q))
     slack = 1.0 - TIGHTENING
-    roots = sparse.hstack([rows.tolerance / unit * frame.jerk, -sparse.eye(q)])
-    matrix = _stacked(roots, _wide(frame.closed, q), _wide(frame.basis, q), _wide(-frame.basis, q))
+    blocks: list[Any] = [
+        [rows.tolerance / unit * frame.jerk, -sparse.eye(q)],
+        [frame.closed, None], [frame.basis, None], [-frame.basis, None],
+    ]  # fmt: skip
+    matrix = sparse.csc_matrix(sparse.bmat(blocks))
     rhs = np.concatenate(
         [-frame.jerk_before / unit, frame.closed_rhs, frame.miss + slack, slack - frame.miss]
     )
@@ -191,11 +194,8 @@ def _nearest(rows: Rows, space: SplineSpace, time_limit: float) -> Fit:
     frame = _Frame.of(rows, space)
     n, m = frame.basis.shape[1], len(rows.x)
     one = sparse.csc_matrix(-np.ones((m, 1)))
-    matrix = _stacked(
-        _wide(frame.closed, 1),
-        sparse.hstack([frame.basis, one]),
-        sparse.hstack([-frame.basis, one]),
-    )
+    blocks: list[Any] = [[frame.closed, None], [frame.basis, one], [-frame.basis, one]]
+    matrix = sparse.csc_matrix(sparse.bmat(blocks))
     rhs = np.concatenate([frame.closed_rhs, frame.miss, -frame.miss])
     least = np.zeros(n + 1)
     least[n] = 1.0
@@ -205,16 +205,6 @@ def _nearest(rows: Rows, space: SplineSpace, time_limit: float) -> Fit:
     nearest = frame.fit(solution, solution.x[:n], program)
     wider = replace(rows, tolerance=SPARE * max(nearest.deviation, rows.tolerance))
     return _fit(wider, space, time_limit) or nearest
-
-
-def _stacked(*blocks: Any) -> sparse.csc_matrix:
-    """Blocks of rows on top of each other."""
-    return sparse.csc_matrix(sparse.vstack(blocks))
-
-
-def _wide(matrix: sparse.csr_matrix, more: int) -> Any:
-    """The matrix with so many empty columns added."""
-    return sparse.hstack([matrix, sparse.csr_matrix((matrix.shape[0], more))])
 
 
 @dataclass(frozen=True, eq=False)

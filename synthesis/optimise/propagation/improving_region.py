@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.catalogue.constraints import MotionBox, SlideCoordinates, Vector
+from synthesis.catalogue.constraints import MotionBox, SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
@@ -23,7 +23,7 @@ from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock, Tightening
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.multiplier_density import PointRuns
-from synthesis.optimise.problem.grid import Grid, SplineLaw
+from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 
@@ -115,26 +115,19 @@ class PointBounds:
 
 
 @dataclass(frozen=True, eq=False)
-class TangentCam:
-    """A cam about which rows shall be tight."""
-
-    laws: tuple[SplineLaw, ...]
-    size: Vector
-
-
-@dataclass(frozen=True, eq=False)
 class ImprovingRegion:
     """What every better cam of a box of sizes keeps to.
 
     Attributes:
         point_bounds: by position of the free law and the point that is seen.
         half_spaces: what all laws together leave of the size.
+        reference: a cam about which rows shall be tight.
     """
 
     sizes: Sizes
     point_bounds: Mapping[tuple[int, SlideCoordinates], PointBounds]
     half_spaces: HalfSpaces
-    reference: TangentCam | None = None
+    reference: cuts.TangentPoint | None = None
 
     @property
     def is_empty(self) -> bool:
@@ -169,9 +162,7 @@ class ImprovingRegion:
         }
         reference = self.reference
         if reference is not None:
-            reference = TangentCam(
-                tuple(reference.laws[position] for position in positions), reference.size
-            )
+            reference = replace(reference, laws=tuple(reference.laws[k] for k in positions))
         return replace(self, point_bounds=point_bounds, reference=reference)
 
     def bounds_of_law(self, position: int) -> list[tuple[SlideCoordinates, PointBounds]]:
@@ -205,7 +196,10 @@ class ImprovingRegion:
             runs = PointRuns.of(breaks[np.any(inside, axis=0)], bounds.parts, each)
             x, (low, high) = runs.points, bounds.at(runs.points)
             grid = Grid(model.grids[position].space, x)
-            near = self._tangent_at(position, segment, implied.coordinates, x)
+            near = list[Array]()  # X, u and e, s, s' and s'' of the reference: (6, n)
+            if self.reference is not None:
+                s, size = self.reference.at(position, segment, x)
+                near.append(np.stack([*implied.coordinates.evaluate(s, size), *s]))
             for about in near if sparing and near else (None, *near):
                 traced, moving = (None, None) if about is None else (about[:3], about[3:])
                 motion = self._motion_bounds(segment, implied, bounds, x, moving)
@@ -225,17 +219,6 @@ class ImprovingRegion:
                     key = position, implied.coordinates
                     if key in self.point_bounds:
                         yield position, implied, self.point_bounds[key]
-
-    def _tangent_at(
-        self, position: int, segment: PlacedSegment, coordinates: SlideCoordinates, x: Array
-    ) -> list[Array]:
-        """X, u and e, s, s' and s'' of the reference: (6, n); nothing where there is none."""
-        if self.reference is None:
-            return []
-        law = self.reference.laws[position].curve()
-        s = [segment.lift / segment.angle**k * law(x, k) for k in range(3)]
-        s[0] = segment.s_start + s[0]
-        return [np.stack([*coordinates.evaluate(s, self.reference.size), *s])]
 
     def _motion_bounds(
         self,

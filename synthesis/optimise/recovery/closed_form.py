@@ -20,8 +20,8 @@ from synthesis.optimise.conic.semi_infinite import most_violated
 from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
-EXCHANGES = 40
-SETTLED = 1e-12  # of the norm: what a size may stick out of a half-plane
+EXCHANGES = 40  # of half-planes at most; each adds those that the last size violates
+OUTSIDE = 1e-12  # of the norm: how far a size may lie outside a half-plane
 
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
@@ -54,14 +54,14 @@ def closed_form_size(problem: Problem, clear: float = 0.0) -> Vector | None:
     for _ in range(EXCHANGES if problem.has_curved_limits else 0):
         if size is None:
             return None
-        broken = most_violated(problem, size)
+        violated = most_violated(problem, size)
         prime = problem.machine.follower.radius_norm().value(size)
         scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
-        more = broken.excess > (SETTLED - clear) * scale
+        more = violated.excess > (OUTSIDE - clear) * scale
         if not np.any(more):
             break
-        normals = np.vstack([normals, broken.normals[more]])
-        offsets = np.concatenate([offsets, broken.offsets[more] - clear * scale])
+        normals = np.vstack([normals, violated.normals[more]])
+        offsets = np.concatenate([offsets, violated.offsets[more] - clear * scale])
         size = _nearest_size(problem, normals, offsets)
     return size
 
@@ -70,51 +70,42 @@ def _nearest_size(problem: Problem, normals: Array, offsets: Array) -> Vector | 
     """The same for given half-planes."""
     norm = problem.machine.follower.radius_norm()
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    tolerance = 1e-12 * problem.length
     if len(matrix) < matrix.shape[1]:
-        return _lowest_corner(normals, offsets, matrix[0], problem.length)
-    # in y = M z + m the wanted point is the one nearest to the origin
+        # a variable of which the norm does not speak: the corner where the norm is least, and of
+        # several that of least p
+        length = np.sqrt((normals * normals).sum(axis=1))
+        a, b = normals / length[:, None], offsets / length
+        corners = _within(_corners(a, b), a, b, tolerance, 1e-12)
+        if not len(corners):
+            return None
+        height = corners @ matrix[0]
+        lowest = corners[height <= np.min(height) + tolerance]
+        return tuple(lowest[np.argmin(lowest[:, 0])].tolist())
+    # in y = M z + m the point nearest to the origin: that itself, its foot on a line, or a corner
     inverse = inverse_matrix(norm.matrix)
     a = normals @ inverse
     b = offsets + a @ shift
     length = np.sqrt((a * a).sum(axis=1))
-    result = _nearest_to_origin(a / length[:, None], b / length, 1e-12 * problem.length)
-    if result is None:
+    a, b = a / length[:, None], b / length
+    candidates = np.concatenate([np.zeros((1, a.shape[1])), a * b[:, None], _corners(a, b)])
+    points = _within(candidates, a, b, tolerance, 1e-13)
+    if not len(points):
         return None
-    return tuple((inverse @ (result - shift)).tolist())
+    nearest = points[(points * points).sum(axis=1).argmin()]
+    return tuple((inverse @ (nearest - shift)).tolist())
+
+
+def _within(points: Array, a: Array, b: Array, tolerance: float, relative: float) -> Array:
+    """Those of the points (k, n) that lie in all half-planes a · y ≤ b, but for rounding."""
+    reach = tolerance + relative * np.abs(points).max(axis=1)
+    return np.asarray(points[(points @ a.T <= b + reach[:, None]).all(axis=1)])
 
 
 @lru_cache(maxsize=64)
 def inverse_matrix(matrix: tuple[tuple[float, ...], ...]) -> Array:
     """The inverse of a norm's matrix; there are a few of them, of two rows, far from singular."""
     return np.asarray(np.linalg.inv(np.array(matrix)), dtype=float)
-
-
-def _lowest_corner(normals: Array, offsets: Array, level: Array, length: float) -> Vector | None:
-    """The corner where a linear level of the size is least; of several, that of least p.
-
-    Of a size that has a variable of which the prime radius does not speak.
-    """
-    size = np.linalg.norm(normals, axis=1)
-    a, b = normals / size[:, None], offsets / size
-    corners = _corners(a, b)
-    reach = 1e-12 * (length + np.max(np.abs(corners), axis=1))
-    allowed = corners[np.all(corners @ a.T <= b + reach[:, None], axis=1)]
-    if not len(allowed):
-        return None
-    height = allowed @ level
-    lowest = allowed[height <= np.min(height) + 1e-12 * length]
-    return tuple(float(v) for v in lowest[np.argmin(lowest[:, 0])])
-
-
-def _nearest_to_origin(a: Array, b: Array, tolerance: float) -> Array | None:
-    """Origin, foot on one line, or corner of two: the feasible candidate of least norm."""
-    feet = a * b[:, None]
-    candidates = np.concatenate([np.zeros((1, a.shape[1])), feet, _corners(a, b)])
-    reach = tolerance + 1e-13 * np.abs(candidates).max(axis=1)
-    allowed = candidates[(candidates @ a.T <= b + reach[:, None]).all(axis=1)]
-    if not len(allowed):
-        return None
-    return np.asarray(allowed[(allowed * allowed).sum(axis=1).argmin()])
 
 
 @lru_cache(maxsize=64)

@@ -16,13 +16,13 @@ from synthesis.optimise.branching.bound_task import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.conic.tangent_cuts import Region
+from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
 from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
-from synthesis.optimise.propagation.improving_region import TangentCam, initial_region
+from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import recover_cam
 
@@ -253,7 +253,9 @@ def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
     open_ = initial_region(quest.problem, quest.controls, parts)
     lair, stuck = tighten_bounds(model, quest.controls, open_, range(len(grids)))
     assert not stuck
-    guessed = replace(lair, reference=TangentCam(found.incumbent.laws, found.incumbent.size))
+    best = found.incumbent
+    point = TangentPoint(tuple(law.curve() for law in best.laws), best.size)
+    guessed = replace(lair, reference=point)
     without, all_rows, sparing = (
         lair.rows(model),
         guessed.rows(model),
