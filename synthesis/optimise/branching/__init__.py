@@ -3,6 +3,6 @@
 In: a ``SolveState`` with an incumbent whose gap is open. Out: the same with a better bound.
 
 ``node.py`` says what a node does: process, branch, conclude. ``traced_node.py`` has nodes for
-limits on a traced point (curvature, Hertz pressure), with ``bound_task.py``; ``pivot_node.py``
-nodes for arms and faces whose pivot is free.
+limits on a traced point (curvature, Hertz pressure), ``pivot_node.py`` nodes for arms and faces
+whose pivot is free.
 """

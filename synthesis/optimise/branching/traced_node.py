@@ -20,18 +20,20 @@ import numpy as np
 from synthesis.numerics import clock
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.bound_task import (
+from synthesis.optimise.branching.node import (
     BoundTask,
+    Node,
+    Tree,
     binding_parts,
+    halve,
     is_traced,
 )
-from synthesis.optimise.branching.node import Node, Tree, halve
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
+from synthesis.optimise.dual_bound.batch import MultiplierDensity
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
-from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds

@@ -46,13 +46,13 @@ from synthesis.optimise.dual_bound.costates import (
     project_costates,
 )
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
-from synthesis.optimise.dual_bound.nonlinear_terms import (
+from synthesis.optimise.dual_bound.row_functionals import (
     cone_rows,
     energy_tangents,
     fixed_size_rows,
+    row_functionals,
     vibration_terms,
 )
-from synthesis.optimise.dual_bound.row_functionals import row_functionals
 from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
 from synthesis.optimise.recovery.closed_form import inverse_matrix
 

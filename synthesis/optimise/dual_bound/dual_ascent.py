@@ -26,14 +26,15 @@ from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import stationarity_conditions
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, shared_derivatives
-from synthesis.optimise.dual_bound.nonlinear_terms import (
+from synthesis.optimise.dual_bound.row_functionals import (
     Terms,
+    WeightedRows,
     cone_rows,
     energy_tangents,
     fixed_size_rows,
+    row_functionals,
     vibration_terms,
 )
-from synthesis.optimise.dual_bound.row_functionals import WeightedRows, row_functionals
 from synthesis.optimise.problem.grid import SplineLaw
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier

@@ -26,8 +26,13 @@ from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, with_rows
 from synthesis.optimise.conic.subprogram import ModelByLaw
-from synthesis.optimise.dual_bound.batch import Quantities, dual_bounds, solve_boundary_costates
-from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, PointRuns
+from synthesis.optimise.dual_bound.batch import (
+    MultiplierDensity,
+    PointRuns,
+    Quantities,
+    dual_bounds,
+    solve_boundary_costates,
+)
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes, cone_tangents
 

@@ -20,7 +20,7 @@ from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
-from synthesis.optimise.dual_bound.nonlinear_terms import vibration_terms
+from synthesis.optimise.dual_bound.row_functionals import vibration_terms
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.problem.residual_vibration import LawTerm, amplitude, switching_contribution

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 
 from synthesis import DesignSpec
-from synthesis.optimise.branching.bound_task import BoundTask, binding_parts
+from synthesis.optimise.branching.node import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.subprogram import ModelByLaw

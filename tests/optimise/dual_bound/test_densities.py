@@ -18,14 +18,12 @@ from synthesis.optimise.dual_bound.bound import (
 )
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms
-from synthesis.optimise.dual_bound.nonlinear_terms import (
-    cone_rows,
-    energy_tangents,
-    fixed_size_rows,
-)
 from synthesis.optimise.dual_bound.row_functionals import (
     Hats,
+    cone_rows,
     distribute_to_intervals,
+    energy_tangents,
+    fixed_size_rows,
     row_functionals,
 )
 from synthesis.optimise.dual_bound.switching import Switching

@@ -13,12 +13,12 @@ from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.dual_bound.batch import (
+    PointRuns,
     Quantities,
     dual_bounds,
     solve_boundary_costates,
 )
 from synthesis.optimise.dual_bound.bound import dual_bound
-from synthesis.optimise.dual_bound.multiplier_density import PointRuns
 from synthesis.optimise.dual_bound.switching import mean_absolute, switching_pieces
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, formulate_problem

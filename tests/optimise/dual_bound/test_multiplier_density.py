@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from synthesis.optimise.dual_bound.batch import MultiplierDensity
 from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
-from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity
 from synthesis.optimise.dual_bound.row_functionals import row_functionals
 from tests.optimise.scenes import TURNING as TURN
 from tests.optimise.scenes import (

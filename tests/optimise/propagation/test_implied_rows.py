@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.optimise.branching.bound_task import BoundTask, binding_parts
+from synthesis.optimise.branching.node import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
