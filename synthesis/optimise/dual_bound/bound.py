@@ -112,7 +112,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)
     if costates is None:
-        costates = boundary_multipliers(model, solution, order)
+        costates = boundary_multipliers(model, solution, order, z)
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     lagrangian = Lagrangian(model, order)
     vibrations, lagrangian.psi_error = vibration_terms(model, order, z)

@@ -51,9 +51,14 @@ def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
     return z
 
 
-def boundary_multipliers(model: ConicModel, solution: ConeSolution, order: int) -> Array:
-    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order)."""
-    z = nonnegative_multipliers(model, solution)
+def boundary_multipliers(
+    model: ConicModel, solution: ConeSolution, order: int, z: Array | None = None
+) -> Array:
+    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order).
+
+    ``z``: ``nonnegative_multipliers``, where they are known already.
+    """
+    z = nonnegative_multipliers(model, solution) if z is None else z
     gradients = [np.zeros((1, len(boundary.end))) for boundary in model.boundary_states]
     for vibration, y in model.vibration_multipliers(z):
         for share, rows in zip(vibration.law_terms, vibration.rows, strict=True):
@@ -135,9 +140,9 @@ def project_costates(model: ConicModel, initial_costates: Array, near: Array) ->
     Args:
         initial_costates: (q, laws, m) factors of initial values that the rows leave.
     """
+    if all(len(boundary.start) >= near.shape[2] for boundary in model.boundary_states):
+        return near  # all initial values are known
     matrix, unknown, priced = stationarity_conditions(model, near.shape[2])
-    if not len(matrix):
-        return near
     flat = near.reshape(len(near), -1)
     step = _minimum_norm_solution(matrix, -(initial_costates[:, unknown] + flat @ matrix.T).T)
     return near + step.T.reshape(near.shape) * priced

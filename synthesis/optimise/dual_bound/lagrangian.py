@@ -75,9 +75,10 @@ class Lagrangian:
         mass = mass.reshape(self.count, -1)
         if not mass.shape[1]:
             return
-        self.add_constant(-(mass @ rows.rhs), np.abs(mass) @ np.abs(rows.rhs))
+        absolute = np.abs(mass)
+        self.add_constant(-(mass @ rows.rhs), absolute @ np.abs(rows.rhs))
         self.size += mass @ rows.size
-        self.size_magnitude += np.abs(mass) @ np.abs(rows.size)
+        self.size_magnitude += absolute @ np.abs(rows.size)
         if rows.level:
             self.level += rows.level * mass.sum(axis=1)
         if rows.position is None:
@@ -85,7 +86,7 @@ class Lagrangian:
         self.add_functionals(rows.position, rows.x, mass[:, :, None] * rows.weights)
         if rows.spans is not None and rows.poly is not None:
             self._densities[rows.position].append((rows.spans, mass[0, :, None] * rows.poly))
-            self.psi_magnitude[:, rows.position] += np.abs(mass) @ np.abs(rows.poly[:, 0])
+            self.psi_magnitude[:, rows.position] += absolute @ np.abs(rows.poly[:, 0])
 
     def add_functionals(self, position: int, x: Array, weights: Array) -> None:
         """Add Σ weights[…, i, k] g^(k)(x_i) of one law: x (n,), weights (q, n, m)."""
