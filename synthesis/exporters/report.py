@@ -22,8 +22,6 @@ from synthesis.exporters.drawing.canvas import TURNS
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import (
-    CamDrawingOptions,
-    DiagramOptions,
     PictureOptions,
     ProfileOptions,
 )
@@ -86,12 +84,18 @@ def _head(design: Design, name: str) -> str:
 
 def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     """All about a cam, whether it keeps its limits or not."""
-    theme, certificate = options.theme, design.certificate
+    certificate = design.certificate
+
+    def drawn(title: str, kind: str, drawing: Exporter[Any], text: str) -> str:
+        """A drawing inside the page, by itself: its style is its own."""
+        data = base64.b64encode(drawing.write_like(design, options)).decode()
+        image = f'<img alt="{text}" src="data:image/svg+xml;base64,{data}">'
+        return _section(title, image, kind)
+
     sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
-    drawing = PROFILE.write(design, CamDrawingOptions(theme=theme))
-    yield _section("The cam", _image(drawing, "Drawing of the cam"), "drawing")
+    yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
@@ -114,24 +118,23 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
         pairs = _pairs([("objective", _words(price.objective)), *known])
         yield _section("What smoothness costs", pairs + (_note(price.note) if price.note else ""))
     yield _section("Program", _program(design))
-    motion = MOTION.write(design, DiagramOptions(theme=theme))
-    yield _section("Motion", _image(motion, "Diagrams of the motion"))
-    contacts = _image(
-        CONTACT.write(design, options), "Diagrams of pressure angle and profile radius"
-    )
-    yield _section("Pressure angle and profile radius", contacts)
+    yield drawn("Motion", "", MOTION, "Diagrams of the motion")
+    text = "Diagrams of pressure angle and profile radius"
+    yield drawn("Pressure angle and profile radius", "", CONTACT, text)
 
 
 def _limit(extreme: Extreme) -> list[str]:
-    def text(value: float | None, digits: int = 6) -> str:
-        return "–" if value is None else svg.with_unit(value, extreme.unit, digits)
-
-    at = f"{svg.figure(extreme.angle_deg, 6)}°"
+    at, unit = f"{svg.figure(extreme.angle_deg, 6)}°", extreme.unit
     return [
-        _words(extreme.limit), text(extreme.value), at, text(extreme.bound),
-        text(extreme.margin, 4), f"±{svg.figure(extreme.width, 1)}",
+        _words(extreme.limit), _value(extreme.value, unit), at, _value(extreme.bound, unit),
+        _value(extreme.margin, unit, 4), f"±{svg.figure(extreme.width, 1)}",
         "holds" if extreme.holds else "broken",
     ]  # fmt: skip
+
+
+def _value(value: float | None, unit: str, digits: int = 6) -> str:
+    """A value with its unit, or a dash."""
+    return "–" if value is None else svg.with_unit(value, unit, digits)
 
 
 def _proof(proof: Proof) -> list[str]:
@@ -160,8 +163,7 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     names = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
         [_words(each.limit), svg.with_unit(each.requested, each.unit),
-         "–" if each.needed is None else svg.with_unit(each.needed, each.unit),
-         each.field, each.note]
+         _value(each.needed, each.unit), each.field, each.note]
         for each in conflict.relaxations
     ]  # fmt: skip
     text = f"<p>These cannot hold together: <strong>{html.plain(names)}</strong>.</p>"
@@ -245,12 +247,6 @@ def _note(text: str) -> str:
 def _pairs(rows: Sequence[tuple[str, str]]) -> str:
     pairs = (f"<div><dt>{html.plain(a)}</dt><dd>{html.plain(b)}</dd></div>" for a, b in rows)
     return f"<dl>{''.join(pairs)}</dl>"
-
-
-def _image(drawing: bytes, title: str) -> str:
-    """A drawing inside the page, by itself: its style is its own."""
-    data = base64.b64encode(drawing).decode()
-    return f'<img alt="{title}" src="data:image/svg+xml;base64,{data}">'
 
 
 def _words(name: str) -> str:

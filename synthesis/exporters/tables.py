@@ -26,7 +26,7 @@ from synthesis.exporters.fidelity.report import (
     MAX_ROWS,
     as_points,
     fidelity_block,
-    table_fidelity_header,
+    fidelity_header,
 )
 from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
@@ -51,27 +51,20 @@ TURNED = " The points are turned from there by {turn:.12g}° about z, counter-cl
 
 def csv_table(columns: Sequence[Column]) -> bytes:
     """A header row with units in the names, then numbers; UTF-8, LF, dot decimals."""
-    header = ",".join(column.name for column in columns)
-    rows = len(columns[0].values)
-    parts = [header.encode(), b"\n"]
-    for start in range(0, rows, BLOCK):
+    parts = [",".join(column.name for column in columns).encode(), b"\n"]
+    real = [k for k, each in enumerate(columns) if each.values.dtype.kind == "f"]
+    for start in range(0, len(columns[0].values), BLOCK):
         values = [column.values[start : start + BLOCK] for column in columns]
-        parts.append(_csv_rows(values))
+        rows = len(values[0])
+        cells = np.full((rows, len(values), WIDTH + 1), ord(","), dtype=np.uint8)
+        numbers = np.column_stack([values[k] for k in real]).ravel()
+        texts = to_text(np.asarray(numbers, dtype=float))
+        cells[:, real, :-1] = texts.reshape(rows, len(real), WIDTH)
+        for k in set(range(len(values))).difference(real):
+            cells[:, k, :-1] = to_text(values[k])
+        cells[:, -1, -1] = ord("\n")
+        parts.append(join_cells(cells))
     return b"".join(parts)
-
-
-def _csv_rows(values: Sequence[Array | Whole]) -> bytes:
-    real = [k for k, each in enumerate(values) if each.dtype.kind == "f"]
-    rows = len(values[0])
-    cells = np.full((rows, len(values), WIDTH + 1), ord(","), dtype=np.uint8)
-    numbers = np.column_stack([values[k] for k in real]).ravel()
-    texts = to_text(np.asarray(numbers, dtype=float))
-    cells[:, real, :-1] = texts.reshape(rows, len(real), WIDTH)
-    for k, each in enumerate(values):
-        if k not in real:
-            cells[:, k, :-1] = to_text(each)
-    cells[:, -1, -1] = ord("\n")
-    return join_cells(cells)
 
 
 def json_table(body: dict[str, Any], columns: Sequence[Column]) -> bytes:
@@ -164,14 +157,6 @@ def _motion_and_forces(design: Design, options: MotionOptions) -> list[Column]:
     return [*motion_columns(cam, options), *force_columns(design, cam, options)]
 
 
-def _csv_profile(design: Design, options: ProfileOptions) -> bytes:
-    return csv_table(profile_columns(checked_cam(design, options), options))
-
-
-def _csv_motion(design: Design, options: MotionOptions) -> bytes:
-    return csv_table(_motion_and_forces(design, options))
-
-
 def _txt_motion(design: Design, options: MotionOptions) -> bytes:
     """For programs that read bare numbers: `numpy.loadtxt`, a spreadsheet's text import."""
     columns = [column.values.tolist() for column in motion_columns(Cam.of(design), options)]
@@ -181,8 +166,15 @@ def _txt_motion(design: Design, options: MotionOptions) -> bytes:
 
 CSV = "Table, comma separated", "text/csv; charset=utf-8; header=present", ".csv"
 JSON = "Columns with units and metadata", "application/json", ".json"
-CSV_PROFILE = Exporter("csv", *CSV, _csv_profile, ProfileOptions, measure=table_fidelity_header)
-CSV_MOTION = Exporter("csv", *CSV, _csv_motion, MotionOptions)
+CSV_PROFILE = Exporter(
+    "csv", *CSV,
+    lambda design, options: csv_table(profile_columns(checked_cam(design, options), options)),
+    ProfileOptions, measure=lambda design, options: fidelity_header(design, as_points(options)),
+)  # fmt: skip
+CSV_MOTION = Exporter(
+    "csv", *CSV, lambda design, options: csv_table(_motion_and_forces(design, options)),
+    MotionOptions,
+)  # fmt: skip
 JSON_PROFILE = Exporter("json", *JSON, _json_profile, JsonOptions)
 JSON_MOTION = Exporter("json", *JSON, _json_motion, MotionOptions)
 TXT_MOTION = Exporter(

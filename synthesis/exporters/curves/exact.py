@@ -20,17 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, FileContent, compact_json
 from synthesis.exporters.options import CurveName, PlacedCurve
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import checked_cam
-from synthesis.exporters.samples.sampling import SAME_ANGLE, rotate
+from synthesis.exporters.samples.sampling import nearby, rotate
 from synthesis.exporters.tables import origin
 from synthesis.numerics.geometry.closed_curve import ClosedCurve, CurvePoints
 from synthesis.numerics.geometry.closed_spline import ClosedSpline, fit_closed_spline
-from synthesis.numerics.piecewise import Array, Indices, Mask
+from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import DEGREE, FULL_TURN
 
 SPACING = 2.0 * DEGREE  # of the angles at which the way forward is looked at, at most
@@ -105,8 +106,7 @@ class Contour(ClosedCurve):
         breaks = cam.motion.curve.breaks
         if not every:
             breaks = np.union1d(cam.joints.breaking(2), breaks[[0, -1]])
-        near = breaks[np.argmin(np.abs(breaks - cam.seam))]
-        seam = float(near) if abs(near - cam.seam) <= SAME_ANGLE else cam.seam
+        seam = nearby(breaks, cam.seam)
         marks = np.union1d(breaks, [seam % FULL_TURN])
         first = int(np.searchsorted(marks, seam % FULL_TURN))
         start, end = np.roll(marks[:-1], -first), np.roll(marks[1:], -first)
@@ -124,7 +124,14 @@ class Contour(ClosedCurve):
     def at(self, span: Indices, fraction: Array) -> CurvePoints:
         start, width = self.start[span], (self.end - self.start)[span]
         theta = np.where(fraction == 1.0, self.end[span], start + width * fraction)
-        course = self._moving(theta, fraction == 1.0, width)
+        cam = self.cam
+        at = cam.at(theta, fraction == 1.0)
+        forward, mirror = self._forward(at), -1.0 if cam.rotation == "cw" else 1.0
+        with np.errstate(divide="ignore", over="ignore"):
+            bend = -mirror * np.clip(at.curvature, -SHARP, SHARP) / forward
+        tangent = mirror * np.column_stack([at.normal_y, -at.normal_x])
+        speed = width * np.maximum(at.speed * forward, 0.0)
+        course = CurvePoints(np.column_stack(cam.place(at)), tangent, bend, speed)
         for index, bridge in self.bridges.items():
             mine = span == index
             own = bridge.course(fraction[mine])
@@ -132,22 +139,9 @@ class Contour(ClosedCurve):
             course.curvature[mine], course.speed[mine] = own.curvature, own.speed
         return course
 
-    def signed_speed(self, theta: Array, left: Mask) -> Array:
-        """dq/dθ along the tangent [mm/rad], (n,)."""
-        at = self.cam.at(theta, left)
-        return at.speed * (1.0 - self.cam.gap * np.clip(at.curvature, -SHARP, SHARP))
-
-    def _moving(self, theta: Array, left: Mask, width: Array) -> CurvePoints:
-        cam = self.cam
-        at = cam.at(theta, left)
-        mirror = -1.0 if cam.rotation == "cw" else 1.0
-        curvature = np.clip(at.curvature, -SHARP, SHARP)
-        forward = 1.0 - cam.gap * curvature
-        with np.errstate(divide="ignore", over="ignore"):
-            bend = -mirror * curvature / forward
-        points = np.column_stack(cam.place(at))
-        tangent = mirror * np.column_stack([at.normal_y, -at.normal_x])
-        return CurvePoints(points, tangent, bend, width * np.maximum(at.speed * forward, 0.0))
+    def _forward(self, at: CamProfile) -> Array:
+        """Speed of the curve over that of the traced one, 1 − κ g, (n,)."""
+        return 1.0 - self.cam.gap * np.clip(at.curvature, -SHARP, SHARP)
 
     def _check(self) -> None:
         """Refuse a curve that runs backwards."""
@@ -159,7 +153,8 @@ class Contour(ClosedCurve):
         ]
         theta = np.concatenate(parts)
         left = np.concatenate([np.arange(len(part)) == len(part) - 1 for part in parts])
-        speed = self.signed_speed(theta, left)
+        at = self.cam.at(theta, left)
+        speed = at.speed * self._forward(at)
         size = float(np.max(np.abs(speed)))
         worst = int(np.argmin(speed))
         if speed[worst] < -BACKWARDS * size:

@@ -61,6 +61,9 @@ class Trace:
         )
 
 
+NOWHERE = Trace(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
 def claimed_bounds(
     design: Design,
     select: Callable[[Claim], bool],
@@ -177,20 +180,17 @@ class Plot:
     unit: str
     curve: Trace
     fine: Trace
-    infinite: Trace
+    infinite: Trace = NOWHERE
     limits: Sequence[Bound] = ()
     ends: Sequence[tuple[str, bool]] = (("max", True), ("min", False))
     labels: Callable[[float, float], Labels] = linear
     bad: Sequence[float] = ()
 
 
-NOWHERE = Trace(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))
-
-
 def curve_plot(title: str, unit: str, degrees: Array, values: Array) -> Plot:
     """A diagram of one quantity over the turn, (n,) each, without jumps and limits."""
     trace = Trace(degrees, np.zeros(len(degrees), dtype=np.int64), values)
-    return Plot(title, unit, trace, trace, NOWHERE)
+    return Plot(title, unit, trace, trace)
 
 
 Numbers = TypeVar("Numbers", float, Array)

@@ -18,7 +18,6 @@ from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.limits import Claim
 from synthesis.design.design import Design, SegmentMotion
 from synthesis.exporters.diagrams.plot import (
-    NOWHERE,
     Bound,
     Frame,
     Plot,
@@ -214,12 +213,13 @@ def pressure_plot(design: Design, cam: Cam) -> Plot:
         lambda claim: claim.quantity == "pressure_angle" and claim.path == path,
         lambda _, value: value / DEGREE,
     )
-    return Plot(f"Pressure angle α {path}".strip(), "°", curve, fine, NOWHERE, limits)
+    return Plot(f"Pressure angle α {path}".strip(), "°", curve, fine, limits=limits)
 
 
 def radius_plot(design: Design, cam: Cam) -> Plot:
     """The radius of curvature of a flank: even in curvature, along a flat face in the radius."""
     name, side, distance = cam.flank.name, cam.flank.side, cam.flank.distance
+    title = f"Profile radius ρ {name}".strip()
     wanted = {labelled(limit, name) for limit in ("profile_radius", "cutter_radius")}
     limits = claimed_bounds(
         design, lambda claim: claim.limit in wanted, lambda _, value: side * value
@@ -230,10 +230,9 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
         # or would have to leave the cam.
         left, right = (cam.motion.derivatives(theta, 3, side) for side in ("left", "right"))
         curve, fine = _traces(cam, lambda rows: cam.at(rows.theta, rows.left).radius)
-        plot = Plot(f"Profile radius ρ {name}".strip(), "mm", curve, fine, NOWHERE, limits)
         infinite = Trace.infinite(in_degrees(theta), right[1] - left[1])
         ends = ("min", False), ("max", True)
-        return replace(plot, infinite=infinite, ends=ends, bad=(-np.inf, 0.0))
+        return Plot(title, "mm", curve, fine, infinite, limits, ends, bad=(-np.inf, 0.0))
     curve, fine = _traces(cam, lambda rows: side * cam.at(rows.theta, rows.left).curvature)
     # A corner of the traced curve is infinitely convex or hollow, as the material sees it; the
     # curve of a ccw cam runs clockwise.
@@ -243,7 +242,7 @@ def radius_plot(design: Design, cam: Cam) -> Plot:
     convex = [("convex", True)] if fine.values.max() > 0.0 else []
     hollow = [("hollow", False)] if fine.values.min() < 0.0 else []
     return Plot(
-        f"Profile radius ρ {name}".strip(), "mm", curve, fine,
+        title, "mm", curve, fine,
         infinite=Trace.infinite(in_degrees(theta), -mirror * side * turn),
         limits=limits,
         ends=convex + hollow,
@@ -263,7 +262,7 @@ def force_plots(design: Design, cam: Cam) -> Iterator[Plot]:
                 for each, forces in zip(rows, samples, strict=True)
             )
             limits = claimed_bounds(design, partial(_bounds, quantity, labelled(limit, flank)))
-            yield Plot(f"{title} {flank}".strip(), unit, curve, fine, NOWHERE, limits)
+            yield Plot(f"{title} {flank}".strip(), unit, curve, fine, limits=limits)
 
 
 def _bounds(quantity: str, limit: str, claim: Claim) -> bool:

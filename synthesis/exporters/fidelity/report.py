@@ -94,11 +94,6 @@ def fidelity_header(design: Design, options: PointOptions) -> Mapping[str, str]:
     return {"Fidelity": "; ".join(lines)}
 
 
-def table_fidelity_header(design: Design, options: CurveOptions) -> Mapping[str, str]:
-    """The same of a table, whose numbers have all their digits."""
-    return fidelity_header(design, as_points(options))
-
-
 def as_points(options: CurveOptions) -> PointOptions:
     """The points of a table as those of a point file: once round, not rounded."""
     shared = {each.name: getattr(options, each.name) for each in fields(CurveOptions)}

@@ -249,8 +249,7 @@ def _merged(grid: Array, joints: Array, nearest: float) -> Array:
 def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -> Array:
     """Angles of a ring in [0, 2π) [rad], from its start; joints and the start are exact."""
     joints = cam.joints.marked(2)
-    nearest = float(joints[np.argmin(np.abs(joints - start))])
-    seam = nearest if abs(nearest - start) <= SAME_ANGLE else start
+    seam = nearby(joints, start)
     marks = np.union1d(joints, [seam])
     if chord_mm is not None:
         theta = chord_angles(cam, np.append(marks, FULL_TURN), chord_mm)[:-1]
@@ -258,6 +257,12 @@ def _ring_angles(cam: Cam, count: float, chord_mm: float | None, start: float) -
         grid = (seam + _uniform(count)) % FULL_TURN
         theta = _merged(grid, marks, CROWDED * FULL_TURN / len(grid))
     return np.roll(theta, -int(np.searchsorted(theta, seam)))
+
+
+def nearby(angles: Array, start: float) -> float:
+    """The one of some angles that ``start`` is but for rounding, or ``start`` itself [rad]."""
+    nearest = float(angles[np.argmin(np.abs(angles - start))])
+    return nearest if abs(nearest - start) <= SAME_ANGLE else start
 
 
 def place_on_shaft(cam: Cam, options: CurveOptions, at: CamProfile) -> tuple[Array, Array]:
