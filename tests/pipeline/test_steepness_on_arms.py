@@ -54,10 +54,13 @@ def searched(sense: str, distance: float | None, largest: float) -> float:
     return degrees(atan(float(found.fun)))
 
 
-@pytest.mark.parametrize("sense", SENSES)
 @pytest.mark.parametrize(
-    ("distance", "largest"), [(DISTANCE, LARGEST), (DISTANCE, None), (None, LARGEST)]
-)
+    ("sense", "distance", "largest"),
+    [
+        ("opposite", DISTANCE, LARGEST), ("same", DISTANCE, LARGEST), ("same", DISTANCE, None),
+        ("opposite", None, LARGEST),
+    ],
+)  # fmt: skip
 def test_given_law_as_flat_as_a_global_search_finds(
     sense: str, distance: float | None, largest: float | None
 ) -> None:
