@@ -19,11 +19,11 @@ BODY = json.loads(EXAMPLE.read_text(encoding="utf-8"))["value"]
 MISSED = 0.033  # deg: how far from the dead centre the printed program starts
 
 
-def asked(**changes: object) -> SixBarShaper:
+def solve(**changes: object) -> SixBarShaper:
     return analyse_or_size_shaper(ShaperSpec.model_validate(BODY | changes))
 
 
-P5 = asked()
+P5 = solve()
 
 
 def motion(crank_deg: float, found: SixBarShaper = P5) -> Motion:
@@ -99,7 +99,7 @@ def missed() -> None:
 def speeding_up() -> None:
     rows = []
     for alpha in (0.0, 0.1, -0.05):
-        found = asked(acceleration_rad_per_s2=alpha)
+        found = solve(acceleration_rad_per_s2=alpha)
         left = min(found.dead_centres, key=lambda one: one.ram_mm)
         of = {each.quantity: each for each in found.extremes}
         speed, bend = of["ram_velocity"].largest, of["ram_acceleration"].largest
@@ -132,7 +132,7 @@ def sliding() -> None:
 def branches() -> None:
     rows = []
     for side in ("left", "right"):
-        found = asked(ram_side=side)
+        found = solve(ram_side=side)
         (ram,) = (each for each in found.extremes if each.quantity == "ram_velocity")
         ends = sorted(one.ram_mm for one in found.dead_centres)
         rows.append((
@@ -146,7 +146,7 @@ def branches() -> None:
 def times() -> None:
     rows = []
     for name, rpm in (("1 rad/s", BODY["speed_rpm"]), ("30 rpm", 30.0), ("60 rpm", 60.0)):
-        found = asked(speed_rpm=rpm)
+        found = solve(speed_rpm=rpm)
         left = min(found.dead_centres, key=lambda one: one.ram_mm)
         of = {each.quantity: each.largest.value for each in found.extremes}
         rows.append((name, number(radians(left.crank_deg)), number(left.time_s),

@@ -17,11 +17,11 @@ A2, A3 = BODY["upper_arm_mm"], BODY["forearm_mm"]
 BESIDE = BODY["shoulder_offset_mm"] + BODY["wrist_offset_mm"]
 
 
-def asked(**changes: object) -> PalletisingArm:
+def solve(**changes: object) -> PalletisingArm:
     return analyse_arm(ArmSpec.model_validate(BODY | changes))
 
 
-P6 = asked()
+P6 = solve()
 
 
 def told(value: float) -> str:
@@ -34,7 +34,7 @@ def reach() -> None:
     rows = []
     for opening in (60.0, degrees(stated), 70.0, 80.0, 90.0):
         square = A2**2 + A3**2 + 2.0 * A2 * A3 * sin(radians(opening))
-        found = asked(opening_deg={"min": -80.0, "max": opening}, poses=[])
+        found = solve(opening_deg={"min": -80.0, "max": opening}, poses=[])
         rows.append((number(opening, 4), told(BESIDE + square**0.5), told(found.reach_mm)))
     table(("largest q = θ2 − θ3 °", "formula mm", "reach mm"), *rows)
 
@@ -74,7 +74,7 @@ def openings() -> None:
         ("−80° to 70°", {"min": -80.0, "max": 70.0}), ("to 70°", {"max": 70.0}),
         ("none", {}),
     ):  # fmt: skip
-        found = asked(opening_deg=limits, poses=[])
+        found = solve(opening_deg=limits, poses=[])
         areas = ", ".join(f"{one.elbow} {number(one.area_mm2 * 1e-6, 4)}" for one in found.regions)
         lines = ", ".join(number(one.opening_deg, 0) + "°" for one in found.singular)
         rows.append((name, told(found.reach_mm), areas, lines))
@@ -103,7 +103,7 @@ def torques() -> None:
     rows = []
     loads = {"its load alone": {"masses": []}, "its links alone": {"payload_kg": 0.0}, "both": {}}
     for name, changes in loads.items():
-        found = asked(**changes)
+        found = solve(**changes)
         most = {one.axis: number(one.torque_nm, 1) for one in found.torques}
         (pick,) = (pose.solutions[0] for pose in found.poses if pose.name == "pick")
         rows.append((name, most["upper_arm"], most["forearm"], number(pick.torque_upper_nm, 1),

@@ -28,14 +28,14 @@ STEP = Decimal(10) ** -12
 MISSED = radians(0.033)
 
 
-def asked(**changes: Any) -> SixBarShaper:
+def solve(**changes: Any) -> SixBarShaper:
     value = examples(f"{LINKAGES}/six-bar-shapers")["p5"]["value"]
     return analyse_or_size_shaper(ShaperSpec.model_validate(value | changes))
 
 
 @pytest.fixture(scope="module")
 def p5() -> SixBarShaper:
-    return asked()
+    return solve()
 
 
 def end(phi: Array) -> tuple[Array, Array]:
@@ -154,7 +154,7 @@ def test_beside_the_dead_centre_the_ram_moves() -> None:
 @pytest.mark.parametrize("alpha", [0.1, -0.05])
 def test_a_crank_that_changes_its_speed_moves_another_ram(p5: SixBarShaper, alpha: float) -> None:
     """Over time, φ(t) = ω t + α t²/2: differences of places, and the peaks told."""
-    found = asked(acceleration_rad_per_s2=alpha)
+    found = solve(acceleration_rad_per_s2=alpha)
     of = {each.quantity: each.largest.value for each in found.extremes}
     last = (sqrt(1.0 + 4.0 * pi * alpha) - 1.0) / alpha
     t = np.linspace(0.0, last, 20_001)
@@ -185,7 +185,7 @@ def test_the_sliding_velocity_is_largest_where_the_ram_stands(p5: SixBarShaper) 
 
 
 def test_the_other_branch_is_another_machine(p5: SixBarShaper) -> None:
-    other = asked(ram_side="right")
+    other = solve(ram_side="right")
     phi = np.linspace(0.0, 6.0, 13)
     mine = other.spec.shaper(other.dimensions).motion(phi).ram[0]
     assert np.abs(mine - ram(phi, side=1.0)).max() < 1e-11
@@ -196,7 +196,7 @@ def test_the_other_branch_is_another_machine(p5: SixBarShaper) -> None:
 
 
 def test_time_is_the_angle_over_the_speed(p5: SixBarShaper) -> None:
-    fast = asked(speed_rpm=60.0)
+    fast = solve(speed_rpm=60.0)
     for slow, quick in zip(p5.dead_centres, fast.dead_centres, strict=True):
         assert slow.time_s == pytest.approx(radians(slow.crank_deg), rel=1e-14)
         assert quick.time_s == pytest.approx(slow.time_s / (2.0 * pi), rel=1e-14)

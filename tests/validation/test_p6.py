@@ -27,14 +27,14 @@ LEVER = 300.0  # behind the elbow, where the driving rod takes hold
 G = 9.80665
 
 
-def asked(**changes: Any) -> PalletisingArm:
+def solve(**changes: Any) -> PalletisingArm:
     value = examples(f"{LINKAGES}/palletising-arms")["irb-660"]["value"]
     return analyse_arm(ArmSpec.model_validate(value | changes))
 
 
 @pytest.fixture(scope="module")
 def p6() -> PalletisingArm:
-    return asked()
+    return solve()
 
 
 def moved(x: float, z: float) -> Array:
@@ -89,10 +89,10 @@ def test_the_stated_reach_implies_70_degrees(p6: PalletisingArm) -> None:
     """a1 + a4 + √(a2² + a3² + 2 a2 a3 sin q) = 3150 mm at q = 69.98°."""
     q = degrees(asin(((3150.0 - A1 - A4) ** 2 - A2**2 - A3**2) / (2.0 * A2 * A3)))
     assert q == pytest.approx(69.9817, abs=5e-5)
-    found = asked(opening_deg={"min": -80.0, "max": q})
+    found = solve(opening_deg={"min": -80.0, "max": q})
     assert found.reach_mm == pytest.approx(3150.0, rel=1e-13)
     assert p6.reach_mm == pytest.approx(3150.0, abs=0.1)
-    free = asked(opening_deg={})
+    free = solve(opening_deg={})
     stretched = A1 + A4 + A2 * sin(radians(85.0)) + A3  # A2 stops it, the forearm is level
     assert free.reach_mm == pytest.approx(stretched, rel=1e-13)
     assert [one.opening_deg for one in free.singular] == [-90.0, 90.0]
@@ -129,7 +129,7 @@ def test_area_and_volume_are_the_jacobian_s_integrals(p6: PalletisingArm) -> Non
 
 def test_areas_without_limits_of_the_opening_too() -> None:
     parts = [(-200.0, -90.0), (-90.0, 90.0), (90.0, 200.0)]
-    found = asked(opening_deg={}).regions
+    found = solve(opening_deg={}).regions
     assert [one.elbow for one in found] == ["down", "up", "down"]
     for one, limits in zip(found, parts, strict=True):
         assert one.area_mm2 == pytest.approx(over_angles(*limits)[0], rel=1e-11)
@@ -177,7 +177,7 @@ def held(upper: float, fore: float, payload: float, links: float, beside: float)
 def test_torques_are_those_of_the_free_bodies(payload: float, links: float, beside: float) -> None:
     """A load beside the tool's axis is held by the tie rods: it changes no torque."""
     changes = {} if links else {"masses": []}
-    found = asked(payload_kg=payload, **changes)
+    found = solve(payload_kg=payload, **changes)
     for pose in found.poses:
         for one in pose.solutions:
             angles = radians(one.upper_arm_deg), radians(one.forearm_deg)

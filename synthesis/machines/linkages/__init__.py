@@ -41,12 +41,6 @@ class Linkage:
     summary: Callable[[Any], dict[str, float]]
 
 
-def _shaper_summary(shaper: SixBarShaper) -> dict[str, float]:
-    if shaper.stroke_mm is None or shaper.quick_return is None:
-        return {}
-    return {"stroke_mm": shaper.stroke_mm, "quick_return_ratio": shaper.quick_return.ratio}
-
-
 _KINDS = (
     Linkage(
         name="six-bar-shapers",
@@ -58,7 +52,11 @@ _KINDS = (
         spec=ShaperSpec,
         answer=SixBarShaper,
         solve=analyse_or_size_shaper,
-        summary=_shaper_summary,
+        summary=lambda shaper: (
+            {}
+            if shaper.quick_return is None
+            else {"stroke_mm": shaper.stroke_mm, "quick_return_ratio": shaper.quick_return.ratio}
+        ),
     ),
     Linkage(
         name="palletising-arms",

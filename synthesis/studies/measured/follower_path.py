@@ -25,7 +25,7 @@ from synthesis.units import DEGREE, FULL_TURN
 
 MIN_POINTS: Final = 24
 WIDEST_GAP: Final = 6.0  # next largest steps: a wider gap means that the curve is not closed
-MAX_INTERVALS: Final = 1800  # of the spline
+MAX_INTERVALS: Final = 1800  # of the spline: more take long and smooth no better
 SAMPLES_PER_INTERVAL: Final = 12  # of the outline
 REPEATED: Final = 1e-9  # of the size: nearer points are one
 BLOCK: Final = 48  # sides of the polygon that share a bounding box

@@ -269,12 +269,12 @@ def test_given_laws_that_ring_too_much() -> None:
                             base_radius_mm=90.0))  # fmt: skip
     assert given.status == "infeasible"
     assert given.conflict is not None
-    (told,) = (r for r in given.conflict.relaxations if r.limit == "residual_vibration")
+    (relaxation,) = (r for r in given.conflict.relaxations if r.limit == "residual_vibration")
     (measured,) = (e.value for e in given.extremes if e.limit == "residual_vibration")
-    assert told.needed == pytest.approx(measured, rel=1e-6)
-    assert "whose law is given, needs it" in told.note
-    assert told.needed is not None
-    eased = synthesise(spec(quiet(hertz(1.6), 1.0001 * told.needed), dwell=0.0,
+    assert relaxation.needed == pytest.approx(measured, rel=1e-6)
+    assert "whose law is given, needs it" in relaxation.note
+    assert relaxation.needed is not None
+    eased = synthesise(spec(quiet(hertz(1.6), 1.0001 * relaxation.needed), dwell=0.0,
                             laws=("cycloidal", "parabolic"), base_radius_mm=90.0))  # fmt: skip
     assert eased.status == "optimal"
     assert confirm(eased).verdict == "confirmed"
@@ -304,9 +304,11 @@ def test_what_cannot_be_less_is_said() -> None:
     assert design.status == "infeasible"
     assert design.conflict is not None
     assert "no motion law at all" in design.conflict.evidence
-    (told,) = (r for r in design.conflict.relaxations if r.limit == "residual_vibration")
-    assert told.needed is not None
-    eased = synthesise(spec(tight, quiet(hertz(1.4), 1.01 * told.needed), base_radius_mm=95.0))
+    (relaxation,) = (r for r in design.conflict.relaxations if r.limit == "residual_vibration")
+    assert relaxation.needed is not None
+    eased = synthesise(
+        spec(tight, quiet(hertz(1.4), 1.01 * relaxation.needed), base_radius_mm=95.0)
+    )
     assert eased.status in ("optimal", "feasible")
 
 

@@ -260,13 +260,13 @@ def test_critical_damping_costs_what_rounding_says() -> None:
     ]
     damping = 2.0 * sqrt(40e-3)
 
-    def told(factor: float) -> Any:
+    def response_with(factor: float) -> Any:
         masses = [{"mass_kg": 1.0, "stiffness_n_per_mm": 40.0,
                    "damping_n_s_per_mm": damping * factor}]  # fmt: skip
-        asked = TrainSpec.model_validate({**body, "train": {"masses": masses}})
-        return respond(asked).speeds[0]
+        train = TrainSpec.model_validate({**body, "train": {"masses": masses}})
+        return respond(train).speeds[0]
 
-    critical, *beside = (told(factor) for factor in (1.0, 1.0 - 1e-5, 1.0 + 1e-5))
+    critical, *beside = (response_with(factor) for factor in (1.0, 1.0 - 1e-5, 1.0 + 1e-5))
     between = 0.5 * sum(each.output_error_max.value for each in beside)
     assert critical.output_error_max.value == pytest.approx(between, rel=1e-7)
     assert beside[0].rounding < critical.rounding < 1e-5

@@ -24,22 +24,22 @@ from synthesis.machines.linkages.shaper.mechanism import Shaper
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def answered(kind: str, name: str, **changes: Any) -> Any:
+def solve_example(kind: str, name: str, **changes: Any) -> Any:
     linkage, value = LINKAGES[kind], examples(f"{FOLDER}/{kind}")[name]["value"]
     return linkage.solve(linkage.spec.model_validate(value | changes), None)
 
 
 @pytest.fixture(scope="module")
 def shaper() -> Any:
-    return answered("six-bar-shapers", "p5")
+    return solve_example("six-bar-shapers", "p5")
 
 
 @pytest.fixture(scope="module")
 def arm() -> Any:
-    return answered("palletising-arms", "irb-660")
+    return solve_example("palletising-arms", "irb-660")
 
 
-def written(kind: str, found: Any, name: str, **options: Any) -> bytes:
+def file_of(kind: str, found: Any, name: str, **options: Any) -> bytes:
     file = LINKAGE_FILES[kind][name]
     return file.write(found, file.options(**options))
 
@@ -49,7 +49,7 @@ def rows(data: bytes) -> list[dict[str, str]]:
 
 
 def test_the_table_is_the_motion(shaper: Any) -> None:
-    table = rows(written("six-bar-shapers", shaper, "motion.csv", points=97))
+    table = rows(file_of("six-bar-shapers", shaper, "motion.csv", points=97))
     assert len(table) == 98
     columns = {name: np.array([float(row[name]) for row in table]) for name in table[0]}
     assert columns["time_s"][-1] == pytest.approx(2.0 * np.pi, rel=1e-12)
@@ -58,16 +58,16 @@ def test_the_table_is_the_motion(shaper: Any) -> None:
     middle = (columns["ram_mm_per_s"][1:] + columns["ram_mm_per_s"][:-1]) / 2.0
     steps = np.diff(columns["ram_mm"]) / np.diff(columns["time_s"])
     assert np.allclose(middle, steps, atol=0.01 * np.max(np.abs(steps)))
-    told = json.loads(written("six-bar-shapers", shaper, "motion.json", points=97))
-    assert told["columns"][0]["meaning"] == "angle turned by the crank"
-    assert told["columns"][3]["values"] == columns["ram_mm"].tolist()
+    document = json.loads(file_of("six-bar-shapers", shaper, "motion.json", points=97))
+    assert document["columns"][0]["meaning"] == "angle turned by the crank"
+    assert document["columns"][3]["values"] == columns["ram_mm"].tolist()
 
 
 def test_border_and_poses_as_tables(arm: Any) -> None:
-    border = rows(written("palletising-arms", arm, "workspace.csv"))
+    border = rows(file_of("palletising-arms", arm, "workspace.csv"))
     assert [row["keeps"] for row in border] == [arc.keeps for arc in arm.regions[0].border]
     assert float(border[1]["radius_mm"]) == arm.regions[0].border[1].radius_mm
-    poses = rows(written("palletising-arms", arm, "poses.csv"))
+    poses = rows(file_of("palletising-arms", arm, "poses.csv"))
     assert {row["name"] for row in poses} == {"home", "pick", "place"}
     assert sum(int(row["within_limits"]) for row in poses) >= 3
 
@@ -77,10 +77,10 @@ def test_pictures_are_whole_and_their_parts_are_told(kind: str, shaper: Any, arm
     found = {"six-bar-shapers": shaper, "palletising-arms": arm}[kind]
     for name in LINKAGE_FILES[kind]:
         if name.endswith(".svg"):
-            text = written(kind, found, name, theme="print").decode()
+            text = file_of(kind, found, name, theme="print").decode()
             assert ElementTree.fromstring(text).tag == f"{SVG}svg"
             assert "nan" not in text.replace("animation", "")
-    page = written(kind, found, "animation.html").decode()
+    page = file_of(kind, found, "animation.html").decode()
     frames = json.loads(re.search(r'id="frames">(.*?)</script>', page, re.S).group(1))  # type: ignore[union-attr]
     for part in frames["parts"]:
         assert f'data-part="{part["name"]}"' in page
@@ -90,7 +90,7 @@ def test_pictures_are_whole_and_their_parts_are_told(kind: str, shaper: Any, arm
 
 def test_the_shapers_parts_stay_together(shaper: Any) -> None:
     """Over the animation: the pin on crank and guide, the ram's pin at the coupler's end."""
-    page = written("six-bar-shapers", shaper, "animation.html").decode()
+    page = file_of("six-bar-shapers", shaper, "animation.html").decode()
     frames = json.loads(re.search(r'id="frames">(.*?)</script>', page, re.S).group(1))  # type: ignore[union-attr]
     parts = {part["name"]: part["columns"] for part in frames["parts"]}
 
@@ -112,13 +112,13 @@ def test_the_shapers_parts_stay_together(shaper: Any) -> None:
 
 def test_the_shaper_as_data_is_the_shaper_of_the_page(shaper: Any) -> None:
     """Its turn in 360 steps, its parts named in its shapes, all of it in its extent."""
-    told = json.loads(written("six-bar-shapers", shaper, "animation.json"))
-    parts = {part["name"]: part["columns"] for part in told["parts"]}
-    assert all(f'data-part="{name}"' in told["shapes"] for name in parts)
+    document = json.loads(file_of("six-bar-shapers", shaper, "animation.json"))
+    parts = {part["name"]: part["columns"] for part in document["parts"]}
+    assert all(f'data-part="{name}"' in document["shapes"] for name in parts)
     angles = np.radians(np.arange(361.0))
     ram = Shaper(125.0, 600.0, 150.0, 275.0, 575.0, "left").motion(angles).ram[0]
-    assert np.allclose(np.array(parts["ram"][0]) / told["scale"], ram, atol=1e-4)
-    left, _, right, _ = told["extent"]
+    assert np.allclose(np.array(parts["ram"][0]) / document["scale"], ram, atol=1e-4)
+    left, _, right, _ = document["extent"]
     assert left < min(parts["ram"][0]) < max(parts["coupler"][0]) < right
 
 
@@ -129,11 +129,11 @@ def test_the_arms_parts_bring_its_tool_to_every_pose() -> None:
     places = [{"kind": "point", "x_mm": 700.0, "y_mm": -310.0, "z_mm": 1450.0},
               {"kind": "joints", "base_deg": 33.0, "upper_arm_deg": -90.0, "forearm_deg": 60.0},
               {"kind": "point", "x_mm": 6000.0, "z_mm": 0.0}]  # fmt: skip
-    found = answered("palletising-arms", "irb-660", poses=places, **wide)
-    told = json.loads(written("palletising-arms", found, "animation.json"))
-    spec, scale = found.spec, told["scale"]
+    found = solve_example("palletising-arms", "irb-660", poses=places, **wide)
+    document = json.loads(file_of("palletising-arms", found, "animation.json"))
+    spec, scale = found.spec, document["scale"]
     mirrors = []
-    for pose, drawn in zip(found.poses, told["poses"], strict=True):
+    for pose, drawn in zip(found.poses, document["poses"], strict=True):
         assert np.allclose(
             np.array(drawn["plan_target"]) / scale, [pose.x_mm, pose.y_mm], atol=0.01
         )
@@ -155,14 +155,14 @@ def test_the_arms_parts_bring_its_tool_to_every_pose() -> None:
             )
             mirrors.append(one["mirror"])
     assert {1, -1} == set(mirrors)
-    assert told["poses"][2]["solutions"] == []
+    assert document["poses"][2]["solutions"] == []
 
 
 def test_where_the_arms_are_in_line_is_drawn() -> None:
     """An arc about the shoulder, carried to the tool, as long as both arms."""
     wide = {"opening_deg": {"min": -80.0, "max": 130.0}, "forearm_deg": {"min": -70, "max": 120}}
-    found = answered("palletising-arms", "irb-660", **wide)
-    text = written("palletising-arms", found, "workspace.svg").decode()
+    found = solve_example("palletising-arms", "irb-660", **wide)
+    text = file_of("palletising-arms", found, "workspace.svg").decode()
     (way,) = re.findall(
         r'class="line limit" d="M([-\d. ]+)A([\d.]+) [\d.]+ 0 0 \d ([-\d. ]+)"', text
     )
@@ -177,14 +177,14 @@ def test_where_the_arms_are_in_line_is_drawn() -> None:
 
 def test_a_base_that_turns_part_of_the_way_reaches_a_sector() -> None:
     """From above: ends of the arcs, and what lies behind the base."""
-    found = answered("palletising-arms", "irb-660", base_deg={"min": -40.0, "max": 170.0})
-    told = json.loads(written("palletising-arms", found, "animation.json"))
-    path = re.search(r'class="outline body" d="(.*?)"', told["plan"]["shapes"]).group(1)  # type: ignore[union-attr]
+    found = solve_example("palletising-arms", "irb-660", base_deg={"min": -40.0, "max": 170.0})
+    document = json.loads(file_of("palletising-arms", found, "animation.json"))
+    path = re.search(r'class="outline body" d="(.*?)"', document["plan"]["shapes"]).group(1)  # type: ignore[union-attr]
     points = np.array(
         [[float(x) for x in p.split()[-2:]] for p in re.split("[MAL]", path.strip("MZ"))]
     )
     away, angle = (
-        np.hypot(*points.T) / told["scale"],
+        np.hypot(*points.T) / document["scale"],
         np.degrees(np.arctan2(points[:, 1], points[:, 0])),
     )
     (region,) = found.regions
@@ -195,7 +195,7 @@ def test_a_base_that_turns_part_of_the_way_reaches_a_sector() -> None:
 
 def test_a_cam_moves_its_follower_as_the_ram(shaper: Any) -> None:
     """The question as it stands: the follower passes no row by more than the stated tolerance."""
-    body = json.loads(written("six-bar-shapers", shaper, "cam.json", points=180, tolerance_mm=0.21))
+    body = json.loads(file_of("six-bar-shapers", shaper, "cam.json", points=180, tolerance_mm=0.21))
     (table,) = body["program"]
     assert table["tolerance_mm"] == 0.21
     design = synthesise(DesignSpec.model_validate(body | {"tolerance": 0.02}))
@@ -211,7 +211,7 @@ def test_a_cam_moves_its_follower_as_the_ram(shaper: Any) -> None:
 
 
 def test_a_crank_that_speeds_up_has_no_cam() -> None:
-    found = answered("six-bar-shapers", "turning-guide")
+    found = solve_example("six-bar-shapers", "turning-guide")
     assert not LINKAGE_FILES["six-bar-shapers"]["cam.json"].suits(found)
     with pytest.raises(InputError, match="constant speed"):
-        written("six-bar-shapers", found, "cam.json")
+        file_of("six-bar-shapers", found, "cam.json")

@@ -1,4 +1,4 @@
-"""Shapers sized for their wishes, against closed forms, against chance, and what would help."""
+"""Shapers sized for their requirements: closed forms, random shapers, and what would help."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ RANGES = {
 OBJECTIVES = ("longest_link", "transmission_angle", "ram_acceleration")
 
 
-def asked(**changes: Any) -> SixBarShaper:
+def solve(**changes: Any) -> SixBarShaper:
     return analyse_or_size_shaper(ShaperSpec.model_validate(BASE | changes))
 
 
 def test_the_longest_link_is_the_guide_that_the_stroke_needs() -> None:
-    found = asked()
+    found = solve()
     assert found.status == "optimal"
     assert found.certificate is not None
     assert found.certificate.value == pytest.approx(503.0 / (2.0 * math.sin(BETA)), rel=1e-12)
@@ -44,7 +44,7 @@ def test_the_longest_link_is_the_guide_that_the_stroke_needs() -> None:
 
 def test_the_best_transmission_angle_is_that_of_the_longest_coupler() -> None:
     """|sin γ| = L (1 − cos β)/(2 c) with the ram's line midway between the guide's heights."""
-    found = asked(objective={"kind": "transmission_angle"}, tolerance=1e-4)
+    found = solve(objective={"kind": "transmission_angle"}, tolerance=1e-4)
     guide = 503.0 / (2.0 * math.sin(BETA))
     steep = guide * (1.0 - math.cos(BETA)) / (2.0 * 397.0)
     best = 90.0 - math.degrees(math.asin(steep))
@@ -55,7 +55,7 @@ def test_the_best_transmission_angle_is_that_of_the_longest_coupler() -> None:
 
 @pytest.fixture(scope="module")
 def by_chance() -> list[dict[str, float]]:
-    """Shapers drawn at random from the ranges that keep the wishes, by sampling their motion."""
+    """Random shapers from the ranges that keep the requirements, by sampling their motion."""
     rng = np.random.default_rng(2)
     phi = 2.0 * math.pi * np.arange(720) / 720
     kept = []
@@ -84,7 +84,7 @@ def by_chance() -> list[dict[str, float]]:
 
 @pytest.mark.parametrize("goal", OBJECTIVES)
 def test_chance_finds_nothing_below_the_bound(goal: str, by_chance: list[dict[str, float]]) -> None:
-    found = asked(**RANGES, objective={"kind": goal}, tolerance=0.08, speed_rpm=60 / (2 * math.pi))
+    found = solve(**RANGES, objective={"kind": goal}, tolerance=0.08, speed_rpm=60 / (2 * math.pi))
     assert found.status == "optimal"
     proof = found.certificate
     assert proof is not None
@@ -113,7 +113,7 @@ def test_the_least_change_is_enough_and_not_more(change: dict[str, Any], limits:
     free = {"least_transmission_angle_deg": 20, **change}
     if "coupler_mm" in change:
         free |= {"least_transmission_angle_deg": 71}
-    found = asked(**free)
+    found = solve(**free)
     assert found.status == "infeasible"
     assert found.conflict is not None
     assert set(found.conflict.limits) == limits
@@ -125,12 +125,12 @@ def test_the_least_change_is_enough_and_not_more(change: dict[str, Any], limits:
         for share, enough in ((1e-6, True), (-1e-3, False)):
             toward = math.copysign(1.0, each.needed - each.requested)
             number = each.needed * (1.0 + toward * share)
-            tried = asked(**{**free, each.limit: widened(free, each.limit, number)})
+            tried = solve(**{**free, each.limit: widened(free, each.limit, number)})
             assert (tried.status != "infeasible") is enough, (each, share)
 
 
 def widened(free: dict[str, Any], name: str, number: float) -> Any:
-    """What was asked, made to reach as far as a number."""
+    """The requested value, widened to include a number."""
     given = (BASE | free)[name]
     if not isinstance(given, dict):
         return number
@@ -138,7 +138,7 @@ def widened(free: dict[str, Any], name: str, number: float) -> Any:
 
 
 def test_without_a_transmission_angle_the_coupler_just_reaches() -> None:
-    found = asked(least_transmission_angle_deg=None, coupler_mm={"min": 11, "max": 29})
+    found = solve(least_transmission_angle_deg=None, coupler_mm={"min": 11, "max": 29})
     assert found.conflict is not None
     (only,) = found.conflict.relaxations
     guide = 503.0 / (2.0 * math.sin(BETA))
@@ -149,5 +149,5 @@ def test_without_a_transmission_angle_the_coupler_just_reaches() -> None:
 
 def test_guides_that_turn_are_not_sized() -> None:
     with pytest.raises(InputError, match="analysed, not sized") as refused:
-        asked(crank_mm=604.0)
+        solve(crank_mm=604.0)
     assert refused.value.field == "/crank_mm"
