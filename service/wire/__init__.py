@@ -1,8 +1,7 @@
 """What all requests and responses share.
 
 In come the bytes of a request. `body` limits their size and reads them strictly as a model; what is
-wrong with them is a list of violations (`violations`: where, which value, which rule, what to do;
-`schema_walk` finds the names that are allowed there). Every error has a type (`errors`) and becomes
-a problem document (`problem`). `conditional` has ETags and ranges, `observe` logs and counts. Begin
-with `problem.py`.
+wrong with them is a list of violations (`violations`: where, which value, which rule, what to do).
+Every error has a type (`errors`) and becomes a problem document (`problem`). `conditional` has tags
+and ranges, `observe` logs and counts. Begin with `problem.py`.
 """

@@ -19,10 +19,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import error_response
-from service.wire.schema_walk import all_names
 from service.wire.violations import (
     LEAVE_OUT,
     MAX_LISTED,
+    all_names,
     describe_errors,
     pointer_to,
     unknown_field,

@@ -1,17 +1,19 @@
-"""Validation errors of pydantic as violations: pointer, value, rule, way out."""
+"""Validation errors of pydantic as violations: pointer, value, rule, way out.
+
+Hints name the fields that the schema of a body has at a place of the document.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
+from functools import cache
 from typing import Any, get_args
 
 from pydantic import BaseModel, Field
 from pydantic_core.core_schema import ErrorType
-
-from service.wire.schema_walk import properties_at
 
 MAX_LISTED = 50  # violations in one answer
 LONGEST_VALUE = 200  # characters of a wrong value that are sent back
@@ -99,6 +101,7 @@ COMPARISONS = {
 }
 
 Loc = tuple[str | int, ...]
+Schema = dict[str, Any]
 Body = type[BaseModel] | None  # what a document ought to be; None: it is not one
 # An error of pydantic, its path in the document, and whether the value lacks the shape of the
 # union's member that the error is of.
@@ -183,10 +186,15 @@ def describe_errors(
     shapes: dict[str, set[bool]] = {}
     for error in errors:
         path, inserted = locate(body, error["loc"], error["type"])
-        path = _place_of_rule(error, path)
+        if error["type"] in PLACES:  # a rule over several fields, within the spec that breaks it
+            place = [part.format(**error.get("ctx") or {}) for part in PLACES[error["type"]]]
+            within = path.index(place[0]) if place[0] in path else len(path)
+            path = (*path[:within], *place)
         if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
             path = (*path, error["ctx"]["discriminator"].strip("'"))
-        members = [name for name in inserted if _is_member(name)]
+        # The names of a union's members, without tags.
+        plain = ("float", "int", "str")
+        members = [n for n in inserted if "[" in n or n.removeprefix("constrained-") in plain]
         wrong_shape = bool(members) and error["type"] in SHAPES
         by_pointer.setdefault(pointer_to(path), []).append((error, path, wrong_shape))
         for name in members:
@@ -212,20 +220,6 @@ def unknown_field(path: Sequence[str | int], body: Any, model: Body) -> dict[str
         value = value[part]
     rule = "is not a field here"
     return {"pointer": pointer_to(path), **violation(value, rule, _suggest_name(path, body, model))}
-
-
-def _place_of_rule(error: Any, path: Loc) -> Loc:
-    """The path to look at for a rule over several fields, within the spec that breaks it."""
-    if error["type"] not in PLACES:
-        return path
-    place = [part.format(**error.get("ctx") or {}) for part in PLACES[error["type"]]]
-    within = path.index(place[0]) if place[0] in path else len(path)
-    return (*path[:within], *place)
-
-
-def _is_member(name: str) -> bool:
-    """Whether a name in a location is that of a union's member rather than a tag."""
-    return "[" in name or name.removeprefix("constrained-") in ("float", "int", "str")
 
 
 def _at_one_place(
@@ -268,25 +262,18 @@ def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) ->
         rule = f"must have at {'most' if most else 'least'} {bound} entries{has}"
         return violation(value, rule, "Leave some out." if most else "Add what is missing.")
     if kind not in PYDANTICS_OWN:
-        rule, remedy = _rule_and_remedy(error["msg"], ctx)
+        # Values of the caller in a message may hold ". " too: they are hidden while it is parted.
+        message: str = error["msg"]
+        texts = [text for text in ctx.values() if isinstance(text, str) and ". " in text]
+        for i, text in enumerate(texts):
+            message = message.replace(text, f"\0{i}\0")
+        rule, _, remedy = message.partition(". ")
+        for i, text in enumerate(texts):
+            rule, remedy = (part.replace(f"\0{i}\0", text) for part in (rule, remedy))
         numbers = (each for each in ctx.values() if isinstance(each, int | float))
-        return violation(ctx.get("value", next(numbers, None)), rule, remedy)
+        return violation(ctx.get("value", next(numbers, None)), f"{rule}.", remedy)
     rule = error["msg"].replace("Input should be", "must be").replace(" or instance of", ":")
     return violation(value, PLAIN.get(kind, rule), _correct_type(kind, value if path else None))
-
-
-def _rule_and_remedy(message: str, ctx: dict[str, Any]) -> tuple[str, str]:
-    """The parts of a message of the core, "Rule. What to do.".
-
-    Values of the caller in it may hold ". " too: they are hidden while the message is parted.
-    """
-    texts = [value for value in ctx.values() if isinstance(value, str) and ". " in value]
-    for i, text in enumerate(texts):
-        message = message.replace(text, f"\0{i}\0")
-    rule, _, remedy = message.partition(". ")
-    for i, text in enumerate(texts):
-        rule, remedy = (part.replace(f"\0{i}\0", text) for part in (rule, remedy))
-    return f"{rule}.", remedy
 
 
 def _correct_type(kind: str, value: Any) -> str:
@@ -321,3 +308,75 @@ def describe_parameter_errors(errors: Sequence[Any]) -> list[dict[str, Any]]:
         entry = _described({**error, "loc": ()}, (name,), {}, None)
         described.append({"parameter": name, **entry})
     return described
+
+
+@cache
+def _whole(model: type[BaseModel]) -> Schema:
+    return model.model_json_schema()
+
+
+@cache
+def all_names(model: type[BaseModel]) -> frozenset[str] | None:
+    """The name of every field at any place of a body; None where other names are allowed too."""
+    whole = _whole(model)
+    objects = [each for each in _schemas(whole) if each.get("type") == "object"]
+    if any(schema.get("additionalProperties") is not False for schema in objects):
+        return None
+    return frozenset(name for schema in objects for name in schema["properties"])
+
+
+def _schemas(part: Any) -> Iterator[Schema]:
+    """Every object of a schema, at any depth."""
+    if isinstance(part, dict):
+        yield part
+    if isinstance(part, dict | list):
+        for inner in part.values() if isinstance(part, dict) else part:
+            yield from _schemas(inner)
+
+
+def properties_at(
+    body: Any, path: Sequence[str | int], model: type[BaseModel] | None
+) -> dict[str, str]:
+    """Names and descriptions of the fields of the object at ``path``; empty where unknown.
+
+    Args:
+        body: the document. path: a place in it. model: what it ought to be, if that is known.
+    """
+    if model is None:
+        return {}
+    whole = _whole(model)
+    members, at = list(_members(whole, body, whole)), body
+    for part in path:
+        inner = (
+            member.get("items") if isinstance(part, int) else member.get("properties", {}).get(part)
+            for member in members
+        )
+        below = [schema for schema in inner if schema is not None]
+        try:
+            at = at[part]
+        except (LookupError, TypeError):
+            at = None
+        members = [member for schema in below for member in _members(schema, at, whole)]
+    fields: dict[str, str] = {}
+    for member in members:
+        for name, inner in member.get("properties", {}).items():
+            fields.setdefault(name, inner.get("description", ""))
+    return fields
+
+
+def _members(schema: Schema, at: Any, whole: Schema) -> Iterator[Schema]:
+    """The schema itself, or the members of a union that the value may be meant as."""
+    if "$ref" in schema:
+        schema = whole["$defs"][schema["$ref"].rpartition("/")[2]]
+    tag = schema.get("discriminator", {})
+    if tag:
+        kind = at.get(tag["propertyName"]) if isinstance(at, dict) else None
+        if isinstance(kind, str) and kind in tag["mapping"]:
+            yield whole["$defs"][tag["mapping"][kind].rpartition("/")[2]]
+        return
+    options = schema.get("anyOf") or schema.get("oneOf")
+    if not options:
+        yield schema
+        return
+    for option in options:
+        yield from _members(option, at, whole)

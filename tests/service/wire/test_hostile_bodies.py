@@ -13,8 +13,7 @@ import pytest
 from service.resources import RESOURCES
 from service.wire.body import MAX_ITEMISED, validated
 from service.wire.errors import ServiceError
-from service.wire.schema_walk import all_names
-from service.wire.violations import MAX_LISTED
+from service.wire.violations import MAX_LISTED, all_names
 from synthesis.design.design import Design
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps.spec import SweepSpec
