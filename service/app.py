@@ -13,8 +13,8 @@ from starlette_compress import CompressMiddleware
 
 from service import pages
 from service.contract.documentation import OPENAPI_URL, TITLE, describe
-from service.resources import RESOURCES
 from service.resources.jobs import Jobs
+from service.resources.records import RESOURCES
 from service.routes import catalogue, designs, operation, resource_routes, sweeps
 from service.settings import Settings
 from service.state import State

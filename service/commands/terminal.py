@@ -115,7 +115,7 @@ def answer(
         url: of the service; None: compute it.
     """
     # Imported here: it takes as long as all else that a command imports, and not all need it.
-    from service.resources import RESOURCES
+    from service.resources.records import RESOURCES
 
     resource = RESOURCES[f"/v1/{collection}"]
     question = read_spec(path, resource.spec, more)

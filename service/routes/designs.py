@@ -9,7 +9,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import problems, tagged
-from service.resources.designs import DESIGNS, NO_CAM, REPORT, write_design
+from service.resources.records import DESIGNS, NO_CAM, REPORT, write_design
 from service.resources.resource import file_of
 from service.routes.file_routes import add_file_route, in_worker, send_file
 from service.routes.resource_routes import KnownTag

@@ -11,7 +11,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from service.contract.documentation import problems
-from service.resources.designs import DESIGNS
+from service.resources.records import DESIGNS
 from service.state import Parts
 from service.wire.errors import ProblemType
 from synthesis.design.identity import ENGINE_NUMBER, engine_version

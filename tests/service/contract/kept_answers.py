@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from service.contract.examples import examples
-from service.resources import RESOURCES
+from service.resources.records import RESOURCES
 from service.workers.tasks import solve_design
 from synthesis.design.identity import ENGINE_NUMBER
 

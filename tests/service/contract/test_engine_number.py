@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from service.contract.examples import examples
-from service.resources import RESOURCES
+from service.resources.records import RESOURCES
 from synthesis.design import identity
 from synthesis.design.identity import ENGINE_NUMBER
 from synthesis.studies.sweeps import SweepSpec

@@ -10,7 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.resources import RESOURCES
+from service.resources.records import RESOURCES
 from service.wire.body import MAX_ITEMISED, validated
 from service.wire.errors import ServiceError
 from service.wire.violations import MAX_LISTED, all_names
