@@ -11,8 +11,7 @@ from fastapi import APIRouter, Query, Request, Response
 from service.contract.documentation import problems, tagged
 from service.resources.records import DESIGNS, NO_CAM, REPORT, write_design
 from service.resources.resource import file_of
-from service.routes.file_routes import add_file_route, in_worker, send_file
-from service.routes.resource_routes import KnownTag
+from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
 from service.state import Parts, State
 from service.sweeps.views import sweep_path
 from service.wire.conditional import not_modified, tag_of

@@ -13,11 +13,20 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.contract.documentation import UNDER_WAY_HEADERS, in_parts, problems, spec_body, tagged
 from service.contract.examples import SWEEPS
-from service.routes.file_routes import PNG, SVG, WORKER_STATUSES, download_headers, in_worker
-from service.routes.resource_routes import Cursor, Key, check_key, position_of
+from service.routes.resource_routes import (
+    PNG,
+    SVG,
+    WORKER_STATUSES,
+    Cursor,
+    Key,
+    check_key,
+    download_headers,
+    in_worker,
+    position_of,
+)
 from service.state import Parts, State
 from service.storage.tables import ItemRow, SweepRow
-from service.sweeps import results, views
+from service.sweeps import views
 from service.sweeps.store import UNDER_WAY
 from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
@@ -204,19 +213,17 @@ async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> views.Sweep
 # By extension: media type, schema, writer, title, text, and what may go wrong besides.
 TABLES: dict[
     str,
-    tuple[
-        str, Any, Callable[[results.Columns, results.Pages], AsyncIterator[bytes]], str, str, Any
-    ],
+    tuple[str, Any, Callable[[views.Columns, views.Pages], AsyncIterator[bytes]], str, str, Any],
 ]
 TABLES = {
     "csv": (
-        "text/csv; charset=utf-8", {"type": "string"}, results.csv_table, "Finished items as CSV",
+        "text/csv; charset=utf-8", {"type": "string"}, views.csv_table, "Finished items as CSV",
         "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem."
         "\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.", (),
     ),
     "parquet": (
         "application/vnd.apache.parquet", {"type": "string", "format": "binary"},
-        results.parquet_table, "Finished items as Parquet",
+        views.parquet_table, "Finished items as Parquet",
         "The same table for data frames; axes of numbers and quantities are doubles.", (501,),
     ),
 }  # fmt: skip
@@ -227,7 +234,7 @@ def _add_table(extension: str) -> None:
 
     async def handler(request: Request, sweep: Known, parts: Parts) -> Response:
         def body() -> AsyncIterator[bytes]:
-            return write(results.Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
+            return write(views.Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
 
         tag = _tag(request, sweep, extension)
         if isinstance(tag, Response):
@@ -284,7 +291,7 @@ async def get_sweep_pareto(
     `quantities` of the sweep says what can be named. `size` is the number of designs on the front,
     which may be more than `limit`.
     """
-    return await results.pareto_front(parts.sweeps.store, sweep, axes, limit)
+    return await views.pareto_front(parts.sweeps.store, sweep, axes, limit)
 
 
 @router.get(
@@ -361,7 +368,7 @@ async def _drawn(
     tag = _tag(request, sweep, repr(axes), *options)
     if isinstance(tag, Response):
         return tag
-    drawing = await paint(await results.compare_designs(parts.sweeps.store, sweep, axes))
+    drawing = await paint(await views.compare_designs(parts.sweeps.store, sweep, axes))
     headers = download_headers(sweep.name, f"pareto.{extension}", media_type) | tag
     return Response(drawing, 200, headers, media_type)
 
