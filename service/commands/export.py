@@ -35,7 +35,7 @@ class Part(StrEnum):
 FORMATS: Mapping[str, Mapping[str, Exporter[Any]]] = {**DESIGN_FORMATS, Part.picture: PICTURES}
 
 
-def _write(
+def export(
     design: Annotated[Path, typer.Argument(help="design.json, or a DesignSpec to size first.")],
     formats: Annotated[
         list[str], typer.Option("--format", help="csv, contact.svg, …; may be repeated.")
@@ -84,38 +84,26 @@ def _options(exporter: Exporter[Any], given: Mapping[str, Any]) -> Any:
     return exporter.options(**given)
 
 
-def _parameters() -> list[inspect.Parameter]:
-    """One keyword for every option of any format; None is the format's own default."""
+def _signature() -> inspect.Signature:
+    """The signature of the command: its own options, and every option of any format once.
+
+    None is the format's own default.
+    """
+    own = inspect.signature(export, eval_str=True)
     fields: dict[str, FieldInfo] = {}
     for formats in FORMATS.values():
         for exporter in formats.values():
             fields = form(exporter.options).model_fields | fields
     shapes: dict[str, Any] = {name: field.annotation for name, field in fields.items()}
-    return [
+    options = [
         inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=None,
             annotation=Annotated[shapes[name] | None, typer.Option(help=field.description)],
         )
         for name, field in fields.items()
     ]  # fmt: skip
-
-
-def _with_options() -> Any:
-    """The command as a terminal knows it."""
-    own = inspect.signature(_write, eval_str=True)
     named = [each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD]
-    named += _parameters()
-
-    def export(**given: Any) -> None:
-        _write(**given)
-
-    export.__doc__ = _write.__doc__
-    export.__signature__ = own.replace(parameters=named)  # type: ignore[attr-defined]
-    export.__annotations__ = {each.name: each.annotation for each in named}
-    return export
-
-
-export = _with_options()
+    return own.replace(parameters=[*named, *options])
 
 
 def _design(path: Path) -> Design:
@@ -128,3 +116,10 @@ def _design(path: Path) -> Design:
         return read_spec(path, Design)
     design: Design = answer("designs", path)
     return design
+
+
+# What the terminal knows of the command.
+export.__signature__ = _signature()  # type: ignore[attr-defined]
+export.__annotations__ = {
+    each.name: each.annotation for each in inspect.signature(export).parameters.values()
+}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from functools import cache, partial
 from operator import attrgetter
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, create_model
 
@@ -34,23 +34,17 @@ class Accepted(BaseModel):
     links: dict[str, str] = Field(description="Where to ask again.")
 
 
-Summary = TypeVar("Summary", bound=Accepted)
-
-
-class Page(BaseModel, Generic[Summary]):
-    """Some lines of a list."""
-
-    items: list[Summary] = Field(description="The newest first.")
-    next: str | None = Field(description="`cursor` of the next page; null at the end.")
-
-
 @cache
 def page_of(summary: type[Accepted]) -> Any:
     """The model of a list with such lines, named as they are."""
     lines = (summary.__doc__ or "").replace("One line", "Lines").rstrip(".")
     name = summary.__name__.replace("Summary", "Page")
-    base: Any = Page
-    return create_model(name, __base__=base[summary], __doc__=f"{lines}, the newest first.")
+    following = Field(description="`cursor` of the next page; null at the end.")
+    fields: dict[str, Any] = {
+        "items": (list[summary], Field(description="The newest first.")),  # type: ignore[valid-type]
+        "next": (str | None, following),
+    }
+    return create_model(name, __doc__=f"{lines}, the newest first.", **fields)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sqlalchemy import Engine, Select, create_engine, delete, event, func, select, text, update
+from sqlalchemy import Select, create_engine, delete, event, func, select, text, update
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, defer, sessionmaker
 
@@ -17,18 +17,32 @@ from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, Kept, KeyRow
 
+THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
 Row = TypeVar("Row", bound=Kept)
 Lookup = Callable[[Session, str], AnswerRow | None]
+
+
+def _make_durable(connection: Any, _record: Any) -> None:
+    """What is committed survives a loss of power; a lock is waited for [ms]."""
+    for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=5000"):
+        connection.execute(f"PRAGMA {pragma}")
 
 
 class Store:
     """Every method is one transaction in a thread of its own: the event loop never waits."""
 
     def __init__(self, settings: Settings) -> None:
-        self._engine = _connected(settings)
+        url, threads = settings.database, THREADS
+        if url.get_backend_name() == "sqlite":
+            if url.database:
+                Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+            threads = 1  # it lets one write at a time
+            self._engine = create_engine(url, connect_args={"check_same_thread": False})
+            event.listen(self._engine, "connect", _make_durable)
+        else:
+            self._engine = create_engine(url, pool_pre_ping=True, pool_size=threads)
         self._session = sessionmaker(self._engine, expire_on_commit=False)
-        threads = 1 if self._engine.dialect.name == "sqlite" else 8
         self._threads = ThreadPoolExecutor(threads, "store")
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         migrate(self._engine)
@@ -156,19 +170,3 @@ def find_or_add(session: Session, row: Row) -> Row:
         session.add(row)
         session.flush()
     return there or row
-
-
-def _connected(settings: Settings) -> Engine:
-    url = settings.database
-    if url.get_backend_name() != "sqlite":
-        return create_engine(url, pool_pre_ping=True, pool_size=8)
-    if url.database:
-        Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
-    engine = create_engine(url, connect_args={"check_same_thread": False})
-    event.listen(engine, "connect", _durable)
-    return engine
-
-
-def _durable(connection: Any, _record: Any) -> None:
-    for pragma in ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=5000"):
-        connection.execute(f"PRAGMA {pragma}")

@@ -144,28 +144,27 @@ def sweep_path(id: str) -> str:
 
 def summary_of(row: SweepRow, sweeps: Sweeps) -> SweepSummary:
     """A sweep as a line of the list."""
-    return SweepSummary(**_fields(row, sweeps))
+    progress = sweeps.progress(row.id)
+    rate = progress.rate_per_s if progress is not None and row.state in UNDER_WAY else None
+    counts = {name: getattr(row, name) for name in ("done", *STATUSES)}
+    same = ("id", "engine", "name", "state", "axes", "quantities")
+    times = ("created", "started", "finished")
+    fields: dict[str, Any] = {name: getattr(row, name) for name in same}
+    fields |= {name: in_utc(getattr(row, name)) for name in times}
+    return SweepSummary(
+        **fields,
+        progress=100.0 * row.done / row.size,
+        counts=Counts(items=row.size, **counts),
+        rate_per_s=rate,
+        time_left_s=(row.size - row.done) / rate if rate else None,
+        links=links_to(PATH, row.id, FILES),
+    )
 
 
 def sweep_of(row: SweepRow, sweeps: Sweeps) -> Sweep:
     """A sweep with its spec."""
-    return Sweep(**_fields(row, sweeps), spec=SweepSpec.model_validate_json(row.spec))
-
-
-def _fields(row: SweepRow, sweeps: Sweeps) -> dict[str, Any]:
-    progress = sweeps.progress(row.id)
-    rate = progress.rate_per_s if progress is not None and row.state in UNDER_WAY else None
-    counts = {name: getattr(row, name) for name in ("done", *STATUSES)}
-    return {
-        **{name: getattr(row, name) for name in ("id", "engine", "name", "axes", "quantities")},
-        **{name: in_utc(getattr(row, name)) for name in ("created", "started", "finished")},
-        "state": row.state,
-        "progress": 100.0 * row.done / row.size,
-        "counts": Counts(items=row.size, **counts),
-        "rate_per_s": rate,
-        "time_left_s": (row.size - row.done) / rate if rate else None,
-        "links": links_to(PATH, row.id, FILES),
-    }
+    spec = SweepSpec.model_validate_json(row.spec)
+    return Sweep(**dict(summary_of(row, sweeps)), spec=spec)
 
 
 def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
@@ -65,24 +66,19 @@ class ProblemType(Enum):
         return ServiceError(self, detail, headers or {}, violations or [])
 
 
+@dataclass(eq=False)
 class ServiceError(Exception):
     """An error of the service; its text is for the caller.
 
-    Args:
+    Attributes:
         problem: its type. detail: what is wrong and what to do, in sentences.
         headers: of the response. violations: the wrong fields, as problem documents list them.
     """
 
-    def __init__(
-        self,
-        problem: ProblemType,
-        detail: str,
-        headers: dict[str, str],
-        violations: list[dict[str, Any]],
-    ) -> None:
-        super().__init__(problem, detail, headers, violations)
-        self.problem, self.detail = problem, detail
-        self.headers, self.violations = headers, violations
+    problem: ProblemType
+    detail: str
+    headers: dict[str, str]
+    violations: list[dict[str, Any]]
 
     def __str__(self) -> str:
         return self.detail
