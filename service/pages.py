@@ -119,16 +119,13 @@ def _page(file: Path, _: int) -> str:
         if token.type == "heading_open" and token.tag == "h1":
             title = tokens[position + 1].content
         if token.type == "heading_open":
-            token.attrSet("id", _anchor(tokens[position + 1].content))
+            # The id of a heading, as repositories make it: lower case, hyphens for blanks.
+            heading = tokens[position + 1].content.lower()
+            kept = "".join(c for c in heading if c.isalnum() or c in " -_")
+            token.attrSet("id", kept.strip().replace(" ", "-"))
         _drop_dead_links(file, token)
     body = parser.renderer.render(tokens, parser.options, {})
     return GUIDE_PAGE.substitute(title=html.escape(title), body=body)
-
-
-def _anchor(heading: str) -> str:
-    """The id of a heading, as repositories make it: lower case, hyphens for blanks."""
-    kept = "".join(c for c in heading.lower() if c.isalnum() or c in " -_")
-    return kept.strip().replace(" ", "-")
 
 
 def _drop_dead_links(file: Path, token: Token) -> None:

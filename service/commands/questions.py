@@ -314,11 +314,8 @@ def points_in(path: Path) -> list[list[float]]:
                     f"{path.name}, line {number}", line[:80], "This is no row of numbers.",
                     "Give x and y in mm in every row, with decimal points.",
                 ) from None  # fmt: skip
-            places = _places([cell.strip('"').lower() for cell in cells])
+            # Where the header says nothing of x and y, they are the first two columns.
+            header = {cell.strip('"').lower(): place for place, cell in enumerate(cells)}
+            x, y = (next((header[n] for n in names if n in header), None) for names in COLUMNS)
+            places = (0, 1) if x is None or y is None else (x, y)
     return points
-
-
-def _places(header: list[str]) -> tuple[int, int]:
-    """Where x and y stand; the first two columns where the header says nothing of them."""
-    x, y = (next((header.index(n) for n in names if n in header), None) for names in COLUMNS)
-    return (0, 1) if x is None or y is None else (x, y)

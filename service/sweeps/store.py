@@ -26,7 +26,7 @@ from service.sweeps.tasks import ItemAnswer
 
 STATUSES = ("optimal", "feasible", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
-PAGE = 1000  # items read at once for tables and fronts: some MB at most
+PAGE = 1000  # items read at once for events, tables and fronts: some MB at most
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
 UNREAD = defer(SweepRow.spec)
 LISTED = defer(ItemRow.design)

@@ -34,7 +34,7 @@ from synthesis.studies.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
 STORE_LOST = (InterfaceError, OperationalError)  # the database cannot be reached
-POLL_S = 1.0  # between searches for sweeps that no process works on
+POLL_S = 1.0  # between looks at sweeps that no process, or another one, works on
 SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
 RETRY_S = 0.5  # after the engine or the store could not be reached
 RENEWAL_S = 0.5  # at most, between renewals: a sweep stopped elsewhere is noticed by then
@@ -47,7 +47,7 @@ class Progress:
     """Updated with every commit; notifies those who wait for a change."""
 
     _commits: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=WINDOW))
-    _change: asyncio.Event = field(default_factory=asyncio.Event)
+    next_change: asyncio.Event = field(default_factory=asyncio.Event)  # set at the next change
 
     def update(self, done: int) -> None:
         """Note how many items are in the store now."""
@@ -56,13 +56,8 @@ class Progress:
 
     def notify(self) -> None:
         """Wake those who wait for a change."""
-        change, self._change = self._change, asyncio.Event()
+        change, self.next_change = self.next_change, asyncio.Event()
         change.set()
-
-    @property
-    def next_change(self) -> asyncio.Event:
-        """Set at the next change."""
-        return self._change
 
     @property
     def rate_per_s(self) -> float | None:

@@ -20,8 +20,8 @@ from fastapi.sse import ServerSentEvent
 from pydantic import BaseModel, Field, JsonValue
 
 from service.storage.tables import ItemRow, SweepRow, in_utc
-from service.sweeps.store import STATUSES, UNDER_WAY, SweepStore
-from service.sweeps.sweeps import Sweeps
+from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
+from service.sweeps.sweeps import POLL_S, Sweeps
 from service.wire.errors import ProblemType
 from service.workers.tasks import links_to
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
@@ -30,8 +30,6 @@ from synthesis.studies.sweeps.pareto import non_dominated
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "infeasible", "failed"]
-BATCH = 200  # items read at once for a stream of events
-POLL_S = 1.0  # between reads of a sweep that another process works on
 FILES = ("items", "items.csv", "items.parquet", "pareto", "events")
 PATH = "/v1/sweeps"
 # Columns of tables before and after those of axes and quantities.
@@ -193,7 +191,7 @@ async def events(
         if now is None:
             return
         while items and (
-            rows := await sweeps.store.items(now.sequence, ItemRow.sequence > after, size=BATCH)
+            rows := await sweeps.store.items(now.sequence, ItemRow.sequence > after, size=PAGE)
         ):
             for each in rows:
                 yield ServerSentEvent(data=item_of(now, each), event="item", id=str(each.sequence))
