@@ -165,6 +165,7 @@ class SweepRunner:
     async def _run_chunk(self, chunks: Chunks, numbers: list[int], name: str) -> None:
         """Solve the items of a chunk and store the answers; what was not begun is put back."""
         items = [(number, self._spec.item_values(number)) for number in numbers]
+        # Send them. A worker answers those that it had time for; the others go to any worker later.
         try:
             answers = await self._engine.run(
                 solve_items, self._spec_for_workers, items, self._budget_s, self._engine.task,
@@ -176,6 +177,8 @@ class SweepRunner:
                 chunks.put_back(numbers)
                 await asyncio.sleep(RETRY_S)
                 return
+            # The worker died or was stopped: one of the unfinished items may have caused it. Each
+            # is sent again alone, until one has failed alone too often and is given up.
             suspects = chunks.unfinished(numbers)
             strikes = chunks.add_strikes(suspects)
             await self._write(lambda: self._store.keep_strikes(self._row.sequence, strikes))
@@ -183,13 +186,13 @@ class SweepRunner:
                 for number in suspects:
                     chunks.put_back([number])
                 return
-            # Only an item that was alone in its chunk has so many strikes.
             problem = problem_of(error) | {
                 "detail": f"Its worker was lost {STRIKES} times while it worked on this item, the "
                 "last times on this item alone: it died, perhaps for lack of memory, or overran "
                 f"its time budget and had to be stopped. The last time: {error}"
             }
             answers, numbers = [ItemAnswer(suspects[0], "failed", problem=problem)], suspects
+        # Learn how long items take, and where the chain goes on that this chunk has interrupted.
         for answer in answers:
             chunks.record_time(answer.seconds)
         self._warm_starts.pop(numbers[0], None)

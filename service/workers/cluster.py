@@ -19,16 +19,11 @@ class WorkerNanny(Nanny):
     exit_reason: str | None = None
 
     def _on_worker_exit_sync(self, exitcode: int) -> None:
-        self.exit_reason = _describe_exit(exitcode)
+        self.exit_reason = f"ended by itself with status {exitcode}"
+        if exitcode < 0:
+            known = {each.value: f" ({each.name})" for each in signal.Signals}
+            self.exit_reason = f"was ended by signal {-exitcode}{known.get(-exitcode, '')}"
         super()._on_worker_exit_sync(exitcode)  # type: ignore[no-untyped-call]
-
-
-def _describe_exit(exitcode: int) -> str:
-    if exitcode >= 0:
-        return f"ended by itself with status {exitcode}"
-    known = {each.value for each in signal.Signals}
-    name = f" ({signal.Signals(-exitcode).name})" if -exitcode in known else ""
-    return f"was ended by signal {-exitcode}{name}"
 
 
 class OwnCluster(LocalCluster):
