@@ -15,7 +15,7 @@ import typer
 from pydantic.fields import FieldInfo
 
 from service.commands.terminal import answer, read_spec, save, stop
-from service.wire.body import parsed
+from service.wire.body import parse_json
 from service.wire.errors import ServiceError
 from service.workers.tasks import DESIGN_FORMATS
 from synthesis.design.design import Design
@@ -109,7 +109,7 @@ def _signature() -> inspect.Signature:
 def _design(path: Path) -> Design:
     """The design in the file, or that of the spec in the file, computed now."""
     try:
-        document = parsed(path.read_bytes())
+        document = parse_json(path.read_bytes())
     except (OSError, ServiceError):
         document = None  # reported when it is read as a spec
     if isinstance(document, dict) and "certificate" in document:

@@ -20,12 +20,12 @@ from service.commands.terminal import (
     FolderOrNone,
     Url,
     answer,
+    files_of,
     out,
     print_answer,
     read_spec,
     save,
     stop,
-    written,
 )
 from service.settings import settings_from
 from synthesis.errors import CamwrightError, InputError
@@ -68,7 +68,7 @@ def design(
     design: Design = answer("designs", spec, url)
     seconds = time.perf_counter() - started
     pictures = [each for each in PICTURES.values() if design.motion or each.without_cam]
-    files = written("design.json", design, pictures)
+    files = files_of("design.json", design, pictures)
     if design.motion:
         files |= default_files(design, PROFILE_FORMATS, MOTION_FORMATS)
     print_answer(design, tables.describe_design(design, seconds))
@@ -96,7 +96,7 @@ def cam_set(
 
     cams: CamSet = answer("cam-sets", spec, url)
     print_answer(cams, tables.describe_cam_set(cams))
-    files = written("cam-set.json", cams)
+    files = files_of("cam-set.json", cams)
     if cams.has_cams:
         files = dict(bundle_files(cams, BundleOptions()))
     save(files, out_dir, [f"{len(files)} files"])
@@ -230,7 +230,7 @@ def spatial(
     print_answer(design, tables.describe_spatial_cam(design), as_json)
     if out_dir is not None:
         names = () if infeasible else formats_of(design.machine)
-        files = written("spatial.json", design, (FORMATS[name] for name in names))
+        files = files_of("spatial.json", design, (FORMATS[name] for name in names))
         save(files, out_dir, () if as_json else None)
     if infeasible:
         raise typer.Exit(3)
@@ -262,7 +262,10 @@ def linkage(
     quantities = LINKAGES[kind].summary(result)
     print_answer(result, tables.describe_linkage(result, quantities))
     formats = LINKAGE_FILES[kind].values() if quantities else ()
-    save(written("linkage.json", result, (each for each in formats if each.suits(result))), out_dir)
+    save(
+        files_of("linkage.json", result, (each for each in formats if each.suits(result))),
+        out_dir,
+    )
     if result.status == "infeasible":
         raise typer.Exit(3)
 
@@ -288,7 +291,7 @@ def respond(
     response: TrainResponse = answer("train-responses", spec, url)
     print_answer(response, tables.describe_response(response))
     if out_dir is not None:
-        save(written("train-response.json", response, TRAIN_FILES), out_dir)
+        save(files_of("train-response.json", response, TRAIN_FILES), out_dir)
 
 
 def points_in(path: Path) -> list[list[float]]:

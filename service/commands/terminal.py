@@ -20,7 +20,7 @@ from rich.table import Table
 
 from service.client import Client, Refused, Unreachable
 from service.settings import settings_from
-from service.wire.body import Model, parsed, validated
+from service.wire.body import Model, parse_json, validate
 from service.wire.errors import ServiceError
 from synthesis.errors import CamwrightError, TimeBudgetExceeded
 
@@ -54,13 +54,13 @@ def read_spec(path: Path, model: type[Model], more: Mapping[str, Any] | None = N
     """The spec in a file, with ``more`` fields; a line for each error."""
     try:
         body = path.read_bytes()
-        document = parsed(body)
+        document = parse_json(body)
         if isinstance(document, dict) and "value" in document:
             document = document["value"]
             body = json.dumps(document).encode()
         if more and isinstance(document, dict):
             body = json.dumps({**document, **more}).encode()
-        return validated(body, model)
+        return validate(body, model)
     except OSError as error:
         stop(f"{path} cannot be read: {error.strerror}.")
     except ServiceError as error:
@@ -178,7 +178,7 @@ def print_answer(answer: BaseModel, parts: Iterable[str | Table], as_json: bool 
         (out if isinstance(part, str) else wide).print(part)
 
 
-def written(name: str, answer: BaseModel, formats: Iterable[Any] = ()) -> dict[str, bytes]:
+def files_of(name: str, answer: BaseModel, formats: Iterable[Any] = ()) -> dict[str, bytes]:
     """An answer as the file ``name``, and those of its formats that are written by default."""
     files = {each.name: each.write(answer, each.options()) for each in formats if each.by_default}
     return {name: answer.model_dump_json(indent=1).encode(), **files}

@@ -72,7 +72,7 @@ def problems(*statuses: int) -> dict[int | str, Json]:
     return responses
 
 
-def tagged(status: int = 200, **more: Any) -> dict[int | str, Json]:
+def etag_response(status: int = 200, **more: Any) -> dict[int | str, Json]:
     """A response with a strong ETag, and 304 for those who have it."""
     return {
         status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
@@ -80,10 +80,10 @@ def tagged(status: int = 200, **more: Any) -> dict[int | str, Json]:
     }
 
 
-def in_parts(**more: Any) -> dict[int | str, Json]:
+def file_response(**more: Any) -> dict[int | str, Json]:
     """A file with a tag, of which parts can be requested by Range."""
     return {
-        **tagged(**more),
+        **etag_response(**more),
         206: {
             "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
             "requested part, uncompressed.",
@@ -164,7 +164,7 @@ def _tidy(document: Json) -> None:
         if field.get("title") == name.replace("_", " ").title():  # it only repeats the name
             del field["title"]
     places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
-    components["parameters"] = _moved(places, "parameters")
+    components["parameters"] = _share(places, "parameters")
     # Responses of status 200 stay with their operation, for readers.
     named = [
         (each, status, f"{'Problem' if status >= '400' else 'Answer'}{status}")
@@ -172,10 +172,10 @@ def _tidy(document: Json) -> None:
         for status in each
         if status != "200"
     ]
-    components["responses"] = _moved(named, "responses")
+    components["responses"] = _share(named, "responses")
 
 
-def _moved(places: list[tuple[Any, Any, str]], kind: str) -> Json:
+def _share(places: list[tuple[Any, Any, str]], kind: str) -> Json:
     """What occurs at several places, by name; the places become references to it.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.contract.documentation import problems, tagged
+from service.contract.documentation import etag_response, problems
 from service.resources.records import DESIGNS, NO_CAM, REPORT, write_design
 from service.resources.resource import file_of
 from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
@@ -29,7 +29,7 @@ router = APIRouter()
     "/v1/designs/{design_id}/sensitivities",
     tags=["designs"],
     response_model=Sensitivities,
-    responses={**tagged(), **problems(404, 409, 500, 503, 504)},
+    responses={**etag_response(), **problems(404, 409, 500, 503, 504)},
     summary="What each limit costs",
 )
 async def get_design_sensitivities(
@@ -59,7 +59,7 @@ async def _sensitivities(parts: State, design: bytes) -> bytes:
     "/v1/designs/{design_id}/confirmation",
     tags=["designs"],
     response_model=Confirmation,
-    responses={200: tagged()[200], **problems(404, 409, 429, 500, 501, 503, 504)},
+    responses={200: etag_response()[200], **problems(404, 409, 429, 500, 501, 503, 504)},
     summary="A design's certificate to 25 digits",
 )
 async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Response:

@@ -12,7 +12,13 @@ from typing import Annotated, Any, Optional, TypeVar
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
 
-from service.contract.documentation import UNDER_WAY_HEADERS, in_parts, problems, spec_body, tagged
+from service.contract.documentation import (
+    UNDER_WAY_HEADERS,
+    etag_response,
+    file_response,
+    problems,
+    spec_body,
+)
 from service.resources.jobs import result_of
 from service.resources.resource import Accepted, Resource, ResourceFile, page_of
 from service.state import Parts, State
@@ -96,7 +102,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         description=cleandoc(resource.text), response_model=resource.answer,
         openapi_extra=spec_body(resource.examples, resource.spec.__name__),
         responses={
-            200: tagged()[200],
+            200: etag_response()[200],
             **UNDER_WAY,
             **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
         },
@@ -150,7 +156,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
         name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
         description=f"{resource.answer_text}\n\n{WAITING}", response_model=resource.answer,
-        responses={**tagged(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
+        responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
     )  # fmt: skip
 
 
@@ -270,7 +276,7 @@ def add_file_route(
         description=file.purpose,
         response_class=Response,
         responses={
-            **in_parts(description=file.title, content={media_type: {"schema": schema}}),
+            **file_response(description=file.title, content={media_type: {"schema": schema}}),
             **problems(404, 409, 422, *statuses),
         },
     )

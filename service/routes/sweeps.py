@@ -11,7 +11,13 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.contract.documentation import UNDER_WAY_HEADERS, in_parts, problems, spec_body, tagged
+from service.contract.documentation import (
+    UNDER_WAY_HEADERS,
+    etag_response,
+    file_response,
+    problems,
+    spec_body,
+)
 from service.contract.examples import SWEEPS
 from service.routes.resource_routes import (
     PNG,
@@ -42,7 +48,7 @@ MAX_DRAWN = 4  # quantities of a drawing: six panels, one for each pair
 QUANTITIES = 8  # that one front may be of
 
 
-async def known(sweep_id: str, parts: Parts) -> SweepRow:
+async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     """The sweep with this id."""
     row = await parts.sweeps.store.find(sweep_id)
     if row is None:
@@ -61,7 +67,7 @@ def _last_event(
     return position_of(last_event_id) if last_event_id else 0
 
 
-Known = Annotated[SweepRow, Depends(known)]
+RequestedSweep = Annotated[SweepRow, Depends(find_sweep)]
 After = Annotated[int, Depends(_last_event)]
 
 
@@ -113,7 +119,7 @@ async def list_sweeps(
 
 
 @router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
-async def get_sweep(row: Known, parts: Parts) -> views.Sweep:
+async def get_sweep(row: RequestedSweep, parts: Parts) -> views.Sweep:
     """State, progress, counts, rate and time left; the spec; links."""
     return views.sweep_of(row, parts.sweeps)
 
@@ -132,7 +138,7 @@ async def get_sweep(row: Known, parts: Parts) -> views.Sweep:
     summary="Stop or delete a sweep",
 )
 async def delete_sweep(
-    row: Known,
+    row: RequestedSweep,
     parts: Parts,
     discard: Annotated[
         bool, Query(description="false: stop it only; one that is finished stays as it is.")
@@ -157,7 +163,7 @@ async def delete_sweep(
     summary="Watch a sweep",
 )
 async def watch_sweep(
-    row: Known,
+    row: RequestedSweep,
     after: After,
     parts: Parts,
     items: Annotated[
@@ -176,7 +182,7 @@ async def watch_sweep(
 
 @router.get("/{sweep_id}/items", summary="Finished items", responses=problems(404, 422))
 async def list_sweep_items(
-    sweep: Known,
+    sweep: RequestedSweep,
     parts: Parts,
     limit: Annotated[int, Query(ge=1, le=1000, description="Items on a page.")] = 100,
     cursor: Cursor = None,
@@ -198,7 +204,7 @@ async def list_sweep_items(
 
 
 @router.get("/{sweep_id}/items/{number}", summary="One item", responses=problems(404, 422))
-async def get_sweep_item(sweep: Known, number: int, parts: Parts) -> views.SweepItem:
+async def get_sweep_item(sweep: RequestedSweep, number: int, parts: Parts) -> views.SweepItem:
     """Its values, status and quantities, and the address of its design."""
     there = 0 <= number < sweep.size
     row = await parts.sweeps.store.item(sweep.sequence, number) if there else None
@@ -232,7 +238,7 @@ TABLES = {
 def _add_table(extension: str) -> None:
     media_type, schema, write, title, text, statuses = TABLES[extension]
 
-    async def handler(request: Request, sweep: Known, parts: Parts) -> Response:
+    async def handler(request: Request, sweep: RequestedSweep, parts: Parts) -> Response:
         def body() -> AsyncIterator[bytes]:
             return write(views.Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
 
@@ -250,7 +256,7 @@ def _add_table(extension: str) -> None:
         f"/{{sweep_id}}/items.{extension}", handler, name=f"get_sweep_items_{extension}",
         summary=title, description=text, response_class=StreamingResponse,
         responses={
-            **in_parts(description="The table.", content={media_type: {"schema": schema}}),
+            **file_response(description="The table.", content={media_type: {"schema": schema}}),
             **problems(404, *statuses),
         },
     )  # fmt: skip
@@ -281,7 +287,7 @@ Axes = Annotated[list[Aim], Depends(_axes)]
 
 @router.get("/{sweep_id}/pareto", summary="The Pareto front", responses=problems(404, 422))
 async def get_sweep_pareto(
-    sweep: Known,
+    sweep: RequestedSweep,
     parts: Parts,
     axes: Axes,
     limit: Annotated[int, Query(ge=1, le=MAX_FRONT, description="Most items of the front.")] = 500,
@@ -298,14 +304,14 @@ async def get_sweep_pareto(
     "/{sweep_id}/pareto.svg",
     response_class=Response,
     responses={
-        **tagged(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
+        **etag_response(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
         **problems(404, 422),
     },
     summary="The Pareto front as a drawing",
 )
 async def get_sweep_pareto_svg(
     request: Request,
-    sweep: Known,
+    sweep: RequestedSweep,
     parts: Parts,
     axes: Axes,
     theme: Annotated[Colours, Query()] = "auto",
@@ -326,7 +332,7 @@ async def get_sweep_pareto_svg(
     "/{sweep_id}/pareto.png",
     response_class=Response,
     responses={
-        **tagged(
+        **etag_response(
             description="The picture.",
             content={PNG: {"schema": {"type": "string", "format": "binary"}}},
         ),
@@ -336,7 +342,7 @@ async def get_sweep_pareto_svg(
 )
 async def get_sweep_pareto_png(
     request: Request,
-    sweep: Known,
+    sweep: RequestedSweep,
     parts: Parts,
     axes: Axes,
     theme: Annotated[PixelColours, Query()] = "light",

@@ -15,11 +15,11 @@ from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
 from service.storage.migrations import migrate
-from service.storage.tables import AnswerRow, Kept, KeyRow
+from service.storage.tables import AnswerRow, KeyRow, StoredRow
 
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
-Row = TypeVar("Row", bound=Kept)
+Row = TypeVar("Row", bound=StoredRow)
 Lookup = Callable[[Session, str], AnswerRow | None]
 
 
@@ -111,11 +111,11 @@ class Answers:
         """Keep an answer in place of what there was; one that is done already stays as it is."""
 
         def work(session: Session) -> AnswerRow:
-            there = find_or_add(session, row)
-            if there.state != "done" and there is not row:
+            existing = find_or_add(session, row)
+            if existing.state != "done" and existing is not row:
                 for field in ("created", "state", "status", "body", "etag", "summary", "problem"):
-                    setattr(there, field, getattr(row, field))
-            return there
+                    setattr(existing, field, getattr(row, field))
+            return existing
 
         return await self._do(work)
 
@@ -137,7 +137,7 @@ class Answers:
 
     async def page(self, before: int | None, size: int, status: str | None) -> Sequence[AnswerRow]:
         """Answers from the newest on, those with a smaller sequence than ``before``."""
-        query = newest(AnswerRow, before, size, kind=self._kind, status=status)
+        query = select_newest(AnswerRow, before, size, kind=self._kind, status=status)
         query = query.options(defer(AnswerRow.body), defer(AnswerRow.spec))
         query = query.where(AnswerRow.state != "superseded")
         return await self._do(lambda session: session.scalars(query).all())
@@ -156,7 +156,9 @@ class Answers:
         return await self._do(lambda session: dict(session.execute(query).all()))
 
 
-def newest(rows: type[Row], before: int | None, size: int, **wanted: str | None) -> Select[Row]:
+def select_newest(
+    rows: type[Row], before: int | None, size: int, **wanted: str | None
+) -> Select[Row]:
     """Rows with these values (None: any), from the newest on, those before a sequence number."""
     query = select(rows).order_by(rows.sequence.desc()).limit(size)
     query = query.filter_by(**{name: value for name, value in wanted.items() if value is not None})
@@ -165,8 +167,8 @@ def newest(rows: type[Row], before: int | None, size: int, **wanted: str | None)
 
 def find_or_add(session: Session, row: Row) -> Row:
     """The row with this one's id, locked; this one where there was none."""
-    there = session.scalar(select(type(row)).filter_by(id=row.id).with_for_update())
-    if there is None:
+    existing = session.scalar(select(type(row)).filter_by(id=row.id).with_for_update())
+    if existing is None:
         session.add(row)
         session.flush()
-    return there or row
+    return existing or row

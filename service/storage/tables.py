@@ -17,7 +17,7 @@ class Base(DeclarativeBase):
     """The tables."""
 
 
-class Kept(Base):
+class StoredRow(Base):
     """What is kept by id; ``sequence`` is the order in which it came."""
 
     __abstract__ = True
@@ -30,7 +30,7 @@ class Kept(Base):
     spec: Mapped[bytes] = mapped_column(LargeBinary)
 
 
-class AnswerRow(Kept):
+class AnswerRow(StoredRow):
     """One question with its answer.
 
     Attributes:
@@ -63,7 +63,7 @@ class KeyRow(Base):
     created: Mapped[datetime] = mapped_column(TIME, index=True)
 
 
-class SweepRow(Kept):
+class SweepRow(StoredRow):
     """One sweep, with how many of its items came out how.
 
     ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may.

@@ -20,7 +20,7 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.orm import Session, defer
 from sqlalchemy.sql.functions import FunctionElement
 
-from service.storage.store import Store, find_or_add, newest
+from service.storage.store import Store, find_or_add, select_newest
 from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 
@@ -28,8 +28,8 @@ STATUSES = ("optimal", "feasible", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
 PAGE = 1000  # items read at once for events, tables and fronts: some MB at most
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
-UNREAD = defer(SweepRow.spec)
-LISTED = defer(ItemRow.design)
+WITHOUT_SPEC = defer(SweepRow.spec)
+WITHOUT_DESIGN = defer(ItemRow.design)
 
 
 class LeaseLost(Exception):
@@ -70,10 +70,10 @@ class SweepStore:
         """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""
 
         def work(session: Session) -> SweepRow:
-            there = find_or_add(session, row)
-            if there.state == "dismissed":
-                there.state, there.finished = "accepted", None
-            return there
+            existing = find_or_add(session, row)
+            if existing.state == "dismissed":
+                existing.state, existing.finished = "accepted", None
+            return existing
 
         return await self._do(work)
 
@@ -110,7 +110,7 @@ class SweepStore:
 
     async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
         """Sweeps from the newest on, without their specs."""
-        query = newest(SweepRow, before, size, state=state).options(UNREAD)
+        query = select_newest(SweepRow, before, size, state=state).options(WITHOUT_SPEC)
         return await self._do(lambda session: session.scalars(query).all())
 
     async def done_numbers(self, sweep: int) -> set[int]:
@@ -153,13 +153,13 @@ class SweepStore:
             del row["warm_start"]
 
         def work(session: Session) -> SweepRow:
-            whole = session.get(SweepRow, sweep, options=[UNREAD], with_for_update=True)
+            whole = session.get(SweepRow, sweep, options=[WITHOUT_SPEC], with_for_update=True)
             if whole is None or whole.owner != self.owner:
                 raise LeaseLost
-            there = select(ItemRow.number).where(
+            finished = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
             )
-            known = set(session.scalars(there))
+            known = set(session.scalars(finished))
             new = [row for number, row in rows.items() if number not in known]
             if new:
                 session.execute(insert(ItemRow), new)
@@ -210,7 +210,7 @@ class SweepStore:
         order: Any = ItemRow.sequence,
     ) -> Sequence[ItemRow]:
         """Finished items without their designs; by default in the order they were finished."""
-        query = select(ItemRow).options(LISTED).where(ItemRow.sweep == sweep, *where)
+        query = select(ItemRow).options(WITHOUT_DESIGN).where(ItemRow.sweep == sweep, *where)
         query = query.order_by(order).limit(size)
         return await self._do(lambda session: session.scalars(query).all())
 

@@ -125,9 +125,9 @@ def _packed(body: bytes) -> bytes:
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
     """The spec of an item. Raises ServiceError where the values of its axes are not valid."""
-    from service.wire.body import validated
+    from service.wire.body import validate
 
-    return validated(_body(sweep, values), DesignSpec)
+    return validate(_body(sweep, values), DesignSpec)
 
 
 def _body(sweep: SweepSpec, values: list[JsonValue]) -> bytes:

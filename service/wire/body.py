@@ -48,17 +48,17 @@ async def read_body(request: Request, model: type[Model]) -> Model:
             "Content-Type: application/json.",
             {"Accept": "application/json"},
         )
-    return validated(await request.body(), model)
+    return validate(await request.body(), model)
 
 
-def validated(body: bytes, model: type[Model]) -> Model:
+def validate(body: bytes, model: type[Model]) -> Model:
     """Bytes as ``model``, in strict mode: no number is read from a text.
 
     Raises:
         ServiceError: the bytes are not JSON, or do not satisfy the model.
     """
     known = all_names(model)
-    document, unknown = _decoded(body, known)
+    document, unknown = _decode(body, known)
     if known is not None and unknown > MAX_ITEMISED:
         wrong = (
             unknown_field(path[1:], document, model)
@@ -83,16 +83,16 @@ def validated(body: bytes, model: type[Model]) -> Model:
     raise _invalid_request(*describe_errors(errors, document, model))
 
 
-def parsed(body: bytes) -> Any:
+def parse_json(body: bytes) -> Any:
     """Bytes as plain JSON, without NaN and without repeated names.
 
     Raises:
         ServiceError: the bytes are not JSON, which has neither NaN nor Infinity.
     """
-    return _decoded(body, None)[0]
+    return _decode(body, None)[0]
 
 
-def _decoded(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
+def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
     """The document, and how many of its names are not among the known ones (None: all are)."""
     if not body.strip():
         raise ProblemType.NOT_JSON(

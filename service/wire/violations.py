@@ -122,7 +122,7 @@ class Violation(BaseModel):
     remedy: str = Field(description="What to do about it.")
 
 
-def shown(value: Any) -> Any:
+def abbreviate(value: Any) -> Any:
     """A value as a problem document shows it: short, and valid JSON."""
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
@@ -140,7 +140,7 @@ def shown(value: Any) -> Any:
 
 def violation(value: Any, rule: str, remedy: str) -> dict[str, Any]:
     """A violation without its place: the fields of ``Violation`` for a document."""
-    return {"value": shown(value), "rule": rule, "remedy": remedy}
+    return {"value": abbreviate(value), "rule": rule, "remedy": remedy}
 
 
 def pointer_to(path: Sequence[str | int]) -> str:
@@ -227,7 +227,7 @@ def _at_one_place(
 ) -> list[dict[str, Any]]:
     """The violations at one pointer; those of a union's members become one."""
     entries = [
-        {"pointer": pointer, **_described(error, path, body, model)} for error, path, _ in located
+        {"pointer": pointer, **_describe(error, path, body, model)} for error, path, _ in located
     ]
     if len(entries) > 1 and all(wrong_shape for *_, wrong_shape in located):
         first, *rest = dict.fromkeys(entry["rule"] for entry in entries)
@@ -236,7 +236,7 @@ def _at_one_place(
     return [entry for i, entry in enumerate(entries) if entry not in entries[:i]]
 
 
-def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
+def _describe(error: Any, path: Sequence[str | int], body: Any, model: Body) -> dict[str, Any]:
     kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
     if kind in COMPARISONS:
         key, words = COMPARISONS[kind]
@@ -279,7 +279,7 @@ def _described(error: Any, path: Sequence[str | int], body: Any, model: Body) ->
 def _correct_type(kind: str, value: Any) -> str:
     """What to do where a value has the wrong type."""
     if kind in OBJECTS and isinstance(value, str):
-        return f'If that is its kind, write {{"kind": {json.dumps(shown(value))}}}.'
+        return f'If that is its kind, write {{"kind": {json.dumps(abbreviate(value))}}}.'
     if kind in ("float_type", "int_type") and isinstance(value, str):
         return "Give a number, without quotes and without a unit: the field's name holds the unit."
     return "Correct it; /docs shows the schema and worked examples."
@@ -305,7 +305,7 @@ def describe_parameter_errors(errors: Sequence[Any]) -> list[dict[str, Any]]:
     described = []
     for error in errors[:MAX_LISTED]:
         name = str(error["loc"][1])  # after where it stands: query, path or header
-        entry = _described({**error, "loc": ()}, (name,), {}, None)
+        entry = _describe({**error, "loc": ()}, (name,), {}, None)
         described.append({"parameter": name, **entry})
     return described
 

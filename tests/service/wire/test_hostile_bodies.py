@@ -11,7 +11,7 @@ import httpx2
 import pytest
 
 from service.resources.records import RESOURCES
-from service.wire.body import MAX_ITEMISED, validated
+from service.wire.body import MAX_ITEMISED, validate
 from service.wire.errors import ServiceError
 from service.wire.violations import MAX_LISTED, all_names
 from synthesis.design.design import Design
@@ -63,7 +63,7 @@ BODIES: dict[str, Callable[[int], str]] = {
 
 def refused(body: bytes) -> ServiceError:
     with pytest.raises(ServiceError) as raised:
-        validated(body, DesignSpec)
+        validate(body, DesignSpec)
     return raised.value
 
 
@@ -132,4 +132,4 @@ def test_values_of_a_sweep_may_be_objects() -> None:
     laws = [{"kind": "scca", "b": 0.2, "c": 0.1 + 1e-5 * i, "d": 0.2} for i in range(2000)]
     axes = [{"kind": "list", "pointer": "/program/0/law", "values": laws}]
     body = json.dumps({"base": spec(), "axes": axes}).encode()
-    assert len(validated(body, SweepSpec).axes[0].values) == 2000  # type: ignore[union-attr]
+    assert len(validate(body, SweepSpec).axes[0].values) == 2000  # type: ignore[union-attr]
