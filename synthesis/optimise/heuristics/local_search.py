@@ -55,37 +55,33 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
     state, converged = scp_search(state, start.laws, start.size)
     if converged or state.time_left <= 0.0:
         return state
-    start = state.incumbent or start
-    for _ in range(EXCHANGES):
-        state, violations = _solve_nonlinear(state, start)
-        refined = add_violated_points(state, violations)
-        if refined is state:
-            break
-        state = refined
-    return state
-
-
-def _solve_nonlinear(state: SolveState, start: Candidate) -> tuple[SolveState, Violations]:
-    """One run of IPOPT, and the violations of rows between their points."""
     from synthesis.optimise.heuristics.ipopt_search import (  # CasADi where it is needed
         solve_ipopt,
         solver_tolerances,
     )
 
-    started = time.perf_counter()
-    model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
-    point, growth = model.point(start.laws, start.size), GROWTH * state.tolerance
-    accuracies = solver_tolerances(state.tolerance)
-    solution = solve_ipopt(model, point, state.deadline, *accuracies, growth=growth)
-    laws, size = model.recover(solution.x)
-    state, violations = offer_local_optimum(state, laws, size)
-    if violations[1] <= ALLOWED:
-        state = replace(state, local_optimum=WarmStart(state.grids, tuple(laws), size))
-    report = Stage(
-        "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
-        time.perf_counter() - started, solution.stopped.value,
-    )  # fmt: skip
-    return state.with_stage(report), violations
+    start = state.incumbent or start
+    accuracies, growth = solver_tolerances(state.tolerance), GROWTH * state.tolerance
+    for _ in range(EXCHANGES):
+        started = time.perf_counter()
+        model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
+        point = model.point(start.laws, start.size)
+        solution = solve_ipopt(model, point, state.deadline, *accuracies, growth=growth)
+        laws, size = model.recover(solution.x)
+        state, violations = offer_local_optimum(state, laws, size)
+        if violations[1] <= ALLOWED:
+            state = replace(state, local_optimum=WarmStart(state.grids, tuple(laws), size))
+        report = Stage(
+            "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
+            time.perf_counter() - started, solution.stopped.value,
+        )  # fmt: skip
+        state = state.with_stage(report)
+        # once more with points where rows were violated between theirs
+        refined = add_violated_points(state, violations)
+        if refined is state:
+            break
+        state = refined
+    return state
 
 
 def scp_search(

@@ -56,15 +56,15 @@ class PerturbedOptimum(ABC):
         """The program's objective."""
 
     @abstractmethod
-    def moved(self, model: ConicModel) -> float | None:
+    def first_order_value(self, model: ConicModel) -> float | None:
         """The objective of another model to first order; None where that has another form."""
 
-    def stays(self, model: ConicModel) -> bool:
+    def remains_optimal(self, model: ConicModel) -> bool:
         """Whether the optimum is known to keep all rows of another model, and its value there."""
         return False
 
     @abstractmethod
-    def again(self, model: ConicModel, deadline: float) -> PerturbedOptimum | None:
+    def solve_near(self, model: ConicModel, deadline: float) -> PerturbedOptimum | None:
         """The optimum of another model, sought from here; None where there is none."""
 
 
@@ -77,7 +77,7 @@ class ConvexOptimum(PerturbedOptimum):
     noise = 1e-9
 
     @staticmethod
-    def sought(model: ConicModel, deadline: float = inf) -> ConvexOptimum | None:
+    def solve(model: ConicModel, deadline: float = inf) -> ConvexOptimum | None:
         """The optimum, where cone programs say all that matters."""
         solution = clarabel.solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -92,7 +92,7 @@ class ConvexOptimum(PerturbedOptimum):
     def value(self) -> float:
         return self.model.program.value(self.solution.x)
 
-    def moved(self, model: ConicModel) -> float | None:
+    def first_order_value(self, model: ConicModel) -> float | None:
         one, other = self.model.program, model.program
         if one.matrix.shape != other.matrix.shape or one.cones != other.cones:
             return None
@@ -100,8 +100,8 @@ class ConvexOptimum(PerturbedOptimum):
         rows = (other.matrix - one.matrix) @ x - (other.rhs - one.rhs)
         return float(z @ rows) + other.value(x)
 
-    def again(self, model: ConicModel, deadline: float) -> ConvexOptimum | None:
-        return ConvexOptimum.sought(model, deadline)
+    def solve_near(self, model: ConicModel, deadline: float) -> ConvexOptimum | None:
+        return ConvexOptimum.solve(model, deadline)
 
 
 def _is_below_least_radius(problem: Problem, size: tuple[float, ...]) -> bool:
@@ -122,7 +122,7 @@ class NonlinearOptimum(PerturbedOptimum):
     noise = 2e-7
 
     @staticmethod
-    def sought(
+    def solve(
         model: ConicModel, start: Array, relaxed_count: int, deadline: float = inf
     ) -> NonlinearOptimum | None:
         """The local optimum that IPOPT comes to from a point."""
@@ -135,13 +135,13 @@ class NonlinearOptimum(PerturbedOptimum):
     def value(self) -> float:
         return self.model.program.value(self.result.x)
 
-    def moved(self, model: ConicModel) -> float | None:
+    def first_order_value(self, model: ConicModel) -> float | None:
         there = self._stated(model)
         if len(there.lower) != len(self._here.lower):
             return None
         return self.value + self._lagrangian(there) - self._lagrangian(self._here)
 
-    def stays(self, model: ConicModel) -> bool:
+    def remains_optimal(self, model: ConicModel) -> bool:
         program = self._stated(model)
         value, rows = self._at_optimum(program)
         here = in_core_units(self.model, self.value)
@@ -149,14 +149,14 @@ class NonlinearOptimum(PerturbedOptimum):
         kept = (rows >= program.lower - KEPT) & (rows <= program.upper + KEPT)
         return same and bool(np.all(kept))
 
-    def again(self, model: ConicModel, deadline: float) -> NonlinearOptimum | None:
+    def solve_near(self, model: ConicModel, deadline: float) -> NonlinearOptimum | None:
         result = solve_with_exchange(
             model, self._placed(model), self.result.end, deadline, TIGHTENING, ACCURACY,
             self.relaxed_count,
         )  # fmt: skip
         if result.stopped in USABLE:
             return NonlinearOptimum(model, result, self.relaxed_count)
-        return NonlinearOptimum.sought(model, self.result.x, self.relaxed_count, deadline)
+        return NonlinearOptimum.solve(model, self.result.x, self.relaxed_count, deadline)
 
     def _placed(self, model: ConicModel) -> list[ConstraintSamples]:
         """The samples on the motion of another model, whose unit of length may be another one."""

@@ -114,7 +114,9 @@ def solve_scp(
         tangents = list(_tangents(model, here, peaks, goal.tightened))
         if not all(np.isfinite(each.cuts.upper).all() for each in tangents):
             break
-        trust = _trust_region(model, here, reach)
+        shrink = -np.eye(len(here.size))[-1]
+        least_size = (here.size[-1] - reach * here.value) / model.scales.size
+        trust = LinearBlock.of_size(shrink, np.array([-least_size]), "")
         full = with_rows(model, [*(each.block for each in tangents), trust])
         # 2. The convex program with these tangents; its cam may violate the limits themselves.
         solution = solve(full.program, left)
@@ -178,13 +180,6 @@ def _line_search(
         size = tuple(a + step * (b - a) for a, b in zip(here.size, target.size, strict=True))
         trial = recover_cam(model.problem, laws, size, keep_hint=True)
     return None, step
-
-
-def _trust_region(model: ConicModel, here: Candidate, reach: float) -> LinearBlock:
-    """The cam shrinks by no more than a share of its value: tangents say nothing far away."""
-    growing = -np.eye(len(here.size))[-1]
-    least = (here.size[-1] - reach * here.value) / model.scales.size
-    return LinearBlock.of_size(growing, np.array([-least]), "")
 
 
 def _tangents(

@@ -127,7 +127,7 @@ class PerturbedDesign:
         """
         problem = self.knots.formulate(spec)
         model = self._program(problem)
-        moved = self.optimum.moved(model)
+        moved = self.optimum.first_order_value(model)
         if moved is None:
             return None
         if self.fall is None:
@@ -138,7 +138,7 @@ class PerturbedDesign:
 
     def remains_optimal(self, spec: DesignSpec) -> bool:
         """Whether the optimum is known to keep every limit of another spec, at the same value."""
-        return self.optimum.stays(self._program(self.knots.formulate(spec)))
+        return self.optimum.remains_optimal(self._program(self.knots.formulate(spec)))
 
     def solve(self, spec: DesignSpec, deadline: float) -> float | None:
         """The optimal value of a near spec by solving; None where nothing fits."""
@@ -148,7 +148,7 @@ class PerturbedDesign:
             value = _find_level(self.knots, problem, self.optimum, guess, deadline)
         else:
             model = self._program(problem)
-            optimum = self.optimum.again(model, deadline)
+            optimum = self.optimum.solve_near(model, deadline)
             value = None if optimum is None else in_core_units(model, optimum.value)
         return None if value is None else problem.objective.to_wire(value, problem.machine)
 
@@ -172,9 +172,9 @@ def perturbed_designs(
         optimum: PerturbedOptimum | None = None
         if method == LOCAL_OPTIMUM:
             relaxed = relaxed if fractional else 0
-            optimum = NonlinearOptimum.sought(model, knots.start(model), relaxed, deadline)
+            optimum = NonlinearOptimum.solve(model, knots.start(model), relaxed, deadline)
         elif not model.problem.has_curved_limits:
-            optimum = ConvexOptimum.sought(model, deadline)
+            optimum = ConvexOptimum.solve(model, deadline)
         if optimum is None:
             continue
         design: PerturbedDesign | None
@@ -190,12 +190,12 @@ def _at_optimal_level(design: PerturbedDesign, deadline: float) -> PerturbedDesi
     """A fractional objective's optimum at the level without excess, from that at another level."""
     knots, problem, first, level = design.knots, design.problem, design.optimum, design.core_value
     # The excess at the design's own level and a little above gives its fall.
-    above = first.again(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
+    above = first.solve_near(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
     if above is None or above.value >= first.value:
         return None
     fall = (first.value - above.value) / (LEVEL_STEP * level)
     best = _find_level(knots, problem, first, (level, fall), deadline)
-    optimum = None if best is None else first.again(knots.program(problem, best)[0], deadline)
+    optimum = None if best is None else first.solve_near(knots.program(problem, best)[0], deadline)
     if best is None or optimum is None:
         return None
     return replace(design, optimum=optimum, core_value=best, fall=fall)
@@ -211,7 +211,7 @@ def _find_level(
     """The level without excess, by steps with a fixed fall from a guess (level, fall)."""
     level, fall = guess
     for _ in range(SECANTS):
-        optimum = near.again(knots.program(problem, level)[0], deadline)
+        optimum = near.solve_near(knots.program(problem, level)[0], deadline)
         if optimum is None:
             return None
         step = optimum.value / fall
