@@ -9,7 +9,7 @@ from operator import mul
 
 import numpy as np
 
-from synthesis.catalogue.limits.motion import EXACT, TRAVEL
+from synthesis.catalogue.limits.motion import EXACT, NAMES, TRAVEL
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialExtreme
 from synthesis.machines.spatial.machine import LEFT, RIGHT
@@ -32,7 +32,6 @@ from synthesis.numerics import clock
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
-NAMES = ("velocity", "acceleration", "jerk")
 STATIONARY = "stationary points of every piece"
 SHORT = 1e-9  # rad: shorter intervals between ends of walls are rounding
 
@@ -108,11 +107,11 @@ def follower_peaks(
 ) -> Iterator[tuple[Quantity, Extremum]]:
     """Largest |velocity|, |acceleration| and |jerk| of the follower [units per rad^k]."""
     curve = cam.motion.curve
-    for order, name in enumerate(NAMES, start=1):
+    for order, name in enumerate(NAMES[1:], start=1):
         unit, rate = travel.derivative_unit(order), travel.wire_factor(order, omega)
         quantity = Quantity(name, unit, True, partial(mul, rate))
         if order > 1 and (at := first_jump(curve, order - 1)) is not None:
-            yield quantity, Extremum(np.inf, np.inf, f"{NAMES[order - 2]} jumps there", at)
+            yield quantity, Extremum(np.inf, np.inf, f"{NAMES[order - 1]} jumps there", at)
             continue
         both = [maximise(curve, [0.0] * order + [sign]) for sign in (1.0, -1.0)]
         value, theta = max(both, key=lambda each: rounded(each[0]))
