@@ -163,14 +163,17 @@ class WallSheets:
         # At every sampled depth the wall passes through the same states in the same order.
         first, last = self.lines[j], self.lines[j + 1]
         states = self.states[wall, first : last + 1]
-        runs = [_runs(states[:, k]) for k in range(LEVELS)]
-        names = [run[0] for run in runs]
+        starts = [(np.flatnonzero(np.diff(column)) + 1).tolist() for column in states.T]
+        names = [
+            [int(column[row]) for row in (0, *rows)]
+            for column, rows in zip(states.T, starts, strict=True)
+        ]
         if any(each != names[0] for each in names):
             raise NotSmooth("a wall leaves the blank and comes back at some depths only")
         # Between two states it crosses an end of the blank, at each depth at a row of its own.
         stops = [self.line(j)]
         for k, (a, b) in enumerate(pairwise(names[0])):
-            rows = [run[1][k] for run in runs]
+            rows = [each[k] for each in starts]
             bracket = TURNS[first + min(rows) - 1], TURNS[first + max(rows)]
             end = LOW if LOW in (a, b) else HIGH
             if IN not in (a, b):
@@ -221,12 +224,6 @@ class WallSheets:
         if not (np.all(sound) and np.all(np.isfinite(across))):
             raise NotSmooth("below the rollers' ends a wall is not regular")
         return across
-
-
-def _runs(states: NDArray[np.int64]) -> tuple[list[int], list[int]]:
-    """Run-length encoding: the states, and the rows at which each but the first starts."""
-    changes = np.flatnonzero(np.diff(states)) + 1
-    return [int(states[0]), *(int(states[i]) for i in changes)], changes.tolist()
 
 
 def fit_patch(
