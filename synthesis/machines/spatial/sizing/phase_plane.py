@@ -40,7 +40,7 @@ POSITIONS = 801  # nodes in position between the ends of a segment
 STEPS = 160  # integration steps in which a law from rest reaches its largest speed
 MAX_STEPS = 40 * STEPS  # a profile that has not met V by then stays as it is
 QUADRATURE = 1e-6  # relative, of a size: far above the error of the quadrature between nodes
-DOUBLINGS = 60  # of a size, in search of an interval that holds the least one
+NEGLIGIBLE = 1e-18  # of the first size: where no size above this is too small, none is
 TUBE_NODES = 128  # cam angles of a tube
 TUBE_MARGIN = 1e-4  # of the lift: far above the error of linear interpolation in a profile
 
@@ -227,18 +227,15 @@ def least_size(plane: PhasePlane, start: float, largest: float) -> float:
         return inf if profile is None else profile.angle - plane.segment.angle
 
     # The excess of the least angle falls as the size grows: bracket its root, then find it.
-    low, high = 0.0, start
+    high = start
     while excess(high) > 0.0:
-        low, high = high, 2.0 * high
+        high *= 2.0
         if high > largest:
             return largest
-    if low == 0.0:
-        low = 0.5 * high
-        for _ in range(DOUBLINGS):
-            if excess(low) > 0.0:
-                break
-            low, high = 0.5 * low, low
-        else:
+    low = 0.5 * high
+    while excess(low) <= 0.0:
+        low, high = 0.5 * low, low
+        if low < NEGLIGIBLE * start:
             return 0.0
     root = brentq(lambda size: min(excess(size), 1e3), low, high, xtol=1e-9 * high, rtol=1e-9)
     return float(root) * (1.0 - QUADRATURE)
