@@ -30,10 +30,10 @@ from synthesis.exporters.fidelity.report import (
 )
 from synthesis.exporters.options import MotionOptions, StartAngle
 from synthesis.exporters.samples.cam import Cam
+from synthesis.exporters.samples.sampling import whole_count
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
-MIN_ROWS = 36.0  # in a turn, as of all files
 ZERO = 1e-14  # of a peak: rounding where the value is 0
 BETWEEN = np.linspace(0.0, 1.0, 33)  # fractions of each interval where interpolation is measured
 METHOD = (
@@ -84,7 +84,7 @@ class DriveTable:
             InputError: there is no cam, or so many rows that rounding makes some the same.
         """
         cam = Cam.of(design)
-        count = math.ceil(max(options.count - 1e-9, MIN_ROWS))
+        count = whole_count(options.count)
         turn, start_deg = options.master_per_turn, options.start_deg or 0.0
         master: Array = np.round(turn * np.arange(count + 1) / count, options.decimals)
         if not np.all(np.diff(master) > 0.0):

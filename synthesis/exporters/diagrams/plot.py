@@ -20,8 +20,8 @@ EXACT = 1e-9  # relative: a limit that is reached is not broken
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 CROWDED = 0.085  # of an axis: what lies between two numbers at least
 FEW = 3  # numbers at an axis, less is too few
-ROUNDING = 1e-12
-ROUND = (1.0, 2.0, 5.0, 3.0)
+ROUNDING = 1e-12  # relative: a radius smaller than this is a cusp's, 0
+ROUND = (1.0, 2.0, 5.0, 3.0)  # first digits of radii at an axis, the preferred ones first
 
 
 @dataclass(frozen=True)

@@ -41,8 +41,8 @@ from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees, ring
 from synthesis.numerics.piecewise import Array
 
-BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)
-UNITS_ACROSS = 160.0
+BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)  # in units; of the rotation arrow [rad]
+UNITS_ACROSS = 160.0  # units of the sheet from side to side of a cam
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
 
 

@@ -232,9 +232,14 @@ def in_degrees(theta: Array) -> Array:
     return np.where(np.abs(exact - short) < 1e-12, short, exact)
 
 
+def whole_count(count: float) -> int:
+    """Points in a turn, rounded up to a whole number, none further apart than ``COARSEST``."""
+    return math.ceil(max(count - 1e-9, 360.0 / (COARSEST / DEGREE)))
+
+
 def _uniform(count: float) -> Array:
     """Angles k · 360°/N in [0, 360°) [rad], N rounded up to a whole number."""
-    whole = math.ceil(max(count - 1e-9, 360.0 / (COARSEST / DEGREE)))
+    whole = whole_count(count)
     return np.arange(whole) * 360.0 / whole * DEGREE
 
 
