@@ -7,7 +7,7 @@ conformance tests ask for a scene in which its proven bound is near its value.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import ABC
 from dataclasses import replace
 from math import atan, tan
 from typing import Annotated, ClassVar, Literal, get_args
@@ -83,13 +83,17 @@ class Objective(FiniteModel, ABC):
         """Name of its value on the wire, with the unit that such a follower has."""
         return self.wire_name
 
-    @abstractmethod
+    def wire_factor(self, machine: Machine) -> float:
+        """The wire's unit, where the value there is a multiple of that in core units."""
+        raise NotImplementedError(f"{self.kind} is no multiple of its value on the wire")
+
     def to_wire(self, value: float, machine: Machine) -> float:
         """The value in the wire's unit; monotone, so that it carries bounds as well."""
+        return value * self.wire_factor(machine)
 
-    @abstractmethod
     def from_wire(self, value: float, machine: Machine) -> float:
         """The inverse of ``to_wire``."""
+        return value / self.wire_factor(machine)
 
 
 class BaseRadius(Objective):
@@ -118,11 +122,8 @@ class DerivativeObjective(Objective, ABC):
     def name_on_wire(self, machine: Machine) -> str:
         return f"{self.kind}_{machine.follower.travel.field_suffix(self.order)}"
 
-    def to_wire(self, value: float, machine: Machine) -> float:
-        return value * machine.wire_factor(self.order)
-
-    def from_wire(self, value: float, machine: Machine) -> float:
-        return value / machine.wire_factor(self.order)
+    def wire_factor(self, machine: Machine) -> float:
+        return machine.wire_factor(self.order)
 
 
 class PeakDerivative(DerivativeObjective, ABC):
@@ -229,17 +230,10 @@ class PeakDriveForce(Objective):
     def name_on_wire(self, machine: Machine) -> str:
         return self.wire_name if machine.follower.travel.unit == "mm" else "peak_drive_moment_n_m"
 
-    def to_wire(self, value: float, machine: Machine) -> float:
-        return value * _lever(machine)
-
-    def from_wire(self, value: float, machine: Machine) -> float:
-        return value / _lever(machine)
-
-
-def _lever(machine: Machine) -> float:
-    """N m of a newton along the arc of an arm; 1 on a slide."""
-    travel = machine.follower.travel
-    return 1.0 if travel.unit == "mm" else 1e-3 * travel.per_unit / DEGREE
+    def wire_factor(self, machine: Machine) -> float:
+        """N m of a newton along the arc of an arm; 1 on a slide."""
+        travel = machine.follower.travel
+        return 1.0 if travel.unit == "mm" else 1e-3 * travel.per_unit / DEGREE
 
 
 class PeakPressureAngle(Objective):

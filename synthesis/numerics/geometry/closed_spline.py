@@ -40,7 +40,6 @@ SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size
 ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
 JUMP_SHARES = 1.0 / 300.0, 1.0 / 1200.0  # of J h³ and K h⁴ in the departure
 SLOPE_STEP = 1e-3  # of a span, over which the curvature's derivative is taken
-SAME_CURVATURE = 1e-9  # relative: a smaller step of the curvature is none
 
 GAUSS, WEIGHTS = leggauss(8)
 GAUSS = 0.5 * (GAUSS + 1.0)
@@ -334,5 +333,5 @@ def _smooth(begins: CurvePoints, ends: CurvePoints) -> Mask:
     turned = np.hypot(*(begins.tangent - np.roll(ends.tangent, 1, axis=0)).T)
     moved = np.hypot(*(begins.points - np.roll(ends.points, 1, axis=0)).T)
     extent = np.max(np.abs(begins.points))
-    same = np.abs(bend - before) <= SAME_CURVATURE * size
-    return np.asarray(same & (turned <= SAME_CURVATURE) & (moved <= SAME_CURVATURE * extent))
+    same = np.abs(bend - before) <= SAME * size
+    return np.asarray(same & (turned <= SAME) & (moved <= SAME * extent))

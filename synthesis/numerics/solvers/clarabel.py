@@ -26,7 +26,6 @@ STATUSES = {
     "MaxIterations": StopReason.OUT_OF_ITERATIONS,
     "InsufficientProgress": StopReason.INACCURATE,
 }
-MOST_DENSE = 60  # equalities that are closed by dense algebra
 DAMPED, REPEATED = 1e-10, 4  # share of the largest diagonal; steps
 
 
@@ -71,23 +70,13 @@ class ConeSolution:
 def project_on_equalities(program: ConeProgram, x: Array) -> Array:
     """The nearest point that keeps the equalities to rounding instead of to the tolerance.
 
-    Joints of motion laws are among them, and a joint must not show in the finished cam.
+    Joints of motion laws are among them, and a joint must not show in the finished cam. Equalities
+    may depend on each other, so that the normal equations are singular; a little added to their
+    diagonal, and the step done again on what is left, comes to the same point.
     """
     if program.equalities == 0 or not np.all(np.isfinite(x)):
         return x
     rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
-    if program.equalities > MOST_DENSE:
-        return _project_sparse(rows, rhs, x)
-    weights, *_ = np.linalg.lstsq((rows @ rows.T).toarray(), rhs - rows @ x, rcond=1e-13)
-    return np.asarray(x + rows.T @ weights)
-
-
-def _project_sparse(rows: sparse.csc_matrix, rhs: Array, x: Array) -> Array:
-    """The same for many equalities, in time that grows with their number, not with its cube.
-
-    Equalities may depend on each other, so that the normal equations are singular; a little added
-    to their diagonal, and the step done again on what is left, comes to the same point.
-    """
     normal = (rows @ rows.T).tocsc()
     spare = DAMPED * float(normal.diagonal().max())
     solver = splu(normal + spare * sparse.eye_array(len(rhs), format="csc"))

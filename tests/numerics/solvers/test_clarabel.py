@@ -27,12 +27,8 @@ def program() -> ConeProgram:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("most_dense", [0, 1000], ids=["sparse", "dense"])
-def test_the_point_keeps_equalities_to_rounding(
-    monkeypatch: pytest.MonkeyPatch, most_dense: int
-) -> None:
+def test_the_point_keeps_equalities_to_rounding() -> None:
     asked = program()
-    monkeypatch.setattr(clarabel, "MOST_DENSE", most_dense)
     found = solve(asked)
     assert found.stopped is StopReason.SOLVED
     assert np.max(np.abs(asked.matrix @ found.x - asked.rhs)) < 1e-13
@@ -40,10 +36,8 @@ def test_the_point_keeps_equalities_to_rounding(
     assert found.x == pytest.approx(least, abs=1e-9)
 
 
-@pytest.mark.parametrize("most_dense", [0, 1000], ids=["sparse", "dense"])
-def test_the_nearest_such_point_is_taken(monkeypatch: pytest.MonkeyPatch, most_dense: int) -> None:
+def test_the_nearest_such_point_is_taken() -> None:
     asked, away = program(), np.cos(np.arange(UNKNOWNS))
-    monkeypatch.setattr(clarabel, "MOST_DENSE", most_dense)
     closed = clarabel.project_on_equalities(asked, away)
     assert np.max(np.abs(asked.matrix @ closed - asked.rhs)) < 1e-13
     # what was moved lies in the span of the rows alone
