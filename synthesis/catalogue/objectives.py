@@ -201,7 +201,6 @@ class PeakDriveForce(Objective):
                 "objective_needs_load",
                 "peak_drive_force is to be small, but the spec gives no load on the follower. "
                 "Give load, or choose another objective.",
-                {},
             )
         for segment in segments:
             low, high = machine.load.process_range(segment)

@@ -64,13 +64,6 @@ def gauss_points(breaks: Array, count: int) -> tuple[Array, Array]:
 _leggauss = lru_cache(maxsize=64)(leggauss)
 
 
-@lru_cache(maxsize=64)
-def _derivative_matrices(size: int) -> Array:
-    """From coefficients of a polynomial to those of its derivatives 0, 1, …: (size, size, size)."""
-    first = np.diag(np.arange(1.0, size), -1)
-    return np.stack([np.linalg.matrix_power(first, k) for k in range(size)])
-
-
 @dataclass(frozen=True, eq=False)
 class Piecewise:
     """f(x) = Σ_j poly[i,j] (x − origin[i])^j + Σ_m A sin(w (x − origin[i]) + φ) on piece i.
@@ -165,10 +158,11 @@ class Piecewise:
 
     def combine_derivatives(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
-        matrices = _derivative_matrices(self.poly.shape[1])[: len(coefficients)]
-        pairs = zip(coefficients, matrices, strict=False)
-        mixed = sum((c * matrix for c, matrix in pairs if c), start=0.0 * matrices[0])
-        return Piecewise(self.breaks, self.origins, self.poly @ mixed, self.waves)
+        mixed, rows = np.zeros_like(self.poly), self.poly
+        for c in coefficients:
+            mixed[:, : rows.shape[1]] += c * rows
+            rows = rows[:, 1:] * np.arange(1.0, rows.shape[1])
+        return Piecewise(self.breaks, self.origins, mixed, self.waves)
 
     def bound_derivative(self, piece: Indices, width: Array, order: int) -> Array:
         """Crude bound of |f^(order)| within ``width`` of the origin of each piece: (k,)."""

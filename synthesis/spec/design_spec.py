@@ -141,7 +141,6 @@ class DesignSpec(BaseModel):
                 "numbers_do_not_fit",
                 "However the free angles and lifts of program are chosen within their ranges, "
                 "the angles do not sum to 360° or the lifts not to zero. Widen a range.",
-                {},
             )
 
     def _check_closure(self) -> None:

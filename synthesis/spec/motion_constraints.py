@@ -102,7 +102,6 @@ class Point(UnitFields):
                 "point_unclear",
                 "A point has exactly one of travel_mm and travel_deg. Give travel_mm for a "
                 "follower that slides, travel_deg for one on an arm.",
-                {},
             )
         return self
 

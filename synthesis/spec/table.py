@@ -85,7 +85,6 @@ class Table(SegmentSpec):
                 "table_tolerance",
                 "A table needs a tolerance: how far the motion may pass a row. "
                 "Give tolerance_mm for a follower that slides, or tolerance_deg for one on an arm.",
-                {},
             )
         # A lift may differ from the table's own by the tolerance at both ends.
         s = self._table[1]
@@ -174,7 +173,6 @@ def columns(
             "A table is given once: as points, or as angles_deg with displacements_mm (on an arm "
             "displacements_deg). "
             "Give one of the two.",
-            {},
         )
     if points is not None:
         table = np.array(points, dtype=float).reshape(-1, 2)

@@ -56,7 +56,6 @@ def check_growth_ends(
             "objective peak_pressure_angle has no best value while the cam may grow "
             "without end: every larger cam has a smaller pressure angle. Give "
             "base_radius_mm a max, limit outer_radius, or put base_radius before it.",
-            {},
         )
 
 

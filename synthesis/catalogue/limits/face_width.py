@@ -41,7 +41,6 @@ class FaceWidth(Limit):
                 "face_width_empty",
                 "face_width gives no width. Give width_mm, or left_mm and right_mm; near_mm and "
                 "far_mm of a face on a pivot.",
-                {},
             )
         if self.near_mm is not None and self.far_mm is not None and self.near_mm >= self.far_mm:
             raise PydanticCustomError(

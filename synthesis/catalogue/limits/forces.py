@@ -98,7 +98,6 @@ class ContactForce(ForceLimit):
                 "no_force_limited",
                 "contact_force gives no limit. Give max_n, or min_n (0: no float), or leave the "
                 "limit out.",
-                {},
             )
         if self.max_n is not None and self.min_n is not None and self.min_n >= self.max_n:
             raise PydanticCustomError(

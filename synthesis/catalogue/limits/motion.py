@@ -263,7 +263,6 @@ class ResidualVibration(TravelLimit):
                 "no_dwell_to_ring_in",
                 "residual_vibration limits what a dwell begins with, but program holds no dwell "
                 "with an angle. Add one, or leave the limit out.",
-                {},
             )
 
     def vibration_bounds(self, segments: Segments, machine: Machine) -> tuple[VibrationBound, ...]:

@@ -43,7 +43,6 @@ class PressureAngle(Limit):
                 "no_angle_limited",
                 "pressure_angle gives no limit. Give rise_deg, return_deg or dwell_deg, or leave "
                 "the limit out.",
-                {},
             )
         return self
 
