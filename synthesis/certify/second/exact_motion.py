@@ -233,24 +233,30 @@ class Maximum:
     boxes: int
 
 
-@dataclass(frozen=True, eq=False)
-class _Interval:
-    piece: MotionPiece
-    low: arb
-    high: arb
-    upper: arb
-
-    def __lt__(self, other: _Interval) -> bool:
-        """The interval with the largest bound comes first in the queue."""
-        return bool(self.upper > other.upper)
-
-
 def enclose_maximum(function: Function, spans: Sequence[Span], sign: int = 1) -> Maximum:
     """The largest value of sign · f on parts of pieces, both ends included."""
-    return _Search(function, sign).run(spans)
+    search = _Search(function, sign)
+
+    def entry(piece: MotionPiece, low: arb, high: arb) -> tuple[arb, int, MotionPiece, arb, arb]:
+        """An interval for the queue: the one with the largest bound comes first, then the older."""
+        return -search.bound(piece, low, high), search.intervals, piece, low, high
+
+    queue = [entry(*span) for span in spans]
+    heapq.heapify(queue)
+    while search.intervals < MAX_INTERVALS:
+        if -queue[0][0] - search.incumbent <= SUFFICIENT_WIDTH * search.scale:
+            break
+        _, _, piece, low, high = heapq.heappop(queue)
+        middle = ((low + high) / 2).mid()
+        heapq.heappush(queue, entry(piece, low, middle))
+        heapq.heappush(queue, entry(piece, middle, high))
+    assert search.piece is not None
+    return Maximum(search.incumbent, -queue[0][0], search.piece, search.x, search.intervals)
 
 
 class _Search:
+    """The incumbent of a search, and bounds on intervals."""
+
     def __init__(self, function: Function, sign: int) -> None:
         self.function, self.sign = function, sign
         self.incumbent, self.x = arb.neg_inf(), arb(0)
@@ -258,48 +264,33 @@ class _Search:
         self.scale = arb(0)  # largest |f| met
         self.intervals = 0
 
-    def run(self, spans: Sequence[Span]) -> Maximum:
-        queue = [self._bounded(*span) for span in spans]
-        heapq.heapify(queue)
-        while self.intervals < MAX_INTERVALS:
-            first = queue[0]
-            if first.upper - self.incumbent <= SUFFICIENT_WIDTH * self.scale:
-                break
-            heapq.heappop(queue)
-            middle = ((first.low + first.high) / 2).mid()
-            heapq.heappush(queue, self._bounded(first.piece, first.low, middle))
-            heapq.heappush(queue, self._bounded(first.piece, middle, first.high))
-        assert self.piece is not None
-        return Maximum(self.incumbent, queue[0].upper, self.piece, self.x, self.intervals)
-
-    def _bounded(self, piece: MotionPiece, low: arb, high: arb) -> _Interval:
-        """An interval with its bound; its middle and likely best point are tried as incumbents."""
+    def bound(self, piece: MotionPiece, low: arb, high: arb) -> arb:
+        """Upper bound on an interval; its middle and likely best point are tried as incumbents."""
         self.intervals += 1
         middle = ((low + high) / 2).mid()
         at_middle = self._series(piece, middle, highest_only=False)
         self._try(piece, middle, at_middle)
         if high <= low:  # a single point
-            return _Interval(piece, low, high, _upper(at_middle, 0))
+            return _upper(at_middle, 0)
         over = self._series(piece, hull(low, high), highest_only=True)
         if at_middle is None or over is None:
-            return _Interval(piece, low, high, arb.pos_inf())
+            return arb.pos_inf()
         # maximum of the parabola c0 + c1 τ + C τ² over |τ| ≤ reach
         reach = (piece.angle * (high - low) / 2).upper()
         slope, bend = coefficient(at_middle, 1), _upper(over, 2)
         vertex = -slope / (2 * bend) if bend < 0 else arb.nan()
-        end = reach if slope > 0 else -reach
         inside = abs(vertex) <= reach
         if inside:
-            upper = _upper(at_middle, 0) - slope * slope / (4 * bend)
-        elif bend < 0 and abs(vertex) > reach:
-            upper = _upper(at_middle, 0) + abs(slope).upper() * reach + bend * reach * reach
-        else:  # bent upwards, or it is not known on which side of the end the vertex is
-            rise = abs(slope).upper() * reach + bend.max(arb(0)) * reach * reach
-            upper = _upper(at_middle, 0) + rise
-        likely = vertex if inside else end
+            rise = -slope * slope / (4 * bend)
+        else:  # at an end; bent downwards it falls short only if the vertex is surely beyond it
+            beyond = bend < 0 and abs(vertex) > reach
+            curve = bend if beyond else bend.max(arb(0))
+            rise = abs(slope).upper() * reach + curve * reach * reach
+        upper = _upper(at_middle, 0) + rise
+        likely = vertex if inside else reach if slope > 0 else -reach
         x = (middle + likely / piece.angle).mid().max(low).min(high).mid()
         self._try(piece, x, self._series(piece, x, highest_only=False))
-        return _Interval(piece, low, high, upper.upper() if upper.is_finite() else arb.pos_inf())
+        return upper.upper() if upper.is_finite() else arb.pos_inf()
 
     def _series(self, piece: MotionPiece, x: arb, *, highest_only: bool) -> arb_series | None:
         """sign · f about x, or None if it cannot be formed to its second coefficient.
