@@ -287,6 +287,9 @@ class NonconvexConstraint(ABC):
         return ()
 
 
+NonconvexConstraints = tuple[NonconvexConstraint, ...]
+
+
 # -- of the curve that a trace point draws ---------------------------------------------------------
 
 

@@ -17,7 +17,7 @@ from synthesis.catalogue.constraints import (
     AffineNorm,
     Ends,
     LinearInequality,
-    NonconvexConstraint,
+    NonconvexConstraints,
     SizeDomain,
     Vector,
 )
@@ -164,7 +164,7 @@ class Follower(FiniteModel, TracePoint, ABC):
 
     # -- constraints: () where the follower does not state the limit in this form ------------------
 
-    def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
+    def pressure_angle_constraints(self, slope: float) -> NonconvexConstraints:
         """|tan α| ≤ slope where it is not linear in s, s' and z together."""
         return ()
 
@@ -172,11 +172,11 @@ class Follower(FiniteModel, TracePoint, ABC):
         """Radius of the convex profile ≥ least, linear in s to s'' and z."""
         return ()
 
-    def profile_radius_constraints(self, least: float) -> tuple[NonconvexConstraint, ...]:
+    def profile_radius_constraints(self, least: float) -> NonconvexConstraints:
         """Radius of the convex profile ≥ least where its half-planes of the size are known."""
         return ()
 
-    def outer_radius_constraints(self, largest: float) -> tuple[NonconvexConstraint, ...]:
+    def outer_radius_constraints(self, largest: float) -> NonconvexConstraints:
         """Largest radius of the traced curve ≤ largest where ``outer_radius_norm`` is None."""
         return ()
 
@@ -314,7 +314,7 @@ class FlatFaceFollower(Follower, ABC):
         """
         return ()
 
-    def contact_constraints(self, end: str, reach: float) -> tuple[NonconvexConstraint, ...]:
+    def contact_constraints(self, end: str, reach: float) -> NonconvexConstraints:
         """Contact on the inner side of an end at ``reach``, where it is not linear."""
         return ()
 

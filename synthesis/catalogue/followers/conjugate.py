@@ -27,7 +27,7 @@ from pydantic import Field
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, PressureTerm, Vector
 from synthesis.catalogue.fields import Dimension, Range, ends
 from synthesis.catalogue.followers.closures import Closure, Force, Groove
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, Tip, TracePoint, Vector2
 from synthesis.catalogue.followers.pivot import PivotedFollower
 from synthesis.catalogue.motion import Motion
@@ -83,7 +83,7 @@ class CounterRoller(TracePoint):
 
     def curvature_bounds(
         self, side: int, most: float, thrust: PressureTerm | None = None
-    ) -> tuple[CurvatureBound, ...]:
+    ) -> CurvatureBounds:
         # Only of a slide, where |ratio| = 1: coordinates of s2 and z2 become those of s and z.
         return tuple(
             replace(bound, coordinates=bound.coordinates.through(self._through))

@@ -137,6 +137,9 @@ class CurvatureBound:
         return PointInequalities(rows, size, -least - known)
 
 
+CurvatureBounds = tuple[CurvatureBound, ...]
+
+
 def _corners(low: Array, high: Array) -> Array:
     """The corners of boxes: (3, 8, n)."""
     return np.where(CORNERS[:, :, None], high[:, None], low[:, None])

@@ -31,7 +31,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality, PressureTerm
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 
 Vector2 = tuple[Any, Any]
 
@@ -80,7 +80,7 @@ class TracePoint(ABC):
 
     def curvature_bounds(
         self, side: int, most: float, thrust: PressureTerm | None = None
-    ) -> tuple[CurvatureBound, ...]:
+    ) -> CurvatureBounds:
         """side · κ ≤ most, most > 0, with its linear relaxation over boxes; () where none is known.
 
         Args:

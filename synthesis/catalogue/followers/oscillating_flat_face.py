@@ -36,6 +36,7 @@ from synthesis.catalogue.constraints import (
     Ends,
     LinearInequality,
     NonconvexConstraint,
+    NonconvexConstraints,
     NormBounds,
     SizeDomain,
     Vector,
@@ -173,7 +174,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
         f = self.face_offset_mm
         return SwingingFaceConstraint("", self.reference, self.sigma, f, self.distance, **terms)
 
-    def profile_radius_constraints(self, least: float) -> tuple[NonconvexConstraint, ...]:
+    def profile_radius_constraints(self, least: float) -> NonconvexConstraints:
         """ρ ≥ least, contact on the face's own side of the pivot, the pivot not too near."""
         nearest, _ = ends(self.centre_distance_mm)
         free = self.distance is None and nearest > 0.0
@@ -183,16 +184,16 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
             *((LeastPivotDistance("", nearest, self.face_offset_mm),) if free else ()),
         )
 
-    def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
+    def pressure_angle_constraints(self, slope: float) -> NonconvexConstraints:
         # |f| ≤ t r
         f = abs(self.face_offset_mm)
         return (self._limit(along=-slope, first=-f),) if f else ()
 
-    def contact_constraints(self, end: str, reach: float) -> tuple[NonconvexConstraint, ...]:
+    def contact_constraints(self, end: str, reach: float) -> NonconvexConstraints:
         sign = {"near": -1.0, "far": 1.0}[end]
         return (self._limit(along=sign, first=sign * reach),)
 
-    def outer_radius_constraints(self, largest: float) -> tuple[NonconvexConstraint, ...]:
+    def outer_radius_constraints(self, largest: float) -> NonconvexConstraints:
         # |p| is stationary where φ' ρ = 0, at its largest on the highest lift: |p| = h there
         return (self._limit(lean=1.0, known=largest + self.face_offset_mm),)
 

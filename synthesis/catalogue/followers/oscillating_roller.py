@@ -27,7 +27,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.constraints import (
     AffineNorm,
     Ends,
-    NonconvexConstraint,
+    NonconvexConstraints,
     NormBounds,
     SizeDomain,
     Vector,
@@ -197,7 +197,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
         return AffineNorm(((-cos, sin), (sin, cos)), (self.length, 0.0))
 
-    def pressure_angle_constraints(self, slope: float) -> tuple[NonconvexConstraint, ...]:
+    def pressure_angle_constraints(self, slope: float) -> NonconvexConstraints:
         arm, sigma = self.length, self.sigma
         if self.distance is None:
             return (FreePivotPressureAngle("pressure_angle", arm, sigma, slope),)

@@ -20,13 +20,13 @@ from typing import Any, ClassVar
 
 from synthesis.catalogue.constraints import (
     LinearInequality,
-    NonconvexConstraint,
+    NonconvexConstraints,
     NormBounds,
     VibrationBound,
 )
 from synthesis.catalogue.fields import FiniteModel
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -159,15 +159,11 @@ class Limit(FiniteModel, ABC):
         """Bounds of residual amplitudes after runs of segments."""
         return ()
 
-    def nonconvex(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[NonconvexConstraint, ...]:
+    def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         """Constraints on motion and size together that are not linear in both."""
         return ()
 
-    def curvature_bounds(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[CurvatureBound, ...]:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
         """Bounds of the traced curves' curvature, relaxed where the trace point lies in a box."""
         return ()
 

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
+from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraints
 from synthesis.catalogue.followers.base import Follower, flat_face
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -72,9 +72,7 @@ class FaceWidth(Limit):
             if which == end
         )
 
-    def nonconvex(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[NonconvexConstraint, ...]:
+    def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         face = flat_face(machine.follower)
         assert face is not None
         return tuple(

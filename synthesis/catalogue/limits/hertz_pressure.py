@@ -21,7 +21,7 @@ from pydantic import Field
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, MotionBox, PressureTerm
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.limits.forces import (
@@ -95,9 +95,7 @@ class HertzPressure(ForceLimit):
             found.append(LinearInequality((s, v, a, j), size, upper, source=self.kind))
         return tuple(found)
 
-    def curvature_bounds(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[CurvatureBound, ...]:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
         """Of a roller on a slide: what thrust leaves of the curvature that undercut allows."""
         return tuple(
             replace(rows, source=labelled(self.kind, flank.name))

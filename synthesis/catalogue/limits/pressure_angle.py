@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint
+from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraints
 from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.kinematics import labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling, segment_indices
@@ -79,9 +79,7 @@ class PressureAngle(Limit):
             found += [across - slope * along, -across - slope * along]
         return tuple(found)
 
-    def nonconvex(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[NonconvexConstraint, ...]:
+    def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         return tuple(
             replace(curve, source=f"pressure_angle_{kind}")
             for kind in segment.senses

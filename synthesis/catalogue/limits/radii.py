@@ -16,9 +16,9 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraint, NormBounds
+from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraints, NormBounds
 from synthesis.catalogue.followers.base import Follower, paths
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, TracePoint, edge_offset, labelled
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -43,9 +43,7 @@ class FlankRadius(Limit, ABC):
             if radius > 0.0:
                 yield flank, radius
 
-    def curvature_bounds(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[CurvatureBound, ...]:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
         return tuple(
             replace(rows, source=labelled(self.kind, flank.name))
             for flank, radius in self._flanks(machine)
@@ -99,9 +97,7 @@ class ProfileRadius(FlankRadius):
         rows = machine.follower.profile_radius_rows(self.min_mm)
         return tuple(replace(row, source="profile_radius") for row in rows)
 
-    def nonconvex(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[NonconvexConstraint, ...]:
+    def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         curves = machine.follower.profile_radius_constraints(self.min_mm)
         return tuple(replace(curve, source="profile_radius") for curve in curves)
 
@@ -210,9 +206,7 @@ class OuterRadius(Limit):
                 source = labelled("outer_radius", path)
                 yield LinearInequality((rise, 0.0, 0.0, 0.0), low.matrix[-1], most, source=source)
 
-    def nonconvex(
-        self, segment: PlacedSegment, machine: Machine
-    ) -> tuple[NonconvexConstraint, ...]:
+    def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         curves = machine.follower.outer_radius_constraints(self.max_mm)
         return tuple(replace(curve, source="outer_radius") for curve in curves)
 
