@@ -1,7 +1,7 @@
 """The base of every follower family: given dimensions, size variables, and the cam's curves.
 
-What particular consumers ask is elsewhere: ``outline`` (drawings), ``closures`` (counter rollers of
-conjugate cams). At the end are the bases of followers with a roller and with a flat face.
+Counter rollers of conjugate cams are in ``closures``. At the end are the bases of followers with a
+roller and with a flat face.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ class Closure(FiniteModel):
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
     ) -> tuple[Tip, ...]:
-        """The rollers' centres on the follower's link, see ``link``.
+        """The rollers' centres on the follower's link, see ``Follower.link``.
 
         Args:
             at: the main roller's. pivot: of the link, None where it slides.

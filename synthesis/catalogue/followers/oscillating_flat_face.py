@@ -18,7 +18,7 @@ contact is on the face's own side of the pivot and a swing lifts.
 
 Multiplied by powers of w every limit reads A d cosψ + B d sinψ ≤ C with A, B and C from the motion
 alone, so that with p = d cosψ0, q = d sinψ0 = Rb + f it is linear in the size at every angle
-(``face_on_pivot``). Where d is free z = (p, Rb); where it is a number z = (Rb,).
+(``swinging_face``). Where d is free z = (p, Rb); where it is a number z = (Rb,).
 """
 
 from __future__ import annotations

@@ -9,6 +9,9 @@ Symbols, used throughout (N, mm, kg, s; angles in rad; derivatives per radian of
     N        contact force, along the common normal: G = N (n · g) λ, λ the contact's lever
     T        camshaft torque = N (n · g) λ s': without friction G s'
     p        Hertz pressure of the line contact
+
+In: a load as on the wire (``load``, of the parts in ``load_parts`` and ``friction``). Out: the load
+reduced to the displacement, and the forces over the turn (``reduced``, open it first).
 """
 
 from __future__ import annotations

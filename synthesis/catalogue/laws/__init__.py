@@ -1,4 +1,4 @@
-"""Motion laws: one family a file, one law an entry of its table.
+"""Motion laws: families, and each law an entry in the table of its family.
 
 A law is normalised: g(x) from 0 to 1 over x in [0, 1]. Named laws (VDI 2143, Rothbart, Norton)
 have a closed form; the spline is the optimiser's. Open ``base`` first. A new law is an entry in the
