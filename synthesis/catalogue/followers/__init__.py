@@ -1,9 +1,10 @@
 """Follower families, one a file. A new one is a file and its name in ``AnyFollower``.
 
 A family is a bare mechanism: the curve that its trace point draws on the cam, and the size
-variables z that fix the cam. Open ``base`` first, then ``kinematics``; ``translating_roller``
-is the shortest family with a roller, ``translating_flat_face`` the shortest with a face. Beside them lie the constraints that are not linear (``arm_pressure_angle``,
-``swinging_face``, ``curvature_bound``) and what keeps a roller on its cam (``closures``).
+variables z that fix the cam. Open ``base`` first, then ``kinematics``; ``translating_roller`` is
+the shortest family with a roller, ``translating_flat_face`` the shortest with a face. Beside them
+lie the constraints that are not linear (``arm_pressure_angle``, ``swinging_face``,
+``curvature_bound``) and what keeps a roller on its cam (``closures``).
 """
 
 from __future__ import annotations
