@@ -38,7 +38,7 @@ Vector = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class Cam:
-    """A finished cam: every segment settled, the splines of the free ones by index, the size."""
+    """A finished cam: segments with their laws, the splines of free ones by index, the size."""
 
     segments: tuple[PlacedSegment, ...]
     splines: Splines
@@ -59,28 +59,29 @@ class Bounded:
     over: str
 
 
-def to_physical_cam(question: NondimensionalSpec, solved_spec: DesignSpec, found: Cam) -> Cam:
-    """A cam that was found in its question's own units, in the wire's.
+def to_physical_cam(question: NondimensionalSpec, solved_spec: DesignSpec, cam: Cam) -> Cam:
+    """A cam in its question's own units, put into the wire's.
 
     Laws are kept, but for what joins them to the last digits; program and dimensions that are given
-    are as they were asked.
+    are those of the spec.
 
     Args:
-        question: what was asked. posed: what was solved, in its own units. found: its cam.
+        question: the spec in both units. solved_spec: what was solved, in its own units.
+        cam: its cam.
     """
     spec = question.to_physical(solved_spec)
-    settled = tuple(
-        replace(segment, law=own.law, free=own.free) if own.index in found.splines else segment
-        for segment, own in zip(spec.placed_segments(), found.segments, strict=True)
+    placed = tuple(
+        replace(segment, law=own.law, free=own.free) if own.index in cam.splines else segment
+        for segment, own in zip(spec.placed_segments(), cam.segments, strict=True)
     )
-    joined = repair_junctions(settled, found.splines)
+    joined = repair_junctions(placed, cam.splines)
     laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
-    segments = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in settled)
+    segments = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in placed)
     problem = formulate_problem(spec, spec.objectives()[0], (), segments)
     return Cam(
         segments,
-        {**found.splines, **joined},
-        project_size(problem, question.size_to_physical(found.size)),
+        {**cam.splines, **joined},
+        project_size(problem, question.size_to_physical(cam.size)),
     )
 
 
@@ -88,13 +89,13 @@ def in_wire_units(
     question: NondimensionalSpec, built: DesignSpec, bounds: Iterable[Bounded]
 ) -> list[Bounded]:
     """Bounds [core, in the question's own units] of a cam that was built so, on the wire."""
-    machine, found = built.machine(), list[Bounded]()
+    machine, converted = built.machine(), list[Bounded]()
     for each in bounds:
         objective, known = each.objective, isfinite(each.lower)
         unit = question.units.of_field(objective.name_on_wire(machine))
         lower = unit * objective.to_wire(each.lower, machine) if known else -inf
-        found.append(replace(each, lower=lower))
-    return found
+        converted.append(replace(each, lower=lower))
+    return converted
 
 
 def restate_problem(
@@ -103,7 +104,8 @@ def restate_problem(
     """A problem that was solved in its question's own units, in the core's of what was asked.
 
     Args:
-        question: what was asked. posed: what was solved, on the wire. solved: the problem.
+        question: the spec in both units. solved_spec: what was solved, on the wire.
+        solved: the problem.
     """
     held, machine = list[ObjectiveCap](), solved_spec.machine()
     for each in solved.objective_caps:
@@ -123,7 +125,7 @@ def restate_problem(
 def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
     """Every limit, every dimension and every promise of the motion, measured on the cam.
 
-    ``built`` is the spec with what was settled after the size; None: nothing was.
+    ``built`` is the spec with what was chosen after the size; None: nothing was.
     """
     motion, built = cam.motion, built or spec
     return [
@@ -134,7 +136,7 @@ def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> 
 
 def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]:
     """Value, bound and gap of every objective, in the wire's units."""
-    machine, motion, found = spec.machine(), cam.motion, []
+    machine, motion, proven = spec.machine(), cam.motion, []
     for bounded in bounds:
         objective = bounded.objective
         value = objective.to_wire(
@@ -143,7 +145,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
         known = isfinite(bounded.lower)
         lower = _valid_bound(bounded.lower, value) if known else None
         gap = None if lower is None else relative_gap(value, lower)
-        found.append(
+        proven.append(
             Proof(
                 objective=objective.name_on_wire(machine),
                 value=value if isfinite(value) else None,
@@ -152,19 +154,21 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
                 gap=gap,
             )
         )
-    return found
+    return proven
 
 
-def measured(found: Design, objectives: Iterable[Objective]) -> dict[str, float]:
+def measured(answer: Design, objectives: Iterable[Objective]) -> dict[str, float]:
     """Values of further objectives on a finished design, by their names on the wire.
 
     What is infinite, as the peak jerk of a law that jumps, is left out.
     """
-    if not found.motion:
+    if not answer.motion:
         return {}
-    machine, values = found.completed_spec.machine(), dict[str, float]()
+    machine, values = answer.completed_spec.machine(), dict[str, float]()
     for objective in objectives:
-        value = measure_objective(objective.quantity, found.curve, machine, tuple(found.size)).value
+        value = measure_objective(
+            objective.quantity, answer.curve, machine, tuple(answer.size)
+        ).value
         if isfinite(value):
             values[objective.name_on_wire(machine)] = objective.to_wire(value, machine)
     return values
@@ -206,10 +210,10 @@ def segment_motions(
     placed_segments: Sequence[PlacedSegment],
     splines: Splines,
 ) -> list[SegmentMotion]:
-    """The motion as it is told: by segment of the program, the splines of those that have one."""
+    """The motion on the wire: by segment of the program, with its spline where it has one."""
     starts = accumulate((segment.degrees for segment in program), initial=0.0)
     s_start, s_end, unit = (f"{name}_{travel.unit}" for name in ("s_start", "s_end", "unit"))
-    found = []
+    motions = []
     for placed, segment, start_deg in zip(placed_segments, program, starts, strict=False):
         spline = None
         if placed.index in splines:
@@ -220,7 +224,7 @@ def segment_motions(
                 coefficients=coefficients.tolist(),
                 **{} if placed.table is None else {unit: placed.scale / travel.per_unit},
             )
-        found.append(
+        motions.append(
             SegmentMotion(
                 kind=placed.kind,
                 start_deg=start_deg,
@@ -233,7 +237,7 @@ def segment_motions(
                 },
             )
         )
-    return found
+    return motions
 
 
 def design(
@@ -277,16 +281,16 @@ def design(
     )
 
 
-def with_free_parameters(found: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
+def with_free_parameters(answer: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
     """The answer to a question that leaves numbers free, from that with them in place.
 
     Its bounds say nothing of other numbers, so that it is feasible and no more.
     """
     if not numbers:
-        return found
+        return answer
     searched = question.free_parameters.parameters
     chosen = {parameter.field: value for parameter, value in zip(searched, numbers, strict=True)}
-    proof, conflict = found.certificate, found.conflict
+    proof, conflict = answer.certificate, answer.conflict
     if conflict is not None:
         words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen.items())
         evidence = f"{conflict.evidence}; all this at {words}, where nothing better was found"
@@ -298,12 +302,12 @@ def with_free_parameters(found: Design, question: DesignSpec, numbers: Sequence[
     certificate = proof.model_copy(
         update={"bound_valid_for": _limited_to_values(proof), "other_objectives": others}
     )
-    return found.model_copy(
+    return answer.model_copy(
         update={
             "id": design_id(question),
             "spec": question,
             "free_parameters": chosen,
-            "status": "feasible" if found.status == "optimal" else found.status,
+            "status": "feasible" if answer.status == "optimal" else answer.status,
             "certificate": certificate,
             "conflict": conflict,
         }

@@ -215,17 +215,17 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport
         raised = Range(min=trial_radius, max=largest)
         larger = spec.model_copy(update={"base_radius_mm": raised})
         trial = question.with_scaled(larger)
-        tried = solve_and_certify(
+        larger_cam = solve_and_certify(
             Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
         )
-        if tried.cam is not None and tried.certified:
-            built = tried.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
-            extremes = certify_cam(question.physical, tried.cam, question.to_physical(built))
-            most = _base_radius(tried)
-            best = replace(tried, question=question, built=built, extremes=extremes)
-            if tried.searches[0].suffices:
+        if larger_cam.cam is not None and larger_cam.certified:
+            built = larger_cam.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
+            extremes = certify_cam(question.physical, larger_cam.cam, question.to_physical(built))
+            most = _base_radius(larger_cam)
+            best = replace(larger_cam, question=question, built=built, extremes=extremes)
+            if larger_cam.searches[0].suffices:
                 break
-        elif tried.crosses_itself:
+        elif larger_cam.crosses_itself:
             least, step = trial_radius, 2.0 * step
         else:
             break

@@ -157,16 +157,16 @@ class Oracle:
         known = (trial.seconds for key, trial in self.known.items() if number in key)
         return min(known, default=0.0)
 
-    def least(self, number: Relaxable, asked: Trial) -> tuple[float, Trial] | None:
+    def least(self, number: Relaxable, original: Trial) -> tuple[float, Trial] | None:
         """The least value of a limit on the motion, with its cam; None if that is not known.
 
         The question's own least, all other numbers kept: from phase 1, or by making it the
         objective; and a little more where a cam with just that as its limit is not found.
         """
         least: float | None = None
-        if asked.excess is not None and asked.strained == (number.limit,):
-            least = (1.0 + asked.excess) * number.tightest
-        elif asked.smallest is None and number.limit in OBJECTIVE_OF:
+        if original.excess is not None and original.strained == (number.limit,):
+            least = (1.0 + original.excess) * number.tightest
+        elif original.smallest is None and number.limit in OBJECTIVE_OF:
             objective = OBJECTIVE_OF[number.limit]
             trial = self.ask(without(self.spec, [number]), TOLERANCE, objective)
             least = _value_on(self.spec, number, trial)[0] if trial.certified else None
@@ -190,19 +190,19 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         deadline: ``clock.now()`` at which to stop; what is not known by then is said to be so.
     """
     # 1. The deletion filter, with the pipeline as its oracle.
-    asked = Trial(attempt, smallest, True)
+    original = Trial(attempt, smallest, True)
     oracle = Oracle(attempt.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
     numbers = relaxable_numbers(oracle.spec)
-    members, shown, complete = _irreducible(oracle, numbers, asked)
+    members, proof_trial, complete = _irreducible(oracle, numbers, original)
     # 2. What each member alone would have to be; first those whose trials have been quick, so that
     #    a slow one takes the time of no other.
-    found = {
-        number: list(_relaxations(oracle, number, asked))
+    changes = {
+        number: list(_relaxations(oracle, number, original))
         for number in sorted(members, key=oracle.seconds_without)
     }
-    relaxations = [one for number in members for one in found[number]]
+    relaxations = [one for number in members for one in changes[number]]
     limits = [str(number) for number in members]
-    evidence = _evidence(asked, shown, members, complete)
+    evidence = _evidence(original, proof_trial, members, complete)
     # 3. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]
     if refused:
@@ -218,41 +218,42 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
 
 
 def _irreducible(
-    oracle: Oracle, numbers: Sequence[Relaxable], asked: Trial
+    oracle: Oracle, numbers: Sequence[Relaxable], original: Trial
 ) -> tuple[list[Relaxable], Trial, bool]:
     """Numbers that have no cam together, the trial that shows it, and whether all were tried."""
-    kept, shown = list(numbers), asked
+    kept, proof_trial = list(numbers), original
     # What phase 1 names may have no cam by itself: then all others go at once.
-    named = [number for number in numbers if number.limit in asked.strained]
+    named = [number for number in numbers if number.limit in original.strained]
     if 0 < len(named) < len(numbers) and not oracle.is_late():
         trial = oracle.without([number for number in numbers if number not in named])
         if trial.on_time and not trial.certified:
-            kept, shown = list(named), trial
+            kept, proof_trial = list(named), trial
             oracle.without(named[:1])  # most likely the conflict: the second step's first trial
     for number in list(kept):
         if oracle.is_late():
-            return kept, shown, False
+            return kept, proof_trial, False
         trial = oracle.without([one for one in numbers if one not in kept or one is number])
         if not trial.on_time:
-            return kept, shown, False
+            return kept, proof_trial, False
         if not trial.certified:  # the others have no cam without it either
             kept.remove(number)
-            shown = trial
-    return kept, shown, True
+            proof_trial = trial
+    return kept, proof_trial, True
 
 
-def _evidence(asked: Trial, shown: Trial, members: list[Relaxable], complete: bool) -> str:
+def _evidence(original: Trial, proof_trial: Trial, members: list[Relaxable], complete: bool) -> str:
     """How the conflict is known, and what of it is proven."""
-    searches = asked.attempt.searches
-    known = asked.proof or shown.proof or (searches[-1].undecided if searches else "")
-    parts = [known] if known else []
-    if asked.smallest is not None and asked.smallest.radius > asked.smallest.most:
-        radius = asked.smallest.radius
-        bound = "" if asked.smallest.excludes or asked.smallest.lower <= 0.0 else (
-            f", and none below {asked.smallest.lower:.6g} mm is possible ({asked.smallest.over})"
+    undecided = [search.undecided for search in original.attempt.searches[-1:]]
+    known = (original.proof, proof_trial.proof, *undecided)
+    parts = [reason for reason in known if reason][:1]
+    smallest = original.smallest
+    if smallest is not None and smallest.radius > smallest.most:
+        bound = "" if smallest.excludes or smallest.lower <= 0.0 else (
+            f", and none below {smallest.lower:.6g} mm is possible ({smallest.over})"
         )  # fmt: skip
-        parts.append(f"without base_radius_mm/max a cam of {radius:.6g} mm was found{bound}")
-    if not (shown.proof or asked.proof):
+        size = f"{smallest.radius:.6g} mm"
+        parts.append(f"without base_radius_mm/max a cam of {size} was found{bound}")
+    if not (proof_trial.proof or original.proof):
         parts.append("no cam was found that keeps these limits; that there is none is not proven")
     if not complete:
         parts.append(LATE)
@@ -260,15 +261,15 @@ def _evidence(asked: Trial, shown: Trial, members: list[Relaxable], complete: bo
         parts.append("leaving out any one of those named, a cam was found")
     else:
         parts.append("leaving out all that the spec limits, none was found either")
-    spec = asked.attempt.question.physical
+    spec = original.attempt.question.physical
     if ends(spec.base_radius_mm)[1] == inf:
         parts.append(f"base radii up to {spec.base_radius_range()[1]:.6g} mm were searched")
     return "; ".join(parts)
 
 
-def _relaxations(oracle: Oracle, number: Relaxable, asked: Trial) -> Iterator[Relaxation]:
+def _relaxations(oracle: Oracle, number: Relaxable, original: Trial) -> Iterator[Relaxation]:
     """What one number alone would have to be, field by field."""
-    needed, note = _sufficient(oracle, number, asked)
+    needed, note = _sufficient(oracle, number, original)
     tight = [
         (path, requested)
         for path, requested in zip(number.paths, number.requested, strict=True)
@@ -281,13 +282,13 @@ def _relaxations(oracle: Oracle, number: Relaxable, asked: Trial) -> Iterator[Re
         )  # fmt: skip
 
 
-def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float | None, str]:
+def _sufficient(oracle: Oracle, number: Relaxable, original: Trial) -> tuple[float | None, str]:
     """A value of one number with which the question has a cam, near the least such value."""
     if oracle.is_late():
         return None, LATE
     # The maximum of the base radius: the smallest cam has the best value there is.
-    if number.minimised and asked.smallest is not None:
-        return asked.smallest.radius, SUFFICES
+    if number.minimised and original.smallest is not None:
+        return original.smallest.radius, SUFFICES
     # Without the number, a cam shows a value that suffices; no cam: no value would do.
     if number.dimension:  # its value on the smallest cam, not on any
         trial = oracle.ask(without(oracle.spec, [number]), TOLERANCE, BaseRadius())
@@ -300,7 +301,9 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
         return None, note
     at_once = bool(note or number.dimension)
     # The least value: an objective of its own where there is one, else the end of a bracket.
-    best = oracle.least(number, asked) or _narrow(oracle, number, reached, asked, at_once=at_once)
+    best = oracle.least(number, original) or _narrow(
+        oracle, number, reached, original, at_once=at_once
+    )
     if best is None:
         return None, LATE if oracle.is_late() else ALONE
     value, trial = best
@@ -309,7 +312,7 @@ def _sufficient(oracle: Oracle, number: Relaxable, asked: Trial) -> tuple[float 
 
 
 def _narrow(
-    oracle: Oracle, number: Relaxable, reached: float, asked: Trial, *, at_once: bool
+    oracle: Oracle, number: Relaxable, reached: float, original: Trial, *, at_once: bool
 ) -> tuple[float, Trial] | None:
     """The least value with which a cam is found, to an accuracy, and it; None where none is found.
 
@@ -333,11 +336,11 @@ def _narrow(
             return -1.0 if known is None else 0.0
         return 0.0 if known >= -0.5 * NEAR_EXCESS else known
 
-    known = {requested: max(1.0 if asked.excess is None else asked.excess, NEAR_EXCESS)}
+    known = {requested: max(1.0 if original.excess is None else original.excess, NEAR_EXCESS)}
     way = reached - requested or abs(reached)
     guesses = [reached + beyond * way for beyond in SLACK]  # it may have no room with the number
     step = (known[requested] + TOLERANCE) * abs(requested)
-    if asked.excess is not None and 0.0 < step < abs(reached - requested):
+    if original.excess is not None and 0.0 < step < abs(reached - requested):
         guesses.insert(0, requested + copysign(step, way))  # in proportion to the excess
     try:
         # 1. Bracket the least value.

@@ -144,9 +144,9 @@ def _with_gentle_law(
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
-    easy = spec.model_copy(update={"objective": PeakAcceleration(), "tolerance": 1.0})
-    found = solve_spec(easy, Goal(goal.stop, sufficient=ANY), stages)
-    if not found.certified:
+    gentlest = spec.model_copy(update={"objective": PeakAcceleration(), "tolerance": 1.0})
+    gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
+    if not gentle.certified:
         return known
     first, *later = known.question.scaled.objectives()
     lower = known.searches[0].lower if not known.searches[0].infeasible else -inf
@@ -154,17 +154,17 @@ def _with_gentle_law(
         Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
         *(Bounded(objective, -inf, "") for objective in later),
     ]
-    built = found.built.model_copy(update={"objective": known.question.scaled.objective})
-    return replace(found, question=known.question, built=built, bounds=bounds)
+    built = gentle.built.model_copy(update={"objective": known.question.scaled.objective})
+    return replace(gentle, question=known.question, built=built, bounds=bounds)
 
 
 def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
     """Questions for the smallest cam: without either end of the base radius, and with its least."""
     wider = (_without(spec, "min", "max"), _without(spec, "max"))
-    found = [each for each in wider if each is not None]
-    if len(found) == 2 and found[0].base_radius_mm == found[1].base_radius_mm:
-        del found[1]
-    return [each.model_copy(update={"objective": BaseRadius()}) for each in found]
+    questions = [each for each in wider if each is not None]
+    if len(questions) == 2 and questions[0].base_radius_mm == questions[1].base_radius_mm:
+        del questions[1]
+    return [each.model_copy(update={"objective": BaseRadius()}) for each in questions]
 
 
 def _restart_from(
@@ -189,40 +189,40 @@ def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
     if high == inf:
         return None
     kept = {} if low == -inf or "min" in open_ends else {"min": low}
-    found = spec.model_copy(update={"base_radius_mm": Range(**kept) if kept else None})
-    (least, most), (wider_least, wider_most) = spec.searched_radii(), found.searched_radii()
-    return found if wider_least <= least and wider_most >= most else None
+    opened = spec.model_copy(update={"base_radius_mm": Range(**kept) if kept else None})
+    (least, most), (wider_least, wider_most) = spec.searched_radii(), opened.searched_radii()
+    return opened if wider_least <= least and wider_most >= most else None
 
 
-def _smallest(spec: DesignSpec, found: Attempt) -> Smallest | None:
-    """The cam that was found without the maximum, judged with it; None where none was found."""
-    if not found.certified or found.cam is None:
+def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
+    """The cam that was found without the maximum, judged with it; None where there is none."""
+    if not wider.certified or wider.cam is None:
         return None
-    asked = {"base_radius_mm": spec.base_radius_mm, "objective": spec.objective}
-    question = replace(found.question, physical=found.question.physical.model_copy(update=asked))
-    built = question.to_physical(found.built)
-    radius = built.follower.dimensions(found.cam.size)["base_radius_mm"]
-    (bounded,) = in_wire_units(found.question, found.built, found.bounds[:1])
+    restored = {"base_radius_mm": spec.base_radius_mm, "objective": spec.objective}
+    question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
+    built = question.to_physical(wider.built)
+    radius = built.follower.dimensions(wider.cam.size)["base_radius_mm"]
+    (bounded,) = in_wire_units(wider.question, wider.built, wider.bounds[:1])
     least, most = ends(spec.base_radius_mm)
-    cam, bounds = found.cam, found.bounds
-    if not least <= radius <= most:  # above it by a clearance only, or below the least asked for
+    cam, bounds = wider.cam, wider.bounds
+    if not least <= radius <= most:  # above it by a clearance only, or below the least allowed
         nearest = min(max(radius, least), most)
         cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
-    if spec.objectives() != found.solved_spec.objectives() or radius < least:
-        bounds = _bounds(spec, found, least / question.units.length)
-    if cam is found.cam:  # what is traced all round is as it was: only dimensions are judged anew
-        before = certify_size(found.question.physical, cam.size, built.follower)
-        traced = found.extremes[: len(found.extremes) - len(before)]
+    if spec.objectives() != wider.solved_spec.objectives() or radius < least:
+        bounds = _bounds(spec, wider, least / question.units.length)
+    if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
+        before = certify_size(wider.question.physical, cam.size, built.follower)
+        traced = wider.extremes[: len(wider.extremes) - len(before)]
         extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
     else:
         extremes = certify_cam(question.physical, cam, built)
-    attempt = replace(found, question=question, cam=cam, bounds=bounds, extremes=extremes)
+    attempt = replace(wider, question=question, cam=cam, bounds=bounds, extremes=extremes)
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])
     return Smallest(attempt, radius, most, bounded.lower, bounded.over)
 
 
-def _bounds(spec: DesignSpec, found: Attempt, least: float) -> list[Bounded]:
+def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
     """Lower bounds of a question's objectives, known from its smallest cam alone.
 
     ``least``: the least base radius allowed, in the unit of the question solved.
@@ -230,11 +230,13 @@ def _bounds(spec: DesignSpec, found: Attempt, least: float) -> list[Bounded]:
     unknown = [Bounded(objective, -inf, "") for objective in spec.objectives()]
     if unknown[0].objective.kind != "base_radius":
         return unknown
-    first, *_ = found.bounds
+    first, *_ = smallest.bounds
     if least > 0.0:
-        asked = first.objective.from_wire(least, found.built.machine()) * (1.0 - ROUNDING_DOWN)
-        if asked > first.lower:
-            first = replace(first, lower=asked, over="the least base radius asked for")
+        requested = first.objective.from_wire(least, smallest.built.machine()) * (
+            1.0 - ROUNDING_DOWN
+        )
+        if requested > first.lower:
+            first = replace(first, lower=requested, over="the least base radius requested for")
     return [first, *unknown[1:]]
 
 
