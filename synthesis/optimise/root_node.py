@@ -62,7 +62,7 @@ MARGIN_BITS = 16
 LEVEL_ROUNDS = 12
 """Trial levels of a fractional objective on one mesh."""
 
-Optimise = Callable[..., SolveState]
+Optimise = Callable[[Problem, float, float, float], SolveState]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +149,7 @@ class RootNode(Node):
             return self._finish(replace(state, infeasible=state.relaxed is None))
         if problem.has_curved_limits:
             return None
-        result = minimise_excess(problem, state.tighten, state.deadline, self.optimise)
+        result = minimise_excess(problem, state.grids, state.tighten, state.deadline)
         if result is None:
             return None
         state = replace(

@@ -1,15 +1,14 @@
 """Where nothing fits on the first knots: the least that limits on the motion have to allow.
 
 Limits that leave little room are met by laws that switch at places of their own: on knots that are
-elsewhere nothing fits, though there are such laws. So the driver is asked for the least share of
-the limits on the highest derivative that the motion needs: phase 1. Its meshes move to the switches
-of the ideal law. If the share comes below 1, there are the knots; if its bound over all laws lies
-above 1, there is no law.
+elsewhere nothing fits, though there are such laws. So the share of the limits on the highest
+derivative that is needed is made small first, on knots that move to the switches of the ideal law.
+If it comes below 1, there are the knots; if its bound over all laws lies above 1, there is no law.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, Literal
@@ -21,20 +20,22 @@ from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
+from synthesis.numerics import clock
 from synthesis.numerics.solvers.clarabel import ConeProgram, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.recovery.candidate import recover_cam
+from synthesis.optimise.refinement.mesh import refine_mesh
 
-PROVEN = 1e-9  # by what a bound has to lie above 1, and a share below it
-TOLERANCES = (1e-3, 1e-5, 5e-7)  # between share and bound, until one decides
+ROUNDS = 8
+PROVEN = 1e-9  # what a bound has to lie above 1 by
+SETTLED = 1e-6  # between share and bound: finer knots bring no more
+GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do
 STEERING = (3, 2)  # derivatives whose limits make laws switch
-
-
-Optimise = Callable[..., SolveState]
 
 
 class LargestShare(Objective):
@@ -108,42 +109,41 @@ class PhaseOneResult:
 
 
 def minimise_excess(
-    problem: Problem, tighten: float, deadline: float, optimise: Optimise
+    problem: Problem, grids: Sequence[Grid], tighten: float, deadline: float = inf
 ) -> PhaseOneResult | None:
     """The gentlest motion under the other limits; None where no such limit is known.
 
     Args:
-        problem: the question.
+        problem: the question. grids: the knots to begin with, one per free law.
         tighten: relative amount by which rows are drawn in for the solver's sake.
         deadline: ``time.monotonic()`` at which to stop.
-        optimise: the driver.
     """
     steering = _steering(problem)
     if not steering:
         return None
-    others = tuple(
-        limit for limit in problem.limits
-        if limit not in steering
-        and (any(limit.rows(s, problem.machine) for s in problem.segments)
-             or any(True for _ in limit.norm_bounds(problem.segments, problem.machine)))
-    )  # fmt: skip
-    gentlest = replace(
+    others = tuple(limit for limit in problem.limits if limit not in steering)
+    asked = replace(
         problem, limits=others, objective=LargestShare(shared=steering), objective_caps=()
     )
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
-    for tolerance in TOLERANCES:
-        state = optimise(gentlest, tolerance, deadline, tighten, sufficient=1.0 - PROVEN)
-        if state.relaxed is None:  # the others have no law by themselves: they decide
-            of_others = minimise_excess(
-                replace(problem, limits=others), tighten, deadline, optimise
-            )
-            return None if of_others is None or of_others.fits else of_others
-        least = state.lower if state.covers_all_laws else -inf
-        jumps = _jumps(problem, steering)
-        result = PhaseOneResult(state.grids, state.relaxed.value, least, names, jumps)
-        if result.fits or result.impossible:
+    present, best = tuple(grids), None
+    for _ in range(ROUNDS):
+        model = formulate(asked, present, 0.0, Tightening(tighten))
+        solution = solve(model.program, deadline - clock.now())
+        if solution.stopped not in USABLE:
             break
-    return result
+        lower, found = dual_bound(model, solution), recover_cam(asked, *model.recover(solution.x))
+        least = lower.value if lower.switching else -inf
+        before = best or PhaseOneResult(present, inf, -inf, names, _jumps(problem, steering))
+        best = replace(before, least=max(before.least, least))
+        if found.value < before.share:
+            best = replace(best, grids=present, share=found.value)
+        gained = before.share - best.share > GAIN * best.share
+        done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
+        if done or clock.now() >= deadline:
+            break
+        present = refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present))
+    return best
 
 
 def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> float | None:

@@ -42,7 +42,6 @@ from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
-from synthesis.optimise.driver import optimise
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.heuristics.local_search import smooth_start
 from synthesis.optimise.problem.boundary import boundary_states
@@ -194,7 +193,7 @@ def minimise_size(
             # No point of the program: try knots on which the limits on the motion can be kept.
             if number > 1:
                 break
-            phase_one = minimise_excess(problem, tighten, deadline, optimise)
+            phase_one = minimise_excess(problem, state.grids, tighten, deadline)
             if phase_one is None:
                 break
             state = replace(
