@@ -100,10 +100,9 @@ class Trial:
         attempt, question = self.attempt, self.attempt.question
         last = attempt.searches[-1]
         problem = restate_problem(question, question.to_physical(attempt.solved_spec), last.problem)
-        if problem.base_circle_conflict or last.infeasibility_proof:
-            return problem.base_circle_conflict or last.infeasibility_proof
-        if problem.constant_conflict:
-            return problem.constant_conflict
+        known = problem.base_circle_conflict or last.infeasibility_proof
+        if known or problem.constant_conflict:
+            return known or problem.constant_conflict
         searched = problem.machine.follower.fixable_dimension() is not None
         if last.infeasible and last.relaxed is None and not problem.free and not searched:
             return "proven: no size fits the given laws"
