@@ -30,7 +30,7 @@ from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.units import DEGREE, FULL_TURN
 
 NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
-WAVE_NODES: Final = 64
+WAVE_NODES: Final = 64  # Gauss points on a piece with sinusoids
 SAMPLES: Final = 33  # on a piece, between which the drive is searched for changes of sign
 INSIDE: Final = 1e-9  # of a piece: samples at its ends lie so far inside, on this side of jumps
 HIGHEST_SPEED: Final = 1e6  # times the cam's speed: a lift-off beyond is not reported

@@ -22,7 +22,7 @@ from synthesis.units import FULL_TURN
 
 STEP: Final = 0.5  # largest phase of the oscillator, or of a law's sinusoid, in one step [rad]
 ORDER: Final = 18  # of the Taylor series on a step: 0.5^18/18! is below a rounding error
-UNIT_ROUNDOFF: Final = 2.0**-53
+UNIT_ROUNDOFF: Final = 2.0**-53  # of double precision, relative
 ROUNDINGS: Final = 64.0  # of the largest term of a step, in the sum of its series
 
 

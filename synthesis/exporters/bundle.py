@@ -34,9 +34,9 @@ from synthesis.exporters.options import CurveName, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the earliest time that ZIP can hold; no clock in the bytes
-LEVEL = 2
-PLAIN_FILE = 0o100644 << 16
-UNIX = 3
+LEVEL = 2  # of DEFLATE: fast
+PLAIN_FILE = 0o100644 << 16  # POSIX mode 0100644 in the upper half of the ZIP attribute
+UNIX = 3  # "made by" of a ZIP entry
 WHICH: tuple[CurveName, ...] = ("profile", "pitch")
 MEDIA_TYPE = "application/zip"
 CONVENTIONS = (

@@ -25,9 +25,9 @@ CurveName = Literal[
 
 Theme = Literal["auto", "light", "dark", "print"]
 
-MAX_POINTS_PER_DEGREE = 100.0
-MAX_POINTS = 36_000
-MIN_TOLERANCE_UM = 1e-4
+MAX_POINTS_PER_DEGREE = 100.0  # of a point file
+MAX_POINTS = 36_000  # of a point file: MAX_POINTS_PER_DEGREE all round
+MIN_TOLERANCE_UM = 1e-4  # µm: finer than any machine, coarser than rounding
 CURVES: tuple[CurveName, ...] = get_args(CurveName)
 
 Density = Annotated[

@@ -190,9 +190,9 @@ LEAST, MOST = 1e-4, 1e15  # between these, texts are written in full and found h
 FILL = 7  # zeros before the first of the 17 digits, enough for 0.0001
 PLACES = np.arange(FILL + 17)
 WIDTH = 1 + len(PLACES) + 1  # sign, digits, point
-SPLITTER = 2.0**27 + 1.0
+SPLITTER = 2.0**27 + 1.0  # splits a double into two halves (Veltkamp)
 TENS = np.array([float(10**k) for k in range(23)])  # exact
-ZERO, POINT, MINUS = 48, 46, 45
+ZERO, POINT, MINUS = 48, 46, 45  # ASCII codes of "0", "." and "-"
 # The four digits of 0 to 9999, as one word each.
 DIGITS = np.arange(10000)[:, None] // np.array([1000, 100, 10, 1]) % 10 + ZERO
 FOUR = DIGITS.astype(np.uint8).view(np.uint32)[:, 0]

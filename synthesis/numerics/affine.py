@@ -22,7 +22,7 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import ARITHMETIC, UfuncDispatch, UfuncRules
 
-ROUNDING: Final = 2.0**-47
+ROUNDING: Final = 2.0**-47  # of the terms handled: 64 unit roundoffs
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 
 

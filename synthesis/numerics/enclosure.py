@@ -21,13 +21,13 @@ from synthesis.numerics.taylor import Taylor
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
 Values = Callable[[Indices, Array, Sequence[int]], Sequence[Array]]
 
-MOST_ROUNDS: Final = 12
+MOST_ROUNDS: Final = 12  # of dividing; after that open boxes keep their bounds
 MOST_BOXES: Final = 100_000  # of each function
 FEWEST_PARTS: Final = 16  # of a box that is divided
-MOST_PARTS: Final = 64
+MOST_PARTS: Final = 64  # of a box that is divided
 ROUND: Final = 256  # boxes that cost little more than one
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
-ULPS: Final = 2.0**-50
+ULPS: Final = 2.0**-50  # relative: eight unit roundoffs
 CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box there are some more
 
 

@@ -14,11 +14,11 @@ from scipy.sparse.linalg import splu
 from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
 
-DEGREE: Final = 5
+DEGREE: Final = 5  # acceleration and jerk are continuous
 ROUGHEST, SMOOTHEST = -10.0, 6.0  # decimal logarithms of the penalty
 REFINED: Final = (0.5, 0.25)  # steps by which the best is looked for more closely
-PROBES: Final = 12
-SEED: Final = 20_240_517
+PROBES: Final = 12  # random vectors that estimate a trace (Hutchinson)
+SEED: Final = 20_240_517  # of these: the same answer at every call
 
 
 @dataclass(frozen=True, eq=False)

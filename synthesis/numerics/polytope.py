@@ -18,7 +18,7 @@ from scipy.optimize import linprog
 
 from synthesis.numerics.piecewise import Array
 
-RANK = 1e-12
+RANK = 1e-12  # relative: smaller singular values are 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +83,9 @@ Function = Callable[[Array], float | None]
 STEP = 1e-5  # for slopes, of the box's side
 KEPT = 8  # tangents per direction that are remembered
 ENOUGH = 1e-6  # relative gain that is not worth a step
-CLOSEST = 1e-5
+CLOSEST = 1e-5  # trust radius in the unit box at which a descent ends
 NEAR = 20.0  # radii: tangents farther off say nothing of the place, the function is not convex
-LONGER, SHORTER = 1.5, 0.4
+LONGER, SHORTER = 1.5, 0.4  # factors on the trust radius after good and poor steps
 GOOD, POOR = 0.5, 0.1  # shares of the promised gain
 
 

@@ -32,7 +32,7 @@ import numpy as np
 
 from synthesis.numerics.piecewise import Array, Indices, Piecewise, horner
 
-ROUNDING: Final = 2.0**-48
+ROUNDING: Final = 2.0**-48  # of the magnitude: 32 unit roundoffs
 
 
 UfuncRules = Mapping[np.ufunc, Callable[..., Any]]

@@ -51,7 +51,7 @@ LEVELS = 20
 LEVEL_STAYS = 1e-7
 """Relative change of the level at which an estimate stops: searches over parameters take slopes
 of it over steps a thousand times larger."""
-ESTIMATE_TOLERANCE = 1e-2
+ESTIMATE_TOLERANCE = 1e-2  # relative; an estimate refines no mesh
 
 Test = Callable[[SolveState, Tree, Node], bool]
 

@@ -32,7 +32,7 @@ from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_c
 from synthesis.spec.design_spec import DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
-GROWTHS = 16
+GROWTHS = 16  # radii tried at most
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 

@@ -26,8 +26,8 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.fields import FiniteModel, Name, Rotation, Speed
 from synthesis.spec.design_spec import DesignSpec
 
-MAX_CAMS = 50
-UPWARDS_DEG = 90.0
+MAX_CAMS = 50  # of a set
+UPWARDS_DEG = 90.0  # from the x axis
 SHAFT_FIELDS = ("speed_rpm", "rotation")
 
 

@@ -29,7 +29,7 @@ from synthesis.spec.well_posedness import (
 )
 from synthesis.units import MotionUnits, rad_per_s
 
-MAX_SEGMENTS = 100
+MAX_SEGMENTS = 100  # of a program
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
 DERIVED = (

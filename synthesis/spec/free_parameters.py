@@ -17,7 +17,7 @@ from synthesis.numerics.polytope import Polytope
 from synthesis.spec.program import Segment
 from synthesis.units import MotionUnits
 
-TURN = 360.0
+TURN = 360.0  # degrees
 LENGTH_TRIALS = 33  # lengths of a machine that are looked at for one that serves
 ROUNDING = 1e-9  # relative: what sums may miss by rounding
 ProgramAndFollower = tuple[list[Segment], AnyFollower]

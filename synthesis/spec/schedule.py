@@ -22,7 +22,7 @@ from synthesis.numerics.piecewise import Piecewise
 from synthesis.spec.program import Segment
 from synthesis.units import FULL_TURN, MotionUnits
 
-ANGLE_SUM_TOLERANCE_DEG = 1e-6
+ANGLE_SUM_TOLERANCE_DEG = 1e-6  # by which angles may miss a turn: they are typed with six decimals
 CLOSURE = 1e-9  # of the stroke: rounding of a sum of lifts that closes after one turn
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that differ by rounding
 BACKWARD = 1e-9  # of g': motion backwards that is rounding

@@ -13,7 +13,7 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 
 Ends = tuple[float, float]
-JERK = 3
+JERK = 3  # order of the derivative
 
 
 def check_growth_ends(

@@ -28,7 +28,7 @@ from synthesis.catalogue.followers.arm_pressure_angle import max_of_cosine_minus
 from synthesis.numerics.affine import Affine
 from synthesis.numerics.piecewise import Array
 
-RIGHT_ANGLE = 0.5 * math.pi
+RIGHT_ANGLE = 0.5 * math.pi  # rad
 MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at single angles
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 CELLS = (16, 6)  # of the enclosure, along ψ and along w; its cost grows with their product

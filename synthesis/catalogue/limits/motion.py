@@ -119,7 +119,7 @@ class Jerk(DerivativeLimit):
 # -- windows and points of a program ---------------------------------------------------------------
 
 EXACT = 1e-9  # of lift/β^k: allowance for rounding where a derivative has to have one value
-TRAVEL = 0
+TRAVEL = 0  # order of the derivative
 NAMES = ("travel", "velocity", "acceleration", "jerk")
 FIELDS = {
     "mm": ("travel_mm", "velocity_mm_per_s", "acceleration_mm_per_s2", "jerk_mm_per_s3"),

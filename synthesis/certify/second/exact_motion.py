@@ -213,7 +213,7 @@ def coefficient(series: arb_series, order: int) -> arb:
 # -- the largest value on pieces -------------------------------------------------------------------
 
 SUFFICIENT_WIDTH: Final = arb("1e-25")  # of the enclosure, relative to the largest value met
-MAX_INTERVALS: Final = 20_000
+MAX_INTERVALS: Final = 20_000  # of one enclosure; after that its bound is as wide as it is
 
 Function = Callable[[MotionPiece, arb], arb_series]  # of a piece and x, a number or a ball
 Span = tuple[MotionPiece, arb, arb]  # a piece and a part of its x

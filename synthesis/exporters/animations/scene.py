@@ -21,11 +21,11 @@ from synthesis.numerics.piecewise import Array
 Body = Callable[[Tag], list[str]]
 Reading = dict[str, Any]
 MACHINE = (112.0, 122.0)  # width and height of the panels [mm]
-DIAGRAMS = (112.0, 122.0)
+DIAGRAMS = (112.0, 122.0)  # the same of the other panel [mm]
 EDGE = 8.0  # beside both [mm]
 LEFT, RIGHT, TOP, HEIGHT, GAP = 15.0, 4.0, 8.0, 38.0, 11.0  # of the diagrams on their panel [mm]
 TURN_S = 8.0  # what one turn takes on the screen
-FULL = 360.0
+FULL = 360.0  # degrees in a turn
 # Positions over a turn: what plays in a browser, what is stepped by half a degree.
 FRAMES = {"svg": 240, "html": 720}
 HEADER, FOOTER = 16.0, 8.0  # above and below the panels [mm]

@@ -13,8 +13,8 @@ from synthesis.exporters.exporter import Exporter, FileContent
 
 NO_TIME = "19800101.000000"  # the same design, the same bytes: no clock
 TEXT, DATA = 72, 64  # columns
-SPLINE = 126
-MILLIMETRES, IGES_5_3, ISO = 2, 11, 0
+SPLINE = 126  # entity type: rational B-spline curve
+MILLIMETRES, IGES_5_3, ISO = 2, 11, 0  # codes of the global section
 
 
 def _profile(design: Design, options: ExactOptions) -> FileContent:

@@ -37,7 +37,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 WIDTH, LEFT, RIGHT = 190.0, 21.0, 8.0  # of a sheet, and beside its diagrams [mm]
-HEADER, BAND, HEIGHT, GAP, FOOTER = 20.0, 9.4, 42.0, 11.0, 12.0
+HEADER, BAND, HEIGHT, GAP, FOOTER = 20.0, 9.4, 42.0, 11.0, 12.0  # mm
 SHORT = 7  # what is left of a cut name must have more letters than this
 STRIP = Frame(LEFT, HEADER, WIDTH - LEFT - RIGHT, BAND)
 DRAWN_PER_DEGREE = 2.0  # a sheet is not drawn more coarsely than this

@@ -22,11 +22,11 @@ from synthesis.numerics.piecewise import Array
 from synthesis.spec.cam_set import UPWARDS_DEG, wrap_turn
 from synthesis.units import DEGREE
 
-WIDTH, LEFT, RIGHT = 190.0, 43.0, 8.0
-HEADER, NAMES, HEIGHT, LANE, FOOTER = 22.0, 5.2, 15.0, 27.5, 13.0
+WIDTH, LEFT, RIGHT = 190.0, 43.0, 8.0  # mm
+HEADER, NAMES, HEIGHT, LANE, FOOTER = 22.0, 5.2, 15.0, 27.5, 13.0  # mm
 COUNT = 5.0  # height of the strip that counts who moves
 PAD = 1.2  # room above and below a curve
-FULL = 360.0
+FULL = 360.0  # degrees in a turn
 SHAFT = Frame(LEFT, 0.0, WIDTH - LEFT - RIGHT, HEIGHT)
 DRAWN = np.arange(0.0, FULL + 0.25, 0.5)  # [deg]; a joint of the motion is added to these
 

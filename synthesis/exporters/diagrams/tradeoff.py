@@ -20,8 +20,8 @@ from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
 
-PANEL, LEFT, RIGHT, HEADER, BELOW, GAP = (104.0, 80.0), 24.0, 8.0, 24.0, 12.0, 6.0
-FOOTER = 12.0
+PANEL, LEFT, RIGHT, HEADER, BELOW, GAP = (104.0, 80.0), 24.0, 8.0, 24.0, 12.0, 6.0  # mm
+FOOTER = 12.0  # mm
 CELL = 0.3  # [mm]: items nearer to each other are drawn as one
 NAMED = 16  # on a front with more, items have no numbers
 PAD = 0.06  # of the range, on either side

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.transforms import Affine2D
 
 SVG = "{http://www.w3.org/2000/svg}"
-DPI = 100.0
+DPI = 100.0  # pixels per inch of a PNG
 RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
 FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
 STEP = re.compile(r"([MLA])([^MLAZ]*)|(Z)")

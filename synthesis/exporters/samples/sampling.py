@@ -96,7 +96,7 @@ def _last(span: Array) -> NDArray[np.bool_]:
 
 SAME_ANGLE = 1e-9  # [rad]
 CROWDED = 0.25  # in a ring, a point nearer to a joint than this part of the step gives way to it
-LEAST_RING = 3
+LEAST_RING = 3  # points of a closed polygon
 RUNS = {"ccw": "cw", "cw": "ccw"}  # how cam angles run round a cam, by its rotation
 
 

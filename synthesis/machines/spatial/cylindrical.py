@@ -43,7 +43,7 @@ from synthesis.spec.schedule import check_closed
 from synthesis.units import DEGREE, MotionUnits, Travel
 
 X, Y, Z = np.eye(3)
-RIGHT_ANGLE = 0.5 * math.pi
+RIGHT_ANGLE = 0.5 * math.pi  # rad
 
 
 class CylindricalMachine(SpatialMachine, ABC):

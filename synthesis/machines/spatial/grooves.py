@@ -26,7 +26,7 @@ from synthesis.numerics.geometry.swept_roller import dot, norm
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
-MAX_ITERATIONS = 40
+MAX_ITERATIONS = 40  # of Newton's method
 CONVERGED = 1e-10  # rad and mm: residual at which Newton's method stops
 NO_ROOT = 1e-7  # rad and mm: a larger residual after all iterations means that there is no contact
 MAX_TURN, MAX_PLACE = 0.05, 0.03  # longest steps: of θ [rad], of ρ in largest depths

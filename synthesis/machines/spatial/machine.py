@@ -24,7 +24,7 @@ from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
-LEFT, RIGHT = -1, 1
+LEFT, RIGHT = -1, 1  # the two walls of a groove, or the two flanks of a rib
 LARGEST = 1e6  # mm: no machine has a larger dimension
 ROLLER_RADIUS = "roller_radius_mm"  # field of every machine
 WHOLE = 1e-9  # of a spacing: rounding of a sum of lifts that is a whole number of rollers

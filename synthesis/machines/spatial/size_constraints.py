@@ -68,7 +68,7 @@ from synthesis.catalogue.constraints import (
 from synthesis.numerics.geometry.swept_roller import Roller
 from synthesis.numerics.piecewise import Array
 
-RIGHT_ANGLE = 0.5 * pi
+RIGHT_ANGLE = 0.5 * pi  # rad
 PLACES = 17  # samples along a crowned roller; its profile is smooth; ``measuring`` decides
 UNREACHABLE = 1e9  # arm lengths: least radius where no cylinder keeps the limit even at rest
 LEAST_LEVER = 1e-9  # of t cos ψ ± χ sin ψ: below it the limit cannot be kept at any radius

@@ -35,7 +35,7 @@ from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
 from synthesis.units import DEGREE, MotionUnits, rad_per_s
 
-MAX_SEGMENTS = 100
+MAX_SEGMENTS = 100  # of a program
 MACHINES = (GloboidalIndexer, CylindricalTranslating, CylindricalOscillating, CylindricalIndexer)
 AnyMachine = Annotated[
     GloboidalIndexer | CylindricalTranslating | CylindricalOscillating | CylindricalIndexer,

@@ -18,8 +18,8 @@ from synthesis.numerics.piecewise import Array
 
 PROBES = np.linspace(0.0, 1.0, 33)[1::2]
 BEYOND = 1.02  # what may lie between the probes
-MOST_ARCS = 20_000
-ROUNDS = 40
+MOST_ARCS = 20_000  # of one curve
+ROUNDS = 40  # of spreading arcs by their departures anew
 MERGING = 4  # rounds in which pieces of a span may be merged too
 POWER = 3  # of a piece's length, in proportion to which it departs
 FLAT = 1e-12  # half the angle of an arc that is a straight line [rad]

@@ -31,8 +31,8 @@ from synthesis.errors import InputError
 from synthesis.numerics.geometry.closed_curve import AIM, ClosedCurve, CurvePoints, Mesh
 from synthesis.numerics.piecewise import Array, Indices, Mask
 
-DEGREE = 5
-MOST_NODES = 20_000
+DEGREE = 5  # curvature continuous, its slope too
+MOST_NODES = 20_000  # of one curve
 ROUNDS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
 WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
 MERGING = 4  # rounds in which pieces of a span may be merged too

@@ -26,7 +26,7 @@ STATUSES = {
     highspy.HighsModelStatus.kTimeLimit: StopReason.OUT_OF_TIME,
     highspy.HighsModelStatus.kIterationLimit: StopReason.OUT_OF_ITERATIONS,
 }
-MOST_STEPS = 5000
+MOST_STEPS = 5000  # simplex iterations
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,7 +57,7 @@ TURNS, QUICK_TURNS = 4, 2
 """Turns of bounds and rows; few where the incumbent is a local optimum already."""
 LEAST_GAIN = 0.15  # of the gap: what a turn must gain for another one
 KNOT_GAIN = 0.3  # of the gap: what knots must have to gain for a finer mesh
-MAX_NODES = 15
+MAX_NODES = 15  # of a thorough proof
 
 Parts = Mapping[int, tuple[float, float]]
 

@@ -17,7 +17,7 @@ from synthesis.optimise.problem.problem import Problem
 
 Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
-LEAST_DENSITY = 8
+LEAST_DENSITY = 8  # points of a piece, so that none is missed on short ones
 ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
 NEAR = 1e-6  # of the size: half-planes satisfied by more than this are left out
 TOPS = 4  # local maxima of a family that are looked at closely

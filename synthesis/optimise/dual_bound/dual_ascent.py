@@ -41,7 +41,7 @@ BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
 BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change of sign
 NOISE = 1e-6  # of the largest |ψ|
 STEP = 0.1  # of the control's range: less is no step
-ROUNDS = 4
+ROUNDS = 4  # of moving quadrature points to sign changes of ψ
 GAIN = 1e-9  # relative: less is not worth another round
 
 

@@ -40,7 +40,7 @@ from synthesis.spec.free_parameters import FreeParameters
 SAMPLED, COARSE = 12, 24  # spline intervals: of samples, of a descent
 CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner, where samples lie
-STARTS = 3
+STARTS = 3  # of descents
 DISTANCE = 0.1  # of the box, between starts: nearer ones lead to the same place
 RADIUS, ROUNDS = 0.15, 25  # first step of a descent, of the box, and steps at most
 LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # the same on the knots of the full search

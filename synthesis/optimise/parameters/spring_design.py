@@ -42,7 +42,7 @@ from synthesis.spec.design_spec import DesignSpec
 CAM_ROUNDS: Final = 3  # of cam and spring
 SAME: Final = 1e-3  # of the peak force: springs nearer than this are as good as one
 FIRST, DENSE = 9, 33  # points on a piece: of the first rows, of the search for what they miss
-ROUNDS, ZOOMS = 12, 10
+ROUNDS, ZOOMS = 12, 10  # of adding rows; of narrowing the place of a peak
 FAN: Final = np.linspace(-1.0, 1.0, 9)
 MISSED = 1e-10  # of the peak: what rows between their points may miss
 SPARE = 1e-4  # of the largest force without a spring: kept off float, for the certificate's sake

@@ -30,7 +30,7 @@ from synthesis.optimise.state.solve_state import Stage
 FIRST, MOST = 16, 2048  # intervals
 GAIN = 1e-2  # relative: halving the knots is worth it from this gain on
 TIGHTENING = 1e-4  # of the tolerance: what the solver's accuracy may use up
-JERK = 3
+JERK = 3  # order of the derivative
 SPARE = 1.01  # of the least deviation there is, so that the jerk has something to gain
 
 

@@ -14,7 +14,7 @@ from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array, Piecewise
 
 TYPICAL = np.array([1.0, 2.0, 6.0, 48.0])  # sizes of g to g''' in a good law
-SAMPLES = 64
+SAMPLES = 64  # collocation points of a law, about
 KNOT_STEP = 2.0**-34  # of the segment: what multipliers say of a knot's place beyond it is rounding
 CLOSEST_KNOTS = 1e-3  # of the segment; closer ones make the rows ill-conditioned
 

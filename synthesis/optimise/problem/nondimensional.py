@@ -34,7 +34,7 @@ DIMENSIONS: Mapping[str, tuple[int, int]] = MappingProxyType({
 })  # fmt: skip
 """Exponents of length and of time, by the unit at the end of a field's name."""
 
-DIMENSIONLESS = (0, 0)
+DIMENSIONLESS = (0, 0)  # exponents of length and time
 MANTISSA_BITS = 36  # of 53, 1e-11 relative: rounding errors of a spec's numbers are 1e-4 of that
 Change = Callable[[str, float], float]
 

@@ -31,7 +31,7 @@ NATURAL = 1e-3  # of the rows: a radius below it is not divided by
 FINE = 0.25  # of a rad of the swing: pieces of ψ, each a polynomial of the fourth degree
 CHEBYSHEV = np.cos(np.pi * (2.0 * np.arange(5) + 1.0) / 10.0)
 SERIES = 0.5  # |κ| below which Q is summed, as its closed form cancels
-TERMS = 14
+TERMS = 14  # of the power series of a sinusoid on one piece
 ROUNDING = 1e-14  # of the largest value of ψ: of closed forms and of their interpolation
 
 

@@ -25,7 +25,7 @@ from synthesis.optimise.recovery.smooth_limits import Samples, peaks, sample, vi
 from synthesis.spec.design_spec import DesignSpec
 
 DENSE, EVEN = 24, 36  # places tried, towards the nearest one and all over the range
-ROUNDS = 4
+ROUNDS = 4  # of adding peaks to the samples
 
 
 @dataclass(frozen=True)

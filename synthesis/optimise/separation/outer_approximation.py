@@ -32,7 +32,7 @@ from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state.solve_state import SolveState
 
-MAX_ROUNDS = 24
+MAX_ROUNDS = 24  # cone programs on one mesh
 STALLED = 0.05  # of the tolerance, or of the open gap: a round that gains less has stalled
 TIGHTENING_GAIN = 0.1  # of the open gap: what bound tightening has to gain before it is done again
 ROW_SHARE = 0.3  # of the gap: the part left by the rows from which on the region is narrowed

@@ -34,7 +34,7 @@ from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
 
-ROUNDS = 8
+ROUNDS = 8  # of moving knots to the switches of the ideal law
 PROVEN = 1e-9  # what a bound has to lie above 1 by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
 GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do

@@ -33,7 +33,7 @@ MARGIN = 0.05
 """Share of the bracket: how near to one of its ends the next limit may lie."""
 STEEPEST = 1e3
 """tan 89.94°."""
-TRIALS = 60
+TRIALS = 60  # slopes tried at most
 BRACKET = 0.25
 """Share of the tolerance: width of the bracket at which to stop."""
 BRACKET_OF_GIVEN_LAWS = 1e-3

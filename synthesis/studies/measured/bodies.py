@@ -10,7 +10,7 @@ from synthesis.catalogue.fields import AnswerModel, CamRotation, CamSpeed, Finit
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.limits.face_width import FaceWidth
 
-MAX_POINTS = 20_000
+MAX_POINTS = 20_000  # of a measured curve
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 

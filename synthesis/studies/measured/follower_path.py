@@ -23,7 +23,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.studies.measured.bodies import MeasuredCam, UnreachedHollow
 from synthesis.units import DEGREE, FULL_TURN
 
-MIN_POINTS: Final = 24
+MIN_POINTS: Final = 24  # fewer positions give no spline of a turn
 WIDEST_GAP: Final = 6.0  # next largest steps: a wider gap means that the curve is not closed
 MAX_INTERVALS: Final = 1800  # of the spline: more take long and smooth no better
 SAMPLES_PER_INTERVAL: Final = 12  # of the outline

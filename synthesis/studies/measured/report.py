@@ -36,9 +36,11 @@ ANGLES = 7200  # at which the pressure angle is evaluated
 STATIONARY = 1e-6  # of the stroke: travel within a dwell
 CURVES = ("displacement", "velocity", "acceleration", "jerk")
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+# tried in turn, until the positions are met
 KNOT_COUNTS: Final = (24, 36, 54, 80, 120, 180, 270, 400, 600, 900)
 DATA_PER_KNOT: Final = 4.0  # fewer positions do not determine a spline
 KINK_CLEARANCE: Final = 0.3  # of a knot interval: a kink this near to a knot replaces it
+# constants of Favard, K0 to K4, for Kolmogorov's inequality between derivatives
 FAVARD: Final = (1.0, math.pi / 2.0, math.pi**2 / 8.0, math.pi**3 / 24.0, 5.0 * math.pi**4 / 384.0)
 DWELL_ANGLES: Final = 3600  # at which ends of dwells are looked for: a tenth of a degree
 SHORTEST_DWELL: Final = 4.0 * FULL_TURN / 360.0  # 4°: shorter arcs may be turning points

@@ -20,8 +20,8 @@ from synthesis.design.identity import identity
 from synthesis.spec.design_spec import DesignSpec
 
 MAX_VALUES = 100_000  # of an axis, and items of a Latin hypercube
-MAX_LINKED = 100
-MAX_AXES = 20
+MAX_LINKED = 100  # fields that one axis changes
+MAX_AXES = 20  # of a sweep
 
 Pointer = Annotated[
     str,

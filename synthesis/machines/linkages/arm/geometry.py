@@ -38,7 +38,7 @@ Edge = Literal["upper_arm", "forearm", "opening"]
 Joint = Literal["base", "upper_arm", "forearm", "opening", "tool"]
 JOINTS: Final[tuple[Joint, ...]] = ("base", "upper_arm", "forearm", "opening", "tool")
 ROUNDING: Final = 1e-12  # rad, and relative: by so much a limit or the reach may be exceeded
-RIGHT_ANGLE: Final = 0.5 * math.pi
+RIGHT_ANGLE: Final = 0.5 * math.pi  # rad
 G: Final = 9.80665  # m/s², standard gravity
 METRE: Final = 1e-3  # m per mm
 

@@ -37,7 +37,7 @@ from synthesis.units import DEGREE, FULL_TURN
 MAX_TRIANGLES = 1_000_000  # of an STL file
 HEADER = 80  # bytes
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
-DEPTHS, PARTS = 4, 5
+DEPTHS, PARTS = 4, 5  # rows of points on a wall; parts of the arc across a face
 LARGEST = 32767  # signed 16 bits
 MOTION_ROWS = 361  # of the table of the motion
 PLACES = 6  # decimals of lengths and directions

@@ -27,8 +27,8 @@ from synthesis.numerics.geometry.swept_roller import Contacts
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
-CUBIC = 3
-MAX_ROWS = 200_000
+CUBIC = 3  # degree of the splines
+MAX_ROWS = 200_000  # of a point file
 
 Density = Annotated[float, Field(gt=0.0, le=100.0, description="Points per degree of cam angle.")]
 Count = Annotated[

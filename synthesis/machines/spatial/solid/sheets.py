@@ -36,10 +36,10 @@ WIDEST = 300  # rows of a sector: closed faces around the axis are not made
 PAD = 2  # rows between a line and a wall's exit from the blank
 LEVELS = 5  # depths at which walls are sampled
 MAX_STEP = 0.3  # rad: between exits of a wall at neighbouring depths
-CUBIC = 3
+CUBIC = 3  # degree of the splines
 FIRST_STEP = 5.0 * DEGREE  # between lines of a piece's first grid
 MAX_LINES = 1025  # of a grid along the turn
-LOW, IN, HIGH = -1, 0, 1
+LOW, IN, HIGH = -1, 0, 1  # below, within and above the blank
 TURNS = FULL_TURN * np.arange(2 * ROWS) / ROWS  # of the rows over two turns [rad]
 
 
