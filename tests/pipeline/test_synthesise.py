@@ -364,13 +364,13 @@ def test_time_that_ends_after_a_round_leaves_the_best_so_far(
 ) -> None:
     """The clock jumps past the deadline as soon as the first round has reported."""
     late: list[float] = [0.0]
-    real, report = time.monotonic, root_node._report
+    real, report = time.monotonic, root_node.program_stage
 
     def reported(*given: Any) -> Any:
         late[0] = 1e6
         return report(*given)
 
-    monkeypatch.setattr(root_node, "_report", reported)
+    monkeypatch.setattr(root_node, "program_stage", reported)
     monkeypatch.setattr(time, "monotonic", lambda: real() + late[0])
     with pytest.raises(TimeBudgetExceeded) as caught:
         synthesise(spec(tolerance=1e-5, time_budget_s=100.0))

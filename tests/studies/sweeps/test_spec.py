@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.contract.examples import SWEEPS, examples
-from service.wire.body import validated
+from service.wire.body import validate
 from service.wire.errors import ServiceError
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
@@ -133,7 +133,7 @@ WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
 def test_what_makes_no_sense_is_pointed_at(case: str) -> None:
     change, pointer, word = WRONG[case]
     with pytest.raises(ServiceError) as raised:
-        validated(json.dumps({"base": BASE, **change}).encode(), SweepSpec)
+        validate(json.dumps({"base": BASE, **change}).encode(), SweepSpec)
     (found,) = raised.value.violations
     assert found["pointer"] == pointer
     assert word in found["rule"]
@@ -149,6 +149,6 @@ def test_a_field_replaced_by_an_axis_is_no_place_for_another() -> None:
 def test_worked_examples_are_sound(name: str) -> None:
     example = examples(SWEEPS)[name]
     assert set(example) == {"summary", "description", "value"}
-    spec = validated(json.dumps(example["value"]).encode(), SweepSpec)
+    spec = validate(json.dumps(example["value"]).encode(), SweepSpec)
     for number in range(spec.size):
         DesignSpec.model_validate(spec.item(spec.item_values(number)))
