@@ -11,9 +11,10 @@ from pydantic import BaseModel
 ENGINE_NUMBER = 5
 """The engine's number: part of every id, and so of everything that is stored under one.
 
-Raise it by 1 whenever an answer may change: its numbers, its fields, what it says. Answers stored
-under an earlier number are then computed anew when they are asked for. A test compares the answers
-to some examples with those kept for this number, and fails where they differ.
+Raise it by 1 whenever an answer may change: its numbers, its fields, what it says, the bytes of its
+files, whose ETags hold the number. Answers stored
+under an earlier number are then computed anew when they are asked for. A test compares the numbers
+of some answers with those kept for this number, and fails where they differ; it knows no files.
 """
 
 

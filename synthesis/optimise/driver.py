@@ -66,7 +66,7 @@ EXITS: tuple[tuple[str, Test], ...] = (
     ("time", lambda state, tree, node: node.processed and state.time_left <= 0.0),
     (
         "node limit",
-        lambda state, tree, node: (node.processed or node.deferred) and tree.count >= tree.limit,
+        lambda state, tree, node: (node.processed or node.upper_half) and tree.count >= tree.limit,
     ),
 )
 """The only places where the loop ends, besides a lowest node that cannot be divided."""
@@ -91,7 +91,8 @@ def optimise(
         tighten: relative tightening of the rows against the solver's tolerance.
         thorough: branch on sizes where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
-        sufficient: a value of the objective [wire] at which to stop, whatever the gap.
+        sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
+            spec's units.
 
     Returns:
         the final state; without an incumbent where no cam was found.
@@ -106,7 +107,7 @@ def optimise(
         return _with_coverage(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
     tree = Tree((RootNode(optimise, presolved),))
-    while _exit(state, tree) is None:
+    while not any(holds(state, tree, tree.next_node) for _, holds in EXITS):
         node = tree.next_node
         if not node.processed:
             state, processed = node.process(state)
@@ -117,12 +118,6 @@ def optimise(
             break
         tree = tree.with_children(node, children)
     return _with_coverage(tree.next_node.conclude(state, tree))
-
-
-def _exit(state: SolveState, tree: Tree) -> str | None:
-    """Why the loop ends; None while it goes on."""
-    node = tree.next_node
-    return next((reason for reason, holds in EXITS if holds(state, tree, node)), None)
 
 
 def _presolve(state: SolveState) -> tuple[SolveState, bool]:
@@ -139,7 +134,7 @@ def _presolve(state: SolveState) -> tuple[SolveState, bool]:
 
 
 def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
-    """The least size of given laws: a vertex of half-planes (mathematics, section 4)."""
+    """The least size of given laws: a vertex of half-planes (``recovery.closed_form``)."""
     started, problem = time.perf_counter(), state.problem
     if problem.free or weighs_size(problem):
         return state, False

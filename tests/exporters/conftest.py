@@ -164,7 +164,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Truth:
-    """Formulas of mathematics.md §3 for a design, from cam angle in degrees and the side meant."""
+    """Textbook formulas for a design, from cam angle in degrees and the side meant."""
 
     design: Design
 

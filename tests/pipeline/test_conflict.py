@@ -206,7 +206,7 @@ def test_limits_that_cannot_help_alone_are_said_so(
 
 @pytest.mark.parametrize("factor", [3.1e-3, 3.1e-8])
 def test_what_is_needed_is_as_exact_from_far(factor: float) -> None:
-    """The least peak jerk between dwells is 32 h/β³ (mathematics.md, §2)."""
+    """The least peak jerk between dwells is 32 h/β³."""
     found = why(scene(PLAIN, jerk(factor, 71.7), base=LEAST))
     (needed,) = found.relaxations
     least = 32.0 / factor * needed.requested
@@ -313,7 +313,7 @@ def test_what_is_said_in_words(conflicts: dict[str, Conflict]) -> None:
 
 
 def test_a_given_law_breaks_a_limit_by_itself() -> None:
-    """Cycloidal: peak jerk 4π² h/β³ (mathematics.md, §1), whatever the cam's size."""
+    """Cycloidal: peak jerk 4π² h/β³, whatever the cam's size."""
     found = why(scene(NAMED, angles(30.0, 44.0), jerk(35.0, 71.7)))
     assert found.limits == [f"jerk ≤ {jerk(35.0, 71.7)['max_mm_per_s3']:.6g} mm/s³"]
     needed = {r.field: r for r in found.relaxations}["limits/1/max_mm_per_s3"]

@@ -55,7 +55,7 @@ def test_the_least_peak_jerk_costs_more_the_smoother_it_is() -> None:
         # the bound of the C2 question is 32 to within the tolerance, and not above it
         assert 0.0 < found.price <= found.at_most <= found.value - 32.0 * UNIT * (1.0 - 1e-3)
     assert rougher[0].price < rougher[1].price
-    # uniform quintic splines on eight intervals: 33.3913 (mathematics, section 2)
+    # uniform quintic splines on eight intervals: 33.3913
     assert rougher[1].value < 33.3913 * UNIT
 
 

@@ -187,7 +187,7 @@ def test_every_task_of_vdi_2143_is_certified(law: str, task: str) -> None:
 
 
 def least_jerk(h: float, beta: float, v0: float, a0: float, v1: float, a1: float) -> float:
-    """∫ s'''² dθ of the best motion between two states (mathematics, section 2.5)."""
+    """∫ s'''² dθ of the best motion between two states."""
     v0, v1, a0, a1 = v0 * beta, v1 * beta, a0 * beta**2, a1 * beta**2
     return (
         720 * h**2 - 120 * h * (a0 - a1) - 720 * h * (v0 + v1) + 9 * (a0**2 + a1**2) - 6 * a0 * a1

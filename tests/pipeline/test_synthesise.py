@@ -82,7 +82,7 @@ def test_bounds_and_values_of_all_tolerances_agree() -> None:
     assert max(b for b in bounds if b is not None) <= min(v for v in values if v is not None)
 
 
-# -- exact optima (mathematics of rest-to-rest laws) ---------------------------------------------
+# -- exact optima of rest-to-rest laws ----------------------------------------------------------
 
 
 def one_objective(kind: str, limits: list[dict[str, Any]], **more: Any) -> Design:

@@ -40,9 +40,9 @@ class Node(ABC):
 
     Attributes:
         lower, valid_for: no cam of this part is below ``lower`` [core units], and what that covers.
-        processed: whether ``process`` has been run; a processed node can only be branched on.
-        deferred: whether it is the half with the larger values, which is processed only while the
-            node limit allows.
+        processed: whether ``process`` has nothing more to do; then the node is branched on.
+        upper_half: whether a node was divided by the objective's value and this is the part with
+            the larger values, which is processed only while the node limit allows.
         is_root: whether it is the whole domain: the first node of its kind, from which the nodes of
             this kind are counted. started: ``time.perf_counter()`` of its root.
     """
@@ -50,7 +50,7 @@ class Node(ABC):
     lower: float = -inf
     valid_for: str = ""
     processed: bool = False
-    deferred: bool = False
+    upper_half: bool = False
     is_root: bool = False
     started: float = 0.0
 

@@ -138,7 +138,7 @@ class TracedNode(Node):
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_root:
-            return state, tighten(inside, replace(self, deferred=False), TURNS)._processed()
+            return state, tighten(inside, replace(self, upper_half=False), TURNS)._processed()
         node = solve_relaxation(inside, self)
         if not self.task.thorough:
             return state, tighten(inside, node, FEW_TURNS)._processed()
@@ -171,7 +171,7 @@ class TracedNode(Node):
         norm = self.task.problem.objective.norm(self.task.problem.machine)
         if norm is not None and high - low > VALUE_SPLIT * max(widths[:-1], default=0.0):
             middle = 0.5 * (low + high)
-            worse = replace(child, least=middle, lower=max(self.lower, middle), deferred=True)
+            worse = replace(child, least=middle, lower=max(self.lower, middle), upper_half=True)
             return state, (replace(child, least=low, most=middle), worse)
         axis = int(np.argmax(among))
         return state, [

@@ -7,7 +7,9 @@ m = 2 or 3), ζ the size over its unit, π the objective's level over its unit, 
 Why the bound is valid over all laws (weak duality):
 
 1. Every row Σ_k alpha_k g^(k)(x_i) + a_i · ζ + b_i π ≤ c_i is a limit written at a point, so that
-   every admissible law satisfies it, not only a spline. With any λ ≥ 0 the Lagrangian
+   every admissible law satisfies it, not only a spline; or it follows from limits in a region
+   outside of which no cam is better than the incumbent (``conic.tangent_cuts``). With any λ ≥ 0
+   the Lagrangian
 
        L = objective + Σ λ_i (Σ_k alpha_k g^(k)(x_i) + a_i · ζ + b_i π − c_i)
 

@@ -1,9 +1,9 @@
 """The smallest cam for given laws, in closed form: the point of a polygon nearest to the axis.
 
 With the laws given, every row is a half-plane of the size variables, one or two; its worst cam
-angle is known. For pressure angle alone this is the apex of mathematics' two half-planes, with the
-cases where another side binds included. A curved limit has a half-plane at every cam angle: those
-that the answer breaks are added until there is none.
+angle is known. For pressure angle alone this is the apex of two half-planes, of
+rise and return, or a point on one of them where another side binds. A curved limit has a half-plane
+at every cam angle: those that the answer breaks are added until there is none.
 """
 
 from __future__ import annotations

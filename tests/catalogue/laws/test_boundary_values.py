@@ -26,7 +26,7 @@ X = np.linspace(0.0, 1.0, 401)
 
 
 def least_mean_square_jerk(D: float, v0: float, a0: float, v1: float, a1: float) -> float:
-    """∫ j² of the best motion with these boundary values (mathematics, section 2.5)."""
+    """∫ j² of the best motion with these boundary values."""
     return (
         720 * D**2 - 120 * D * (a0 - a1) - 720 * D * (v0 + v1) + 9 * (a0**2 + a1**2) - 6 * a0 * a1
         + 72 * (a0 * v0 - a1 * v1) + 48 * (a0 * v1 - a1 * v0) + 192 * (v0**2 + v1**2)

@@ -1,4 +1,4 @@
-"""Every figure of the table of motion laws, as printed (docs: mathematics, section 1)."""
+"""Every figure of the table of motion laws, as printed."""
 
 import pytest
 

@@ -164,7 +164,7 @@ def test_a_trial_level_is_proven_too_low_or_not_at_all() -> None:
     assert all(low > 0.0 for value, low in values if value > 2e-3 * values[0][0])
 
 
-# -- closed forms: mathematics.md, section 2 ----------------------------------------------------
+# -- closed forms ------------------------------------------------------------------------------
 
 
 def test_least_peak_jerk() -> None:

@@ -19,7 +19,7 @@ J = 57.3
 ROOT = J / 4.0 * (1.0 - sqrt(1.0 - 32.0 / J))
 TAU = (1.0 - sqrt(1.0 - 24.0 / J)) / 2.0
 NEAR = 1e-7
-# scenes and their exact optima: mathematics.md, section 2
+# scenes and their exact optima
 EXACT: dict[str, tuple[DesignSpec, float]] = {
     "peak jerk": (scene(SYMMETRIC, objective="peak_jerk"), 32.0 * LIFT / BETA**3),
     "peak acceleration, jerk capped": (

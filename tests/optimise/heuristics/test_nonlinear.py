@@ -212,7 +212,7 @@ def test_other_starts_end_at_the_same_cam(name: str, solved: Callable[[str], Ans
         assert np.hypot(*found.model.recover(again.x)[1]) == pytest.approx(found.prime, rel=2e-5)
 
 
-def test_the_scene_of_the_mathematics():
+def test_the_scene_of_the_method():
     # relaxation 28.38 mm and answer 36.38 mm: between 14 and 15 intervals of cubics
     fewer, more = answer(symmetric(), 14), answer(symmetric(), 15)
     assert more.relaxed < 28.38 < fewer.relaxed
