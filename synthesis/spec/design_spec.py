@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import accumulate
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -32,14 +33,15 @@ from synthesis.units import MotionUnits, rad_per_s
 MAX_SEGMENTS = 100  # of a program
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
-DERIVED = (
-    "free_parameters",
-    "_numbered",
-    "_reach",
-    "_placed",
-    "_machine",
-    "_limits",
-)  # derived once
+DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
+    "free_parameters": frozenset({"program", "follower", "speed_rpm", "base_radius_mm"}),
+    "_numbered": frozenset({"program"}),
+    "_machine": frozenset({"follower", "speed_rpm", "load"}),
+    "_reach": frozenset({"program", "follower", "speed_rpm"}),
+    "_placed": frozenset({"program", "follower", "speed_rpm", "continuity"}),
+    "_limits": frozenset({"program", "follower", "limits"}),
+})  # fmt: skip
+"""What a spec computes once, and the fields that this follows from, if no segment is open."""
 
 
 class DesignSpec(BaseModel):
@@ -174,11 +176,13 @@ class DesignSpec(BaseModel):
             one.check_load(segments, self.machine(), position)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy, changed; what is kept of this spec is not the copy's."""
-        found = super().model_copy(update=update, deep=deep)
-        for name in DERIVED:
-            vars(found).pop(name, None)
-        return found
+        """A copy, changed; it computes anew what follows from the changed fields."""
+        changed = super().model_copy(update=update, deep=deep)
+        everything = deep or any(segment.open for segment in self.program)
+        for name, fields in DERIVED.items():
+            if everything or not fields.isdisjoint(update or ()):
+                vars(changed).pop(name, None)
+        return changed
 
     # -- numbers left free -------------------------------------------------------------------
 
