@@ -282,7 +282,7 @@ def _relaxations(oracle: Oracle, number: Relaxable, original: Trial) -> Iterator
 
 
 def _sufficient(oracle: Oracle, number: Relaxable, original: Trial) -> tuple[float | None, str]:
-    """A value of one number with which the question has a cam, near the least such value."""
+    """The value of a number nearest to the requested one with which a cam was found; a note."""
     if oracle.is_late():
         return None, LATE
     # The maximum of the base radius: the smallest cam has the best value there is.
