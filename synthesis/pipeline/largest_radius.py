@@ -72,8 +72,8 @@ class Smallest:
 
 def first_question(spec: DesignSpec) -> DesignSpec:
     """The question to begin with: without its maximum of the base radius, if that is minimised."""
-    wider = _without(spec, "max")
-    return spec if wider is None or not _minimises_radius(spec) else wider
+    wider = _without(spec, "max") if _minimises_radius(spec) else None
+    return wider or spec
 
 
 def solve(
@@ -97,11 +97,11 @@ def complete(
     """Make the answer to a question of what its first question came to; as ``solve`` besides."""
     # 1. A cam that crosses itself is made larger.
     attempt = enlarge_until_simple(first, goal, stages)
-    wider = _without(spec, "max")
+    limited, minimised = _without(spec, "max") is not None, _minimises_radius(spec)
     smallest, most = None, ends(spec.base_radius_mm)[1]
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
     #    proof that there is none; else the maximum is a constraint of the search.
-    if wider is not None and _minimises_radius(spec):
+    if limited and minimised:
         smallest = _smallest(spec, attempt)
         if smallest is not None and (smallest.attempt.certified or smallest.excludes):
             return smallest.attempt, smallest
@@ -111,7 +111,7 @@ def complete(
         attempt = solve_spec(spec, goal, stages)
     # 3. A cam of the gentlest law, where none was found.
     attempt = _with_gentle_law(spec, attempt, goal, stages)
-    if wider is None or attempt.certified or _minimises_radius(spec):
+    if not limited or minimised or attempt.certified:
         return attempt, smallest
     if _proven_infeasible(attempt) or clock.now() >= goal.stop:
         return attempt, smallest
@@ -128,6 +128,7 @@ def complete(
 
 
 def _minimises_radius(spec: DesignSpec) -> bool:
+    """Whether the base radius is minimised first, and not given."""
     least, most = ends(spec.base_radius_mm)
     return spec.objectives()[0].kind == "base_radius" and least < most
 
@@ -236,7 +237,7 @@ def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
             1.0 - ROUNDING_DOWN
         )
         if requested > first.lower:
-            first = replace(first, lower=requested, over="the least base radius requested for")
+            first = replace(first, lower=requested, over="the least base radius asked for")
     return [first, *unknown[1:]]
 
 

@@ -100,7 +100,7 @@ def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
         sizes=sizes,
         limits=conflict.limits if conflict else [],
         relaxations=conflict.relaxations if conflict else [],
-        evidence=conflict.evidence if conflict else "no conflict was smallest",
+        evidence=conflict.evidence if conflict else "no conflict was found",
     )
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import accumulate, pairwise
+from itertools import accumulate
 
 import numpy as np
 from scipy import sparse
@@ -117,20 +117,6 @@ class ConicModel:
             binding = column < 0.0
             x[self.epigraph] = max(np.max(-slack[binding] / -column[binding], initial=0.0), 0.0)
         return x
-
-    def inequality_multipliers(self, z: Array) -> list[Array]:
-        """The inequality multipliers, block by block, none negative."""
-        z, result, at = np.maximum(z, 0.0), [], self.program.equalities
-        for block in self.blocks:
-            result.append(z[at : at + len(block.rhs)])
-            at += len(block.rhs)
-        return result
-
-    def equality_multipliers(self, z: Array) -> list[Array]:
-        """Those of the rows that are equalities, block by block, of either sign."""
-        ends = np.cumsum([0, *(len(block.rhs) for block in self.equality_blocks)])
-        first = self.program.equalities - ends[-1]
-        return [z[first + a : first + b] for a, b in pairwise(ends)]
 
     def vibration_multipliers(self, z: Array) -> list[tuple[VibrationTerm, Array]]:
         """Those of the two rows of every run that has a limit on residual vibration."""
