@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -40,24 +41,13 @@ class BlankOptions(Options):
     """The body that the grooves are cut into."""
 
     bore_mm: BoreDiameter = None
-    width_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e5,
-            description="Width between two flat ends at equal distances from the common "
-            "perpendicular; left out: the cam's own, or as far as the rollers mesh, or one roller "
-            "radius beyond their grooves.",
-        ),
-    ] = None
-    tip_clearance_mm: Annotated[
-        Clearance,
-        Field(description="Clearance between the ribs' tops and the rollers' inner ends."),
-    ] = 0.0
-    end_clearance_mm: Annotated[
-        Clearance,
-        Field(description="Clearance between the grooves' floor and the rollers' outer ends."),
-    ] = 1.0
+    width_mm: Annotated[float | None, Field(gt=0.0, le=1e5)] = None
+    """Width between two flat ends at equal distances from the common perpendicular; left out: the
+    cam's own, or as far as the rollers mesh, or one roller radius beyond their grooves."""
+    tip_clearance_mm: Clearance = 0.0
+    """Clearance between the ribs' tops and the rollers' inner ends."""
+    end_clearance_mm: Clearance = 1.0
+    """Clearance between the grooves' floor and the rollers' outer ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +93,8 @@ class Blank:
         if np.all(np.isfinite(faces)):
             low = np.maximum(low, cuts.chart.across_at_height(depth, faces[0]))
             high = np.minimum(high, cuts.chart.across_at_height(depth, faces[1]))
-        blank = cls(cuts.chart, depth, low, high, 0.5 * (options.bore_mm or 0.0))
-        thin = float(
-            np.min(cuts.chart.meridian(depth[-1:], np.linspace(low[-1], high[-1], 181))[0])
-        )
+        bore, floor = 0.5 * (options.bore_mm or 0.0), np.linspace(low[-1], high[-1], 181)
+        thin = float(np.min(cuts.chart.meridian(depth[-1:], floor)[0]))
         if thin <= 0.0:
             raise InputError(
                 "/end_clearance_mm", options.end_clearance_mm,
@@ -114,20 +102,13 @@ class Blank:
                 "rollers and this centre distance nothing is left of the body.",
                 "Reduce the clearance, increase the centre distance, or use shorter rollers.",
             )  # fmt: skip
-        if thin <= blank.bore:
+        if thin <= bore:
             raise InputError(
                 "/bore_mm", options.bore_mm,
                 f"The grooves' floor is {thin:.6g} mm from the cam's axis.",
                 f"Choose a diameter below {2.0 * thin:.6g} mm.",
             )  # fmt: skip
-        return blank
-
-    @property
-    def heights(self) -> tuple[float, float]:
-        """Heights of the hub's two faces along the cam's axis [mm]."""
-        ends = np.array([self.low[-1], self.high[-1]])
-        low, high = self.chart.meridian(self.depth[-1:], ends)[1]
-        return float(low), float(high)
+        return cls(cuts.chart, depth, low, high, bore)
 
 
 def _depth_range(cuts: GrooveSections) -> tuple[float, float]:
@@ -196,25 +177,22 @@ def build_body(cuts: GrooveSections, blank: Blank, rows: int, parts: int | None 
         InputError: as ``GrooveSections.grooves``.
     """
     turn = np.linspace(0.0, FULL_TURN, rows + 1)
-    grooves = cuts.grooves(turn[:-1], blank.depth)
+    walls, shift = cuts.grooves(turn[:-1], blank.depth)
     # Grooves at either side that never meet the blank are left out.
-    met = np.any((grooves.high > blank.low) & (grooves.low < blank.high), axis=(1, 2))
+    met = np.any((walls[1] > blank.low) & (walls[0] < blank.high), axis=(1, 2))
     kept = slice(int(np.argmax(met)), len(met) - int(np.argmax(met[::-1])))
     # The first row is repeated as the last, where each groove has become another.
-    shift, missing = grooves.shift, np.inf if grooves.shift > 0 else -np.inf
-    low, high = (
-        np.concatenate([walls[kept], shifted(walls[kept, :1], shift, missing)], axis=1)
-        for walls in (grooves.low, grooves.high)
-    )
-    ribs = rib_bounds(blank, low, high)
+    missing = np.inf if shift > 0 else -np.inf
+    after = [shifted(each[kept, :1], shift, missing) for each in walls]
+    ribs = rib_bounds(blank, np.concatenate([walls[:, kept], after], axis=2))
     radius, height, strips = _outline(blank, ribs, blank.chart.parts if parts is None else parts)
     return Body(blank, turn, kept, ribs, radius, height, strips, cuts.cam.swept.hand)
 
 
-def rib_bounds(blank: Blank, low: Array, high: Array) -> Array:
-    """Both walls of the ribs (2, k + 1, n, m): between grooves, and within the blank."""
-    first = np.broadcast_to(blank.low, low[:1].shape)
-    last = np.broadcast_to(blank.high, low[:1].shape)
+def rib_bounds(blank: Blank, grooves: Array) -> Array:
+    """Both walls of the ribs (2, k + 1, n, m): between grooves (2, k, n, m), within the blank."""
+    low, high = grooves
+    first, last = (np.broadcast_to(end, low[:1].shape) for end in (blank.low, blank.high))
     starts = np.clip(np.concatenate([first, high]), blank.low, blank.high)
     ends = np.clip(np.concatenate([low, last]), blank.low, blank.high)
     gone = starts > ends
@@ -241,10 +219,10 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
     step = FULL_TURN / rows
     sampled = np.arange(0, rows, max(1, rows // SAMPLED_ROWS))
     depth = 0.5 * (blank.depth[1:] + blank.depth[:-1])
-    grooves = cuts.grooves(body.turn[sampled] + 0.5 * step, depth)
+    walls, _ = cuts.grooves(body.turn[sampled] + 0.5 * step, depth)
     low, high = (0.5 * (each[1:] + each[:-1]) for each in (blank.low, blank.high))
     between = Blank(blank.chart, depth, low, high, blank.bore)
-    true = rib_bounds(between, grooves.low[body.kept], grooves.high[body.kept])
+    true = rib_bounds(between, walls[:, body.kept])
     # The corners of all cells that lie wholly on a rib within the blank.
     steps = [(i, slice(j, len(depth) + j)) for i in (0, 1) for j in (0, 1)]
     corners = np.stack([body.ribs[:, :, sampled + i][..., each] for i, each in steps])
@@ -296,7 +274,8 @@ def _outline(blank: Blank, ribs: Array, parts: int) -> tuple[Array, Array, tuple
     # The hub: a column of the bore at either end; the outline closes through the bore.
     last, bore = count(), np.full((len(radius), 1), blank.bore)
     hub = [Strip("face", 0, 1), *strips, Strip("face", last - 1, last), Strip("bore", last, 0)]
-    low, high = (np.full_like(bore, face) for face in blank.heights)
+    faces = blank.chart.meridian(down[-1:], np.array([blank.low[-1], blank.high[-1]]))[1]
+    low, high = (np.full_like(bore, face) for face in faces)
     return np.hstack([bore, radius, bore]), np.hstack([low, height, high]), tuple(hub)
 
 
@@ -312,10 +291,22 @@ class Mesh:
     points: Array
     triangles: Whole
 
+    @cached_property
+    def corners(self) -> tuple[Array, Array, Array]:
+        """Points of the triangles' corners, (k, 3) each."""
+        a, b, c = self.points[self.triangles.T]
+        return a, b, c
+
+    @property
+    def normals(self) -> Array:
+        """(k, 3) outward normals, of twice the triangles' areas."""
+        a, b, c = self.corners
+        return np.asarray(np.cross(b - a, c - a))
+
     @property
     def volume(self) -> float:
         """Enclosed volume [mm³], by the divergence theorem."""
-        a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
+        a, b, c = self.corners
         return float(np.sum(a * np.cross(b, c)) / 6.0)
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,21 +34,6 @@ MAX_TURN, MAX_PLACE = 0.05, 0.03  # longest steps: of θ [rad], of ρ in largest
 DIFFERENCE = 1e-6  # rad and mm: step of central differences
 SAME = 1e-6  # rad or mm: rollers at the same place
 SAMPLES = 721  # cam angles at which the rollers' positions are sampled over the turn
-
-
-@dataclass(frozen=True, eq=False)
-class Grooves:
-    """All grooves at rows t and depths d, ordered across the blank.
-
-    Attributes:
-        low, high: (k, n, m) places across of their two walls; ±∞ where they are off the blank, or
-            where that side of the roller does not touch the cam.
-        shift: groove i at the end of the turn is groove i + shift at its start.
-    """
-
-    low: Array
-    high: Array
-    shift: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,21 +85,25 @@ class GrooveSections:
         inside = q[(q >= self.mesh[0]) & (q <= self.mesh[1])]
         return np.append(inside, [end for end in self.mesh if np.isfinite(end)])
 
-    def grooves(self, turn: Array, depth: Array) -> Grooves:
-        """The grooves at rows ``turn`` (n,) [rad] and ``depth`` (m,) [mm].
+    def grooves(self, turn: Array, depth: Array) -> tuple[Array, int]:
+        """The grooves at rows ``turn`` (n,) [rad] and ``depth`` (m,) [mm], by place across.
+
+        Returns:
+            (2, k, n, m) places across of their low and high walls, ±∞ where they are off the blank,
+            or where that side of the roller does not touch the cam; and the shift: groove i at the
+            end of the turn is groove i + shift at its start.
 
         Raises:
             InputError: a wall is undercut or has a step, so that its place is not unique.
         """
         seats = self.seats()
-        low, high = (
-            np.stack([self._wall(seat, side, turn, depth) for seat in seats])
-            for side in (LEFT, RIGHT)
-        )
+        walls = np.array([
+            [self._wall(seat, side, turn, depth) for seat in seats] for side in (LEFT, RIGHT)
+        ])  # fmt: skip
         shift = 0
         if len(seats) > 1:  # the rollers by which the follower advances in a turn
             shift = round(self.cam.gain / (seats[1].start - seats[0].start))
-        return Grooves(low, high, shift)
+        return walls, shift
 
     def seats(self) -> list[Seat]:
         """All rollers that come near the blank, those of other turns included, by position."""
@@ -125,8 +115,7 @@ class GrooveSections:
             for turn in range(-reach, reach + 1)
         ]
         seats.sort(key=lambda seat: seat.start)
-        kept = [a for a, b in zip(seats, [*seats[1:], None], strict=True)
-                if b is None or b.start - a.start > SAME]  # fmt: skip
+        kept = [a for a, b in pairwise(seats) if b.start - a.start > SAME] + seats[-1:]
         return [seat for seat in kept if np.any(self._near(self._positions(seat)))]
 
     def _positions(self, seat: Seat) -> Array:
@@ -139,21 +128,19 @@ class GrooveSections:
 
     def _wall(self, seat: Seat, side: int, turn: Array, depth: Array) -> Array:
         """Places across of a wall, (n, m)."""
-        t, d = (each.ravel() for each in np.meshgrid(turn, depth, indexing="ij"))
+        t, d = np.meshgrid(turn, depth, indexing="ij")
         if side not in seat.sides:
-            return np.full((len(turn), len(depth)), side * np.inf)
-        q, shape = self.cam.place(seat, t).q, (len(turn), len(depth))
-        across = np.where(q > self.mesh[1], np.inf, -np.inf)
-        sound = np.full(len(t), True)
+            return np.full(t.shape, side * np.inf)
+        q = np.broadcast_to(self.cam.place(seat, turn).q[:, None], t.shape)
+        across, sound = np.where(q > self.mesh[1], np.inf, -np.inf), np.full(t.shape, True)
         near = self._near(q)
         if np.any(near):
             across[near], sound[near] = self.walls(seat, side, t[near], d[near])
         # Below the rollers' ends nothing touches the wall: it is constant in depth where longer
         # rollers would undercut it.
-        wall, regular = across.reshape(shape), sound.reshape(shape)
         for k in range(1, len(depth)):
-            wall[:, k] = np.where(regular[:, k], wall[:, k], wall[:, k - 1])
-        return wall
+            across[:, k] = np.where(sound[:, k], across[:, k], across[:, k - 1])
+        return across
 
     def walls(self, seat: Seat, side: int, t: Array, d: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Places across in rows t at depths d (n,), and where they are on a regular wall.
@@ -169,9 +156,7 @@ class GrooveSections:
         q = self.cam.place(seat, t).q
         met = (q > self.mesh[0]) & (q < self.mesh[1])
         bad = met & ~(solved & (contacts.regular[:, 0] > 0.0))
-        ends = np.array([self.cam.swept.roller.inner, self.cam.swept.roller.outer])
-        reached = d <= np.max(self.chart.depth_of_place(ends))
-        self._check(t, d, bad & reached, side)
+        self._check(t, d, bad & (d <= self._deepest), side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
         return np.where(solved, across, away), ~bad
 
@@ -226,19 +211,21 @@ class GrooveSections:
         """Places on the rollers' axes where walls are contacts; if straight, up to their ends."""
         if not self.straight:
             return rho
+        depth_of = self.chart.depth_of_place  # and back
+        return depth_of(np.minimum(depth_of(rho), self._deepest))
+
+    @cached_property
+    def _deepest(self) -> float:
+        """Depth of the rollers' deeper end [mm]."""
         roller = self.cam.swept.roller
-        deep = roller.outer if self.chart.depth_of_place(np.array(1.0)) > 0.0 else roller.inner
-        return np.minimum(rho, deep) if deep == roller.outer else np.maximum(rho, deep)
+        return float(np.max(self.chart.depth_of_place(roller.places(2))))
 
     def _chart_point(
         self, seat: Seat, side: int, theta: Array, rho: Array
     ) -> tuple[Array, Array, Array]:
         """Row, depth and place across (n,) of the wall at θ and ρ (n,)."""
-        swept, place, touched = (
-            self.cam.swept,
-            self.cam.place(seat, theta),
-            self._contact_places(rho),
-        )
+        swept, place = self.cam.swept, self.cam.place(seat, theta)
+        touched = self._contact_places(rho)
         points, normals = swept.contact_points(place, touched[:, None], side)
         point = points[:, :, 0]
         if self.straight:

@@ -224,8 +224,7 @@ def test_a_wall_that_only_longer_rollers_would_undercut_goes_straight_down() -> 
     spec = SpatialCamSpec(**asked)
     cuts = GrooveSections(cam_of(spec), spec.machine)
     turn, depth = np.linspace(0.0, 2.2, 60), np.array([90.0, 101.9, 104.5, 107.3])
-    found = cuts.grooves(turn, depth)
-    for walls in (found.low, found.high):
+    for walls in cuts.grooves(turn, depth)[0]:
         whole = walls[np.all(np.isfinite(walls) & (np.abs(walls) < 1.4), axis=2)]
         assert np.max(np.abs(np.diff(whole, axis=1))) < math.radians(8.0)
         straight = whole[:, 2] == whole[:, 3]

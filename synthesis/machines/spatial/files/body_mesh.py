@@ -41,13 +41,8 @@ DEPTHS, PARTS = 4, 5  # rows of points on a wall; parts of the arc across a face
 LARGEST = 32767  # signed 16 bits
 MOTION_ROWS = 361  # of the table of the motion
 PLACES = 6  # decimals of lengths and directions
-
-Rows = Annotated[
-    float, Field(ge=0.1, le=20.0, description="Rows of points per degree of cam angle.")
-]
-Levels = Annotated[
-    int, Field(ge=2, le=100, description="Rows of points from a rib's top to the floor.")
-]
+Rows = Annotated[float, Field(ge=0.1, le=20.0)]
+Levels = Annotated[int, Field(ge=2, le=100)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +50,9 @@ class MeshOptions(BlankOptions):
     """As ``BlankOptions``, and how fine the mesh is."""
 
     points_per_degree: Rows = 1.0
+    """Rows of points per degree of cam angle."""
     depths: Levels = 7
+    """Rows of points from a rib's top to the floor."""
 
 
 def mesh_body(
@@ -91,12 +88,10 @@ def mesh_body(
 
 def _stl(design: SpatialDesign, options: MeshOptions) -> FileContent:
     mesh, metadata = mesh_body(design, options, MAX_TRIANGLES)
-    corners = mesh.points[mesh.triangles]
-    records = np.zeros(len(corners), dtype=RECORD)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    records, normal = np.zeros(len(mesh.triangles), dtype=RECORD), mesh.normals
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     records["normal"] = normal / np.where(length > 0.0, length, 1.0)
-    records["corners"] = corners
+    records["corners"] = np.stack(mesh.corners, axis=1)
     title = f"Camwright {design.engine_version}, {design.id}"
     head = title.encode("ascii", "replace")[:HEADER].ljust(HEADER)
     return FileContent(head + np.uint32(len(records)).tobytes() + records.tobytes(), metadata)
@@ -115,9 +110,8 @@ STL = FileFormat(
 class SurfaceOptions(BlankOptions):
     """As ``BlankOptions``, and how fine the grid is."""
 
-    points_per_degree: Annotated[
-        float, Field(ge=0.1, le=1.0, description="Rows of points per degree of cam angle.")
-    ] = 0.75
+    points_per_degree: Annotated[float, Field(ge=0.1, le=1.0)] = 0.75
+    """Rows of points per degree of cam angle."""
 
 
 def _surfaces(design: SpatialDesign, options: SurfaceOptions) -> bytes:

@@ -126,24 +126,13 @@ def _distance(cam: SpatialCam, point: Array, poses: CutterPoses) -> Array:
 class CutterOptions(Options):
     """The cutter and the sampling of its path; an empty ``flank`` stands for all."""
 
-    cutter_diameter_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Diameter of a cylindrical cutter. Left out: a cutter of the roller's own "
-            "form, which machines both walls at once, exactly; a thinner one machines each flank "
-            "separately.",
-        ),
-    ] = None
+    cutter_diameter_mm: Annotated[float | None, Field(gt=0.0, le=1e6)] = None
+    """Diameter of a cylindrical cutter. Left out: a cutter of the roller's own form, which machines
+    both walls at once, exactly; a thinner one machines each flank separately."""
     flank: Flank = ""
-    frame: Annotated[
-        Literal["cam", "machine"],
-        Field(
-            description="`cam`: positions and directions in the cam's frame, for a five-axis part "
-            "program. `machine`: the same with the cam rotated by c_deg."
-        ),
-    ] = "cam"
+    frame: Literal["cam", "machine"] = "cam"
+    """`cam`: positions and directions in the cam's frame, for a five-axis part program. `machine`:
+    the same with the cam rotated by c_deg."""
     points_per_degree: Density = 1.0
 
 

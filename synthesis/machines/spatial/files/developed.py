@@ -152,17 +152,10 @@ def _normal(slope: Array) -> Array:
 class DevelopedOptions(Options):
     """The cylinder and the sampling."""
 
-    radius_mm: Annotated[
-        float | None,
-        Field(
-            gt=0.0,
-            le=1e6,
-            description="Radius of the cylinder that is unrolled; left out: the cam's.",
-        ),
-    ] = None
-    points_per_degree: Annotated[
-        float, Field(gt=0.0, le=20.0, description="Points per degree of cam angle.")
-    ] = 2.0
+    radius_mm: Annotated[float | None, Field(gt=0.0, le=1e6)] = None
+    """Radius of the cylinder that is unrolled; left out: the cam's."""
+    points_per_degree: Annotated[float, Field(gt=0.0, le=20.0)] = 2.0
+    """Points per degree of cam angle."""
 
 
 @dataclass(frozen=True, eq=False)

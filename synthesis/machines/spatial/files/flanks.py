@@ -31,24 +31,7 @@ CUBIC = 3  # degree of the splines
 MAX_ROWS = 200_000  # of a point file
 
 Density = Annotated[float, Field(gt=0.0, le=100.0, description="Points per degree of cam angle.")]
-Count = Annotated[
-    int | None,
-    Field(
-        ge=2,
-        le=36_001,
-        description="Points of every curve, evenly over the cam angle; overrides "
-        "points_per_degree.",
-    ),
-]
-Depths = Annotated[
-    int,
-    Field(
-        ge=2,
-        le=200,
-        description="Curves of a flank, evenly over the roller's width; the first and the last "
-        "are its edges.",
-    ),
-]
+Depths = Annotated[int, Field(ge=2, le=200)]
 Flank = Annotated[
     str,
     Field(
@@ -65,8 +48,10 @@ class FlankOptions(Options):
 
     flank: Flank = ""
     points_per_degree: Density = 1.0
-    points: Count = None
+    points: Annotated[int | None, Field(ge=2, le=36_001)] = None
+    """Points of every curve, evenly over the cam angle; overrides points_per_degree."""
     depths: Depths = 5
+    """Curves of a flank, evenly over the roller's width; the first and the last are its edges."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,7 +26,7 @@ from scipy.sparse.csgraph import connected_components
 
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import FINEST
-from synthesis.exporters.curves.step import Entities, many, real, shape_file, text
+from synthesis.exporters.curves.step import Entities, many, shape_file, text
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.machines.spatial.body import Blank, BlankOptions, Mesh, Whole
@@ -39,6 +39,7 @@ from synthesis.machines.spatial.solid.build import Builder
 from synthesis.machines.spatial.solid.geometry import (
     NotSmooth,
     Shell,
+    entity,
     interpolate_surface,
     write_spline,
 )
@@ -62,15 +63,9 @@ class SurfaceOptions(Options):
     """The flanks and their tolerance; an empty ``flank`` stands for all."""
 
     flank: Flank = ""
-    tolerance_um: Annotated[
-        float,
-        Field(
-            ge=0.01,
-            le=1e3,
-            description="Largest distance of the surfaces from the flanks, along the normal [µm]. "
-            "The header Camwright-Surface-Error-Mm gives the one reached.",
-        ),
-    ] = 1.0
+    tolerance_um: Annotated[float, Field(ge=0.01, le=1e3)] = 1.0
+    """Largest distance of the surfaces from the flanks, along the normal [µm]. The header
+    Camwright-Surface-Error-Mm gives the one reached."""
 
 
 def _fit_flank(
@@ -131,7 +126,7 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
     error, name = max(each[2] for each in made), f"flanks of {design.name or design.id}"
 
     def write(data: Entities) -> str:
-        surfaces = [write_spline(data, text(flank), spline) for flank, spline, _ in made]
+        surfaces = [write_spline(data, spline, text(flank)) for flank, spline, _ in made]
         return data.add("GEOMETRIC_SET", text(name), many(surfaces))
 
     title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"
@@ -144,18 +139,12 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
 class FacetedOptions(MeshOptions):
     """The boundary of the solid; rows and depths are those of a faceted one."""
 
-    form: Annotated[
-        Literal["smooth", "faceted"] | None,
-        Field(
-            description="smooth: true surfaces, walls as B-splines within tolerance_um; faceted: "
-            "flat faces, by points_per_degree and depths. Left out: smooth where possible. The "
-            "header Camwright-Body says which it is."
-        ),
-    ] = None
-    tolerance_um: Annotated[
-        float,
-        Field(ge=0.1, le=1e3, description="Largest distance of smooth walls from the true ones."),
-    ] = 1.0
+    form: Literal["smooth", "faceted"] | None = None
+    """smooth: true surfaces, walls as B-splines within tolerance_um; faceted: flat faces, by
+    points_per_degree and depths. Left out: smooth where possible. The header Camwright-Body says
+    which it is."""
+    tolerance_um: Annotated[float, Field(ge=0.1, le=1e3)] = 1.0
+    """Largest distance of smooth walls from the true ones."""
     points_per_degree: Rows = 0.4
     depths: Levels = 4
 
@@ -211,8 +200,7 @@ def build_solid(
 
 def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
     mesh, metadata = mesh_body(design, options, MAX_TRIANGLES)
-    thin = thinnest(mesh)
-    if thin < FINEST:
+    if (thin := thinnest(mesh)) < FINEST:
         raise InputError(
             "/points_per_degree", options.points_per_degree,
             f"The narrowest face would be {thin:.2g} mm wide; a solid needs {FINEST:.2g} mm.",
@@ -221,10 +209,7 @@ def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
     facets = merge_planar_faces(mesh)
 
     def write(data: Entities) -> str:
-        points = [
-            data.add("CARTESIAN_POINT", "''", many(map(real, point)))
-            for point in mesh.points.tolist()
-        ]
+        points = [entity(data, "CARTESIAN_POINT", point) for point in mesh.points]
         shell = data.add("CLOSED_SHELL", "''", many([_face(data, each, points) for each in facets]))
         return data.add("FACETED_BREP", text(design.name or f"cam {design.id}"), shell)
 
@@ -238,8 +223,7 @@ def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
 
 
 def _face(data: Entities, facet: Facet, points: list[str]) -> str:
-    normal = np.round(facet.normal, DIGITS) + 0.0
-    axis = data.add("DIRECTION", "''", many(map(real, normal.tolist())))
+    axis = entity(data, "DIRECTION", np.round(facet.normal, DIGITS) + 0.0)
     placed = data.add("AXIS2_PLACEMENT_3D", "''", points[facet.loops[0][0]], axis, "$")
     plane = data.add("PLANE", "''", placed)
     bounds = []
@@ -267,8 +251,7 @@ def merge_planar_faces(mesh: Mesh) -> list[Facet]:
     Only planes perpendicular to the axis are merged, where heights are equal to the bit. A part
     whose boundary touches itself in a point stays in triangles.
     """
-    normals = _area_normals(mesh)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = mesh.normals / np.linalg.norm(mesh.normals, axis=1, keepdims=True)
     # Parts: triangles at one height with one orientation, connected by edges.
     flat = np.flatnonzero(np.ptp(mesh.points[mesh.triangles, 2], axis=1) == 0.0)
     owner = {edge: k for k in flat.tolist() for edge in _edges(mesh.triangles[k].tolist())}
@@ -292,15 +275,9 @@ def merge_planar_faces(mesh: Mesh) -> list[Facet]:
 
 def thinnest(mesh: Mesh) -> float:
     """Least height of any triangle [mm]."""
-    corners = mesh.points[mesh.triangles]
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    return float(np.min(np.linalg.norm(_area_normals(mesh), axis=1) / np.max(sides, axis=1)))
-
-
-def _area_normals(mesh: Mesh) -> Array:
-    """(k, 3) outward normals, of twice the triangles' areas."""
-    a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
-    return np.asarray(np.cross(b - a, c - a))
+    corners = np.stack(mesh.corners)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=2)
+    return float(np.min(np.linalg.norm(mesh.normals, axis=1) / np.max(sides, axis=0)))
 
 
 def _edges(triangle: Loop) -> list[tuple[int, int]]:

@@ -48,7 +48,7 @@ class Builder:
         Raises:
             NotSmooth: the body has no boundary of this kind.
         """
-        for j in range(self.sheets.sectors):
+        for j in range(len(self.sheets.pieces)):
             # Walls first: their boundary curves are the edges of all other faces.
             for piece in chain(*self.sheets.pieces[j]):
                 if piece.state == IN:
@@ -60,32 +60,12 @@ class Builder:
         self.shell.check()
         return self.shell
 
-    # -- names --------------------------------------------------------------------------------
-
-    def _stop(self, stop: Stop, wall: int | None) -> Key:
-        """Key of a wall's end or a sector line; after a turn of the first line and shifted wall."""
-        if stop.key[0] == "out":
-            return stop.key
-        j = int(str(stop.key[1]))
-        if j < self.sheets.sectors:
-            return ("line", j, wall)
-        return ("line", 0, None if wall is None else wall + self.sheets.shift)
-
-    def _corner(self, stop: Stop, piece: Piece | None, state: int, level: int) -> Key:
-        """Key of the vertex of a region's bound at a stop: on a wall, or at the blank's end."""
-        if stop.key[0] == "out":
-            return (*stop.key, level)
-        if state == IN:
-            assert piece is not None
-            return (*self._stop(stop, piece.wall), level)
-        return (*self._stop(stop, None), "end", state, level)
-
     # -- edges --------------------------------------------------------------------------------
 
     def _wall(self, piece: Piece) -> None:
         surface, error = fit_patch(self.sheets, piece, self.tolerance, self.stride)
         self.errors.append(error)
-        ends = [self._stop(stop, piece.wall) for stop in (piece.first, piece.last)]
+        ends = [stop.key for stop in piece.ends]
         (along, down), points = surface.t, surface.c
         edges = [self.shell.join((piece, level), (*ends[0], level), (*ends[1], level),
                                  geometry.spline_curve(BSpline(along, points[:, level], CUBIC)))
@@ -113,37 +93,44 @@ class Builder:
 
     def _border(self, first: Stop, last: Stop, end: int, level: int) -> Key:
         """The edge of a region along an end of the blank: an arc about the axis."""
-        start, stop = (self._corner(each, None, end, level) for each in (first, last))
+        start, stop = (_corner(each, end, level) for each in (first, last))
         radius, height = self._end(end, level)
         y = np.array([0.0, -float(self.sheets.hand), 0.0])
         turn = float(first.turn[level]), float(last.turn[level])
         curve = geometry.circle(height * geometry.UP, geometry.X, y, radius, *turn)
         return self.shell.join(("arc", end, level, start, stop), start, stop, curve)
 
-    def _lift(self, stop: Stop, span: Span, level: int) -> list[Key]:
-        """The edge across the body at a sector line; none where the span ends in a point."""
-        if stop.key[0] == "out":
+    def _lift(self, span: Span, k: int, level: int) -> list[Key]:
+        """The edge across the body at a sector line where a span starts (k = 0) or stops (1).
+
+        None where it ends in a point.
+        """
+        stop = span.ends[k]
+        if stop.leaves:
             return []
-        low, high = span.states
-        first = self._corner(stop, span.low, low, level)
-        last = self._corner(stop, span.high, high, level)
+        first, last = (
+            _corner(piece.ends[k] if piece and state == IN else stop, state, level)
+            for piece, state in zip(span.walls, span.states, strict=True)
+        )
         # Corners on walls exist already.
         start, end = (
             self._place(key) if state == IN else float(self.sheets.end(state)[level])
-            for key, state in ((first, low), (last, high))
+            for key, state in zip((first, last), span.states, strict=True)
         )
-        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
-        angle = -self.sheets.hand * float(stop.turn[level])
-        ring = chart.torus_radii(depth)
-        curve: geometry.Curve
+        blank, turn = self.sheets.blank, stop.turn[level]
+        ring, away = blank.chart.torus_radii(blank.depth[level]), self._away(stop)
         if ring is None:
-            ends = (chart.points(np.array(angle), np.array(depth), np.array(at))
+            ends = (self.sheets.points(turn, blank.depth[level], np.array(at))
                     for at in (start, end))  # fmt: skip
             curve = geometry.line(*ends)
         else:
-            away = np.array([np.cos(angle), np.sin(angle), 0.0])
             curve = geometry.circle(ring[0] * away, -away, geometry.UP, ring[1], start, end)
         return [self.shell.join(("lift", first, last), first, last, curve)]
+
+    def _away(self, line: Stop) -> Array:
+        """Unit vector (3,) away from the cam's axis at a sector line."""
+        angle = -self.sheets.hand * float(line.turn[0])
+        return np.array([np.cos(angle), np.sin(angle), 0.0])
 
     def _place(self, corner: Key) -> float:
         """Place across of a vertex."""
@@ -158,23 +145,21 @@ class Builder:
                 self._region(run, level)
 
     def _region(self, run: list[Span], level: int) -> None:
-        edges = self._lift(run[0].first, run[0], level) + self._lift(run[-1].last, run[-1], level)
+        edges = self._lift(run[0], 0, level) + self._lift(run[-1], 1, level)
         for k in (0, 1):
             for piece, state, first, last in bounds(run, k):
                 if state == IN:
                     edges.append((piece, level))
                 else:
                     edges.append(self._border(first, last, state, level))
-        turn = np.array(0.5 * (run[0].first.turn[level] + run[-1].last.turn[level]))
+        turn = np.array(0.5 * (run[0].ends[0].turn[level] + run[-1].ends[1].turn[level]))
         corners = {key for edge in edges for key in self.shell.edges[edge][:2]}
         across = np.array(np.mean([self._place(key) for key in corners]))
-        chart, depth = self.sheets.blank.chart, float(self.sheets.blank.depth[level])
-        place, deeper = (
-            self.sheets.points(turn, np.array(d), across) for d in (depth, depth + STEP)
-        )
+        depth = self.sheets.blank.depth[level]
+        place, deeper = (self.sheets.points(turn, at, across) for at in (depth, depth + STEP))
         # The turned surface of one depth is a torus or a cylinder.
-        ring, (radius, _) = chart.torus_radii(depth), chart.meridian(np.array(depth), np.array(0.0))
-        surface = geometry.cylinder(float(radius)) if ring is None else geometry.torus(*ring)
+        ring, (radius, _) = self.sheets.blank.chart.torus_radii(depth), self._end(LOW, level)
+        surface = geometry.cylinder(radius) if ring is None else geometry.torus(*ring)
         self.shell.add(surface, edges, place, (place - deeper) / STEP)
 
     # -- ends ---------------------------------------------------------------------------------
@@ -183,7 +168,7 @@ class Builder:
         """Sections of ribs by the blank's ends."""
         for low, high in pairs(self.sheets, TOP):
             tops, roots = (list(spans(self.sheets, j, low, high, level)) for level in LEVELS)
-            if [(s.low, s.high) for s in tops] != [(s.low, s.high) for s in roots]:
+            if [span.walls for span in tops] != [span.walls for span in roots]:
                 raise NotSmooth("a rib's end changes its order from top to floor")
             for run in runs(tops):
                 for k, end in enumerate(BLANK_ENDS):
@@ -194,26 +179,19 @@ class Builder:
     def _section(self, first: Stop, last: Stop, end: int) -> None:
         edges = [self._border(first, last, end, level) for level in LEVELS]
         for stop in (first, last):
-            if stop.key[0] == "out":
+            if stop.leaves:
                 edges.append(("down", *stop.key))
                 continue
-            top, root = (self._corner(stop, None, end, level) for level in LEVELS)
-            angle = -self.sheets.hand * float(stop.turn[0])
-            away = np.array([np.cos(angle), np.sin(angle), 0.0])
-            ends = (r * away + z * geometry.UP for r, z in (self._end(end, k) for k in LEVELS))
+            top, root = (_corner(stop, end, level) for level in LEVELS)
+            away, sides = self._away(stop), (self._end(end, level) for level in LEVELS)
+            ends = (radius * away + height * geometry.UP for radius, height in sides)
             edges.append(self.shell.join(("edge", top, root), top, root, geometry.line(*ends)))
         middle = len(first.turn) // 2
         turn = np.array(0.5 * float(first.turn[middle] + last.turn[middle]))
         depth, across = self.sheets.blank.depth[middle], self.sheets.end(end)[middle]
         place = self.sheets.points(turn, depth, across)
         out = end * self._across_direction(place)
-        # A section is a plane, a cylinder or a cone about the axis.
-        (r0, z0), (r1, z1) = self._end(end, TOP), self._end(end, ROOT)
-        surface = geometry.cone(z0, r0, (r1 - r0) / (z1 - z0 or np.inf))
-        if abs(z1 - z0) < 1e-9 * abs(r1 - r0):
-            surface = geometry.plane(z0, int(np.sign(out[2])))
-        elif abs(r1 - r0) < 1e-9 * abs(z1 - z0):
-            surface = geometry.cylinder(r0)
+        surface = geometry.cone(self._end(end, TOP), self._end(end, ROOT), out)
         self.shell.add(surface, edges, place, out)
 
     def _hub(self) -> None:
@@ -253,24 +231,27 @@ class Builder:
         ]
 
 
+def _corner(stop: Stop, state: int, level: int) -> Key:
+    """Key of the vertex of a region's bound at a stop: on a wall, or at the blank's end."""
+    return (*stop.key, level) if stop.leaves or state == IN else (*stop.key, state, level)
+
+
 @dataclass(frozen=True, eq=False)
 class Span:
     """A part of a region in which neither bound enters or leaves the blank.
 
     Attributes:
-        low, high: the pieces that bound it; None: it extends to the blank's end.
-        first, last: its ends along the turn.
+        walls: the pieces that bound it below and above; None: it extends to the blank's end.
+        ends: along the turn.
     """
 
-    low: Piece | None
-    high: Piece | None
-    first: Stop
-    last: Stop
+    walls: tuple[Piece | None, Piece | None]
+    ends: tuple[Stop, Stop]
 
     @property
     def states(self) -> tuple[int, int]:
-        low = LOW if self.low is None else self.low.state
-        return low, HIGH if self.high is None else self.high.state
+        low, high = self.walls
+        return low.state if low else LOW, high.state if high else HIGH
 
     @property
     def open(self) -> bool:
@@ -297,13 +278,13 @@ def spans(sheets: WallSheets, j: int, low: int, high: int, level: int) -> Iterat
     first, end = sheets.line(j), sheets.line(j + 1)
     a = b = 0
     while True:
-        here = [piece.last for piece in (lows[a], highs[b]) if piece is not None]
-        stops = [stop for stop in here if stop.key[0] == "out"]
+        walls = lows[a], highs[b]
+        stops = [piece.ends[1] for piece in walls if piece and piece.ends[1].leaves]
         last = min(stops, key=lambda stop: float(stop.turn[level]), default=end)
-        yield Span(lows[a], highs[b], first, last)
+        yield Span(walls, (first, last))
         if last is end:
             return
-        low_ends, high_ends = (p is not None and p.last is last for p in (lows[a], highs[b]))
+        low_ends, high_ends = (piece is not None and piece.ends[1] is last for piece in walls)
         first, a, b = last, a + low_ends, b + high_ends
 
 
@@ -314,7 +295,6 @@ def runs(spans: Iterable[Span]) -> Iterator[list[Span]]:
 
 def bounds(run: Iterable[Span], k: int) -> Iterator[tuple[Piece | None, int, Stop, Stop]]:
     """The pieces that bound a run below (0) or above (1), with their states and ends."""
-    for _, spans in groupby(run, lambda span: id((span.low, span.high)[k])):
-        all_ = list(spans)
-        piece = (all_[0].low, all_[0].high)[k]
-        yield piece, all_[0].states[k], all_[0].first, all_[-1].last
+    for piece, group in groupby(run, lambda span: span.walls[k]):
+        spans = list(group)
+        yield piece, spans[0].states[k], spans[0].ends[0], spans[-1].ends[1]

@@ -69,17 +69,8 @@ def line(first: Array, last: Array) -> Curve:
 
 def spline_curve(spline: BSpline) -> Curve:
     """A B-spline over [0, 1]."""
-
-    def to_step(data: Entities) -> str:
-        knots, times = np.unique(spline.t, return_counts=True)
-        points = many([entity(data, "CARTESIAN_POINT", each) for each in np.asarray(spline.c)])
-        return data.add(
-            "B_SPLINE_CURVE_WITH_KNOTS", "''", str(spline.k), points, ".UNSPECIFIED.", ".F.",
-            ".F.", many(map(str, times.tolist())), many(map(real, knots.tolist())),
-            ".UNSPECIFIED.",
-        )  # fmt: skip
-
-    return Curve(lambda share: np.asarray(spline(share)), to_step)
+    whole = NdBSpline((spline.t,), np.asarray(spline.c), (spline.k,))
+    return Curve(lambda share: np.asarray(spline(share)), lambda data: write_spline(data, whole))
 
 
 class Surface(NamedTuple):
@@ -96,10 +87,8 @@ class Surface(NamedTuple):
     spline: NdBSpline | None = None
 
 
-def _surface_of_revolution(
-    kind: str, sizes: tuple[float, ...], normal: Callable[[Array], Array],
-    height: float = 0.0, sense: float = 1.0,
-) -> Surface:  # fmt: skip
+def _turned(normal: Callable[[Array], Array], kind: str, *sizes: float,
+            height: float = 0.0, sense: float = 1.0) -> Surface:  # fmt: skip
     """A surface about the cam's axis: STEP entity and its numbers.
 
     Args:
@@ -113,38 +102,51 @@ def _surface_of_revolution(
     return Surface(normal, to_step)
 
 
-def plane(height: float, sense: int) -> Surface:
-    """A plane across the axis at a height [mm], normal up (1) or down (−1)."""
-    return _surface_of_revolution("PLANE", (), lambda place: sense * UP, height, sense)
-
-
 def cylinder(radius: float) -> Surface:
     """A cylinder about the axis [mm]."""
-    return _surface_of_revolution("CYLINDRICAL_SURFACE", (radius,), lambda place: place * ACROSS)
+    return _turned(lambda place: place * ACROSS, "CYLINDRICAL_SURFACE", radius)
 
 
 def torus(middle: float, tube: float) -> Surface:
     """A torus about the axis: major and minor radius [mm]."""
-    return _surface_of_revolution(
-        "TOROIDAL_SURFACE", (middle, tube),
-        lambda place: place - middle * (place * ACROSS) / np.hypot(place[0], place[1]),
-    )  # fmt: skip
+
+    def normal(place: Array) -> Array:
+        return np.asarray(place - middle * (place * ACROSS) / np.hypot(place[0], place[1]))
+
+    return _turned(normal, "TOROIDAL_SURFACE", middle, tube)
 
 
-def cone(height: float, radius: float, slope: float) -> Surface:
-    """A cone about the axis: its radius at a height [mm], and d radius/d height."""
-    return _surface_of_revolution(
-        "CONICAL_SURFACE", (radius, math.atan(abs(slope))),
-        lambda place: place * ACROSS / np.hypot(place[0], place[1]) - slope * UP, height,
-        math.copysign(1.0, slope),  # STEP's cones widen along their axis
-    )  # fmt: skip
+def plane(height: float, sense: int) -> Surface:
+    """A plane across the axis at a height [mm], normal up (1) or down (−1)."""
+    return _turned(lambda place: sense * UP, "PLANE", height=height, sense=sense)
+
+
+def cone(first: tuple[float, float], last: tuple[float, float], out: Array) -> Surface:
+    """The cone about the axis through two radii and heights [mm], or a plane, or a cylinder.
+
+    Args:
+        out: (3,) a direction out of the body; a plane's normal.
+    """
+    (radius, height), (run, rise) = first, np.subtract(last, first).tolist()
+    if abs(rise) < 1e-9 * abs(run):
+        return plane(height, int(np.sign(out[2])))
+    if abs(run) < 1e-9 * abs(rise):
+        return cylinder(radius)
+    slope = run / rise
+
+    def normal(place: Array) -> Array:
+        return np.asarray(place * ACROSS / np.hypot(place[0], place[1]) - slope * UP)
+
+    # STEP's cones widen along their axis.
+    half, sense = math.atan(abs(slope)), math.copysign(1.0, slope)
+    return _turned(normal, "CONICAL_SURFACE", radius, half, height=height, sense=sense)
 
 
 def spline_surface(spline: NdBSpline) -> Surface:
     """A tensor product of B-splines over [0, 1] × [0, 1]."""
     middle = np.array([0.5, 0.5])
     normal = np.cross(spline(middle, nu=(1, 0)), spline(middle, nu=(0, 1)))
-    return Surface(lambda place: normal, lambda data: write_spline(data, "''", spline), spline)
+    return Surface(lambda place: normal, lambda data: write_spline(data, spline), spline)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,13 +252,16 @@ def interpolate_surface(u: Array, v: Array, points: Array, degrees: tuple[int, i
     return NdBSpline((by_u.t, by_v.t), np.moveaxis(by_v.c, 0, 1), degrees)
 
 
-def write_spline(data: Entities, name: str, spline: NdBSpline) -> str:
-    """Writes a tensor product of B-splines; returns the reference."""
-    rows = [many([entity(data, "CARTESIAN_POINT", each) for each in row]) for row in spline.c]
+def write_spline(data: Entities, spline: NdBSpline, name: str = "''") -> str:
+    """Writes a B-spline curve or surface that is not closed; returns the reference."""
+
+    def points(c: Array) -> str:
+        return entity(data, "CARTESIAN_POINT", c) if c.ndim == 1 else many(map(points, c))
+
     each = [np.unique(knots, return_counts=True) for knots in spline.t]
     return data.add(
-        "B_SPLINE_SURFACE_WITH_KNOTS", name, *map(str, spline.k), many(rows),
-        ".UNSPECIFIED.", ".F.", ".F.", ".F.",
+        f"B_SPLINE_{'CURVE' if len(each) == 1 else 'SURFACE'}_WITH_KNOTS", name,
+        *map(str, spline.k), points(spline.c), ".UNSPECIFIED.", *[".F."] * (len(each) + 1),
         *(many(map(str, times.tolist())) for _, times in each),
         *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
     )  # fmt: skip

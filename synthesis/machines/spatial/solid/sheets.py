@@ -52,21 +52,22 @@ class Stop:
     """The end of a wall's piece: at a sector line, or at an end of the blank.
 
     Attributes:
-        key: its name. turn: (m,) cam angle of the row, at every depth of the blank [rad].
+        key: its name, the same from either side. leaves: whether the wall leaves the blank there.
+        turn: (m,) cam angle of the row, at every depth of the blank [rad].
     """
 
     key: tuple[object, ...]
     turn: Array
+    leaves: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A wall between two stops, with its state: LOW, IN or HIGH."""
+    """A wall between two stops along the turn, with its state: LOW, IN or HIGH."""
 
     wall: int
     state: int
-    first: Stop
-    last: Stop
+    ends: tuple[Stop, Stop]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +94,15 @@ class WallSheets:
             InputError: as ``GrooveSections.grooves``.
         """
         picks = np.linspace(0, len(blank.depth) - 1, LEVELS).round().astype(int)
-        grooves = cuts.grooves(TURNS[:ROWS], blank.depth[picks])
-        walls = np.stack([grooves.low, grooves.high], axis=1).reshape(-1, ROWS, LEVELS)
+        grooves, shift = cuts.grooves(TURNS[:ROWS], blank.depth[picks])
+        walls = np.swapaxes(grooves, 0, 1).reshape(-1, ROWS, LEVELS)
         low, high = blank.low[picks], blank.high[picks]
         states = np.where(walls <= low, LOW, np.where(walls >= high, HIGH, IN))
         inside = (states[1:] != LOW) & (states[:-1] != HIGH)
         if np.any(inside & (np.clip(walls[1:], low, high) <= np.clip(walls[:-1], low, high))):
             raise NotSmooth("a rib ends where the grooves beside it meet")
-        shift = 2 * grooves.shift
-        after = shifted(states, shift, HIGH if shift > 0 else LOW)
-        return cls(cuts, blank, np.concatenate([states, after], axis=1), shift)
+        after = shifted(states, 2 * shift, HIGH if shift > 0 else LOW)
+        return cls(cuts, blank, np.concatenate([states, after], axis=1), 2 * shift)
 
     @cached_property
     def seats(self) -> list[Seat]:
@@ -117,13 +117,9 @@ class WallSheets:
             NotSmooth: walls leave the blank all around.
         """
         # No line may lie near a row where some wall enters or leaves the blank at some depth.
-        states = self.states[:, :ROWS]
+        states, later = self.states[:, :ROWS], self.states[:, 1 : ROWS + 1]
         mixed = np.any(states != states[:, :, :1], axis=(0, 2))
-        changed = np.any(states != np.roll(states, 1, axis=1), axis=(0, 2))
-        if self.shift:  # at the seam compare with the shifted walls of the next turn
-            later = self.states[:, ROWS : ROWS + 1]
-            changed[0] = bool(np.any(self.states[:, ROWS - 1 : ROWS] != later))
-        busy = mixed | changed
+        busy = mixed | np.roll(np.any(states != later, axis=(0, 2)), 1)
         for _ in range(PAD):
             busy = busy | np.roll(busy, 1) | np.roll(busy, -1)
         free = np.flatnonzero(~busy)
@@ -141,22 +137,19 @@ class WallSheets:
                 raise NotSmooth("walls leave the blank nearly all around the cam")
         return rows
 
-    @property
-    def sectors(self) -> int:
-        """Number of sectors."""
-        return len(self.lines) - 1
-
-    def line(self, j: int) -> Stop:
-        """A sector line; after a turn, the first one again."""
-        at = FULL_TURN * self.lines[j] / ROWS
-        return Stop(("line", j), np.full(len(self.blank.depth), at))
+    def line(self, j: int, wall: int | None = None) -> Stop:
+        """A wall's end at a sector line, or a place on no wall there."""
+        key: tuple[object, ...] = "line", j, wall
+        if j == len(self.lines) - 1:  # after a turn it is the first line, of the shifted wall
+            key = "line", 0, None if wall is None else wall + self.shift
+        return Stop(key, np.full(len(self.blank.depth), FULL_TURN * self.lines[j] / ROWS))
 
     @cached_property
     def pieces(self) -> list[list[list[Piece]]]:
         """By sector and wall, in order along the turn."""
         return [
             [list(self._pieces(j, wall)) for wall in range(len(self.states))]
-            for j in range(self.sectors)
+            for j in range(len(self.lines) - 1)
         ]
 
     def _pieces(self, j: int, wall: int) -> Iterator[Piece]:
@@ -171,17 +164,17 @@ class WallSheets:
         if any(each != names[0] for each in names):
             raise NotSmooth("a wall leaves the blank and comes back at some depths only")
         # Between two states it crosses an end of the blank, at each depth at a row of its own.
-        stops = [self.line(j)]
+        stops = [self.line(j, wall)]
         for k, (a, b) in enumerate(pairwise(names[0])):
             rows = [each[k] for each in starts]
             bracket = TURNS[first + min(rows) - 1], TURNS[first + max(rows)]
             end = LOW if LOW in (a, b) else HIGH
             if IN not in (a, b):
                 raise NotSmooth("a wall crosses the whole blank at once")
-            stops.append(Stop(("out", j, wall, k), self._crossing(wall, end, bracket)))
-        stops.append(self.line(j + 1))
-        for state, (start, stop) in zip(names[0], pairwise(stops), strict=True):
-            yield Piece(wall, state, start, stop)
+            stops.append(Stop(("out", j, wall, k), self._crossing(wall, end, bracket), True))
+        stops.append(self.line(j + 1, wall))
+        for state, ends in zip(names[0], pairwise(stops), strict=True):
+            yield Piece(wall, state, ends)
 
     def _crossing(self, wall: int, end: int, bracket: tuple[float, float]) -> Array:
         """Cam angle at which a wall crosses an end of the blank, at every depth [rad]."""
@@ -238,7 +231,7 @@ def fit_patch(
     Raises:
         TooFewDepths: it takes more depths. NotSmooth: or too many lines along the turn.
     """
-    first, last = piece.first.turn, piece.last.turn
+    first, last = (stop.turn for stop in piece.ends)
     count = max(5, int(np.ceil(np.max(last - first) / FIRST_STEP)) + 1)
     depth = sheets.blank.depth[::stride]
     v = (depth - depth[0]) / (depth[-1] - depth[0])
@@ -274,7 +267,7 @@ def _deviation(surface: NdBSpline, u: Array, v: Array, true: Array) -> Array:
 
 def _points(sheets: WallSheets, piece: Piece, u: Array, stride: int) -> Array:
     """Points (n, m, 3) of the wall in the cam's frame, at every so many depths [mm]."""
-    first, last = piece.first.turn[::stride], piece.last.turn[::stride]
+    first, last = (stop.turn[::stride] for stop in piece.ends)
     turn = first + u[:, None] * (last - first)
     turn[-1] = last
     depth = np.broadcast_to(sheets.blank.depth[::stride], turn.shape)
