@@ -7,11 +7,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from synthesis.exporters.tables import join_cells, to_text
+from synthesis.exporters.tables import number_texts
 
 
 def texts(values: np.ndarray) -> list[str]:
-    return [join_cells(row).decode("ascii") for row in to_text(values)]
+    return [text.decode("ascii") for text in number_texts(values)]
 
 
 @given(st.lists(st.floats(allow_nan=False, min_value=-1.7e308), min_size=1, max_size=40))
@@ -43,5 +43,4 @@ def test_whole_numbers_have_no_point() -> None:
 
 
 def test_the_word_for_infinity() -> None:
-    cells = to_text(np.array([np.inf, 1.5]), infinite="null")
-    assert [join_cells(row) for row in cells] == [b"null", b"1.5"]
+    assert number_texts(np.array([np.inf, 1.5]), infinite="null") == [b"null", b"1.5"]
