@@ -19,24 +19,9 @@ from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.followers.kinematics import Face
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.figures import parts
 from synthesis.exporters.figures.mechanism import Contact, Mechanism
-from synthesis.exporters.figures.parts import (
-    HUB,
-    PIVOT,
-    STEM,
-    Box,
-    Flanks,
-    bar,
-    box_around,
-    circle,
-    display_scale,
-    half_width,
-    line,
-    outline,
-    place,
-    polygon,
-    rim_of,
-)
+from synthesis.exporters.figures.parts import HUB, PIVOT, STEM, Box, Flanks
 from synthesis.exporters.options import ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import ring
@@ -118,9 +103,9 @@ class Stage:
         cam = replace(cam, rotation="ccw")
         flanks = tuple((one.flank, ring(one, DRAWN.count, None)) for one in cam.flanks())
         paths = [xy for _, at in flanks for xy in ((at.x, at.y), (at.pitch_x, at.pitch_y))]
-        reach = max(rim_of(flanks), *(float(np.hypot(x, y).max()) for x, y in paths))
-        by = 1.0 if in_mm else display_scale(reach)
-        mechanism, reach = Mechanism.of(cam, count).magnified(by), by * reach
+        reach = max(parts.rim_of(flanks), *(float(np.hypot(x, y).max()) for x, y in paths))
+        by = 1.0 if in_mm else parts.display_scale(reach)
+        mechanism, reach = Mechanism.of(cam, count, by), by * reach
         u = 2.0 * reach / ACROSS
 
         def scaled(at: CamProfile) -> CamProfile:
@@ -149,43 +134,40 @@ class Stage:
 
     def moving(self) -> list[Moving]:
         """Every part that can move."""
-        machine = self.mechanism
-        parts = [Moving("cam", "turn", machine.theta[:, None] / DEGREE)]
-        if machine.slide is None:
-            parts.append(Moving("link", "turn", machine.moved[:, None] / DEGREE))
-        else:
-            parts.append(Moving("link", "shift", _shifts(machine.moved, machine.slide)))
+        machine, slide = self.mechanism, self.mechanism.slide
+        moved = machine.moved
+        link = _turn("link", moved) if slide is None else _shift("link", moved, slide)
+        movable = [_turn("cam", machine.theta), link]
         for k, contact in enumerate(machine.contacts):
-            parts += [
-                Moving(
-                    f"along{k}", "shift", _shifts(contact.along, cmath.rect(1.0, contact.heading))
-                ),
-                Moving(f"normal{k}", "turn", contact.normal[:, None] / DEGREE),
-                Moving(f"drive{k}", "turn", contact.drive[:, None] / DEGREE),
-                Moving(f"roll{k}", "turn", contact.roll[:, None] / DEGREE, rolls=True),
+            along = cmath.rect(1.0, contact.heading)
+            movable += [
+                _shift(f"along{k}", contact.along, along),
+                _turn(f"normal{k}", contact.normal),
+                _turn(f"drive{k}", contact.drive),
+                _turn(f"roll{k}", contact.roll, rolls=True),
             ]
-        return parts
+        return movable
 
 
-def _shifts(by: Array, along: complex) -> Array:
-    """x and y of shifts along a unit vector, (n, 2)."""
-    return np.outer(by, (along.real, along.imag))
+def _turn(name: str, angle: Array, rolls: bool = False) -> Moving:
+    """A part that turns by angles (n,) [rad]."""
+    return Moving(name, "turn", angle[:, None] / DEGREE, rolls)
+
+
+def _shift(name: str, by: Array, along: complex) -> Moving:
+    """A part that is shifted so far (n,) along a unit vector."""
+    return Moving(name, "shift", np.outer(by, (along.real, along.imag)))
 
 
 def _extent(machine: Mechanism, reach: float, u: float) -> Box:
     """What cam and follower sweep."""
     points = [complex(-reach, -reach), complex(reach, reach)]
-    ends = np.linspace(float(machine.moved.min()), float(machine.moved.max()), 9).tolist()
-    for corner in _corners(machine, u):
-        if machine.slide is not None:
-            points += [corner + moved * machine.slide for moved in ends]
-        elif machine.pivot is not None:
-            arm = corner - machine.pivot
-            points += [machine.pivot + cmath.rect(1.0, moved) * arm for moved in ends]
+    ends = np.linspace(machine.moved.min(), machine.moved.max(), 9).tolist()
+    points += [machine.carried(corner, at) for corner in _corners(machine, u) for at in ends]
     if machine.pivot is not None:
         eye = PIVOT * STEM * u
         points += [machine.pivot + eye * to for to in (-1.6 - 2.2j, 1.6 + 1.6j)]
-    return box_around(points, u)
+    return parts.box_around(points, u)
 
 
 def _corners(machine: Mechanism, u: float) -> Iterator[complex]:
@@ -207,16 +189,16 @@ def _ground(stage: Stage) -> list[str]:
             svg.line("line centre", 0.0, bottom, 0.0, top)]  # fmt: skip
     first = machine.contacts[0]
     if machine.slide is not None:
-        half, above = half_width(first.roller, u), first.roller + float(machine.moved.max())
+        half, above = parts.half_width(first.roller, u), first.roller + float(machine.moved.max())
         a, b = (above + k * u for k in GUIDE)
         for sign in (-1.0, 1.0):
             c, d = (sign * (half + k * u) for k in (0.3, 2.0))
             corners = [(a, c), (a, d), (b, d), (b, c)]
-            body.append(polygon("solid", first.place, machine.slide, corners))
+            body.append(parts.polygon("solid", first.place, machine.slide, corners))
     if machine.pivot is not None:
         eye = PIVOT * STEM * u
         foot = [(0.0, 0.0), (-2.0 * eye, -1.2 * eye), (-2.0 * eye, 1.2 * eye)]
-        body.append(polygon("line border", machine.pivot, 1j, foot))
+        body.append(parts.polygon("line border", machine.pivot, 1j, foot))
     return body
 
 
@@ -225,18 +207,12 @@ def _cam(stage: Stage) -> list[str]:
     u, decimals, first = stage.u, stage.decimals, stage.flanks[0][0]
     body = [svg.circle("line circle", 0.0, 0.0, stage.base)]
     pitch = {flank.path: curve for flank, curve in stage.flanks if flank.distance > 0.0}
-    body += [
-        svg.path("line pitch", svg.steps(curve.pitch_x, curve.pitch_y, decimals, closed=True))
-        for curve in pitch.values()
-    ]
-    body.append(outline(stage.flanks, 1.0, decimals))
-    body += [
-        svg.path("line curve", svg.steps(curve.x, curve.y, decimals, closed=True))
-        for flank, curve in stage.flanks
-        if flank.path != first.path
-    ]
+    body += [parts.pitch_curve(curve, decimals) for curve in pitch.values()]
+    body.append(parts.outline(stage.flanks, 1.0, decimals))
+    others = (curve for flank, curve in stage.flanks if flank.path != first.path)
+    body += [parts.profile_curve(curve, decimals) for curve in others]
     start, wide, tall = complex(-0.9 * u, 2.2 * HUB * u), 1.8 * u, svg.num(1.6 * u)
-    mark = f"M{place(start)}h{svg.num(wide)}v{tall}h{svg.num(-wide)}Z"
+    mark = f"M{parts.place(start)}h{svg.num(wide)}v{tall}h{svg.num(-wide)}Z"
     return [*body, svg.circle("outline metal", 0.0, 0.0, 2.5 * HUB * u), svg.path("solid", mark)]
 
 
@@ -249,10 +225,10 @@ def _link(stage: Stage, tag: Tag) -> list[str]:
         body += _contact(stage, number, tag)
     if pivot is None:
         return moving_group("link", tag, stage.moving(), body)
-    body += [circle("outline metal", pivot, r) for r in (PIVOT * STEM * u, HUB * u)]
-    inner = [f'<g transform="translate({place(-pivot)})">', *body, "</g>"]
+    body += parts.eye(pivot, u)
+    inner = [f'<g transform="translate({parts.place(-pivot)})">', *body, "</g>"]
     return [
-        f'<g transform="translate({place(pivot)})">',
+        f'<g transform="translate({parts.place(pivot)})">',
         *moving_group("link", tag, stage.moving(), inner),
         "</g>",
     ]
@@ -273,7 +249,7 @@ def _contact(stage: Stage, number: int, tag: Tag) -> list[str]:
         body = [mean, *moving_group(f"roll{number}", tag, stage.moving(), body), "</g>"]
     inner = [*moving_group(f"drive{number}", tag, stage.moving(), drive),
              *moving_group(f"normal{number}", tag, stage.moving(), normal)]  # fmt: skip
-    return [f'<g transform="translate({place(contact.place, 6)})">', *body,
+    return [f'<g transform="translate({parts.place(contact.place, 6)})">', *body,
             *moving_group(f"along{number}", tag, stage.moving(), inner), "</g>"]  # fmt: skip
 
 
@@ -295,16 +271,18 @@ def _holders(machine: Mechanism, u: float) -> list[str]:
     """Stem or arms of the rollers, and what joins two of them on one slide."""
     pivot, up, first = machine.pivot, machine.slide, machine.contacts[0]
     if pivot is not None:
-        return [edge for one in machine.contacts for edge in bar(one.place, pivot, one.roller, u)]
+        return [
+            edge for one in machine.contacts for edge in parts.bar(one.place, pivot, one.roller, u)
+        ]
     assert up is not None
-    half, length = half_width(first.roller, u), _stem_length(machine, u)
+    half, length = parts.half_width(first.roller, u), _stem_length(machine, u)
     foot = math.sqrt(max(first.roller**2 - half**2, 0.0)) if first.roller else 3.0 * half
     corners = [(length, -half), (foot, -half), (foot, half), (length, half)]
-    body = [line("line axis", first.place, one.place) for one in machine.contacts[1:]]
-    body.append(polygon("outline metal", first.place, up, corners))
+    body = [parts.line("line axis", first.place, one.place) for one in machine.contacts[1:]]
+    body.append(parts.polygon("outline metal", first.place, up, corners))
     if first.roller == 0.0:
         corners = [(foot, -half), (0.0, 0.0), (foot, half)]
-        body.append(polygon("outline metal", first.place, up, corners, closed=False))
+        body.append(parts.polygon("outline metal", first.place, up, corners, closed=False))
     return body
 
 
@@ -316,13 +294,13 @@ def _plate(machine: Mechanism, face: Face, u: float) -> list[str]:
     right = 1.0 if (along.conjugate() * normal).imag > 0.0 else -1.0
     ends, thick = (right * low, right * high), 2.0 * u
     corners = [(0.0, ends[0]), (0.0, ends[1]), (thick, ends[1]), (thick, ends[0])]
-    body = polygon("outline metal", contact.place, normal, corners)
+    body = parts.polygon("outline metal", contact.place, normal, corners)
     if pivot is not None:
-        return [line("line outline", contact.place, pivot), body]
+        return [parts.line("line outline", contact.place, pivot), body]
     assert up is not None
-    half, length = half_width(0.0, u), _stem_length(machine, u)
+    half, length = parts.half_width(0.0, u), _stem_length(machine, u)
     corners = [(length, -half), (0.0, -half), (0.0, half), (length, half)]
-    return [polygon("outline metal", contact.place, up, corners), body]
+    return [parts.polygon("outline metal", contact.place, up, corners), body]
 
 
 def _wheel(radius: float, u: float) -> list[str]:

@@ -11,10 +11,13 @@ in the machine; on the profile the contact runs w (1 − σκ Rr), on the roller
 
 from __future__ import annotations
 
+import cmath
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from synthesis.catalogue.followers.base import flat_face
 from synthesis.catalogue.followers.kinematics import Face, Flank, Link, Vector2
 from synthesis.catalogue.profile import CamProfile
 from synthesis.exporters.samples.cam import Cam
@@ -73,86 +76,61 @@ class Mechanism:
     contacts: tuple[Contact, ...]
 
     @classmethod
-    def of(cls, cam: Cam, count: int) -> Mechanism:
-        """The machine at ``count`` + 1 evenly spaced cam angles."""
+    def of(cls, cam: Cam, count: int, by: float = 1.0) -> Mechanism:
+        """The machine at ``count`` + 1 evenly spaced cam angles.
+
+        ``by``: how many times its size it is drawn; motion and cam that are shown stay.
+        """
         theta = np.linspace(0.0, FULL_TURN, count + 1)
         s = cam.motion.derivatives(theta, 3)
         shown, link = s[0] / cam.travel.per_unit, cam.follower.link(cam.size, DEGREE)
-        swings = link.slide is None
-        moved = link.turn * shown * DEGREE if swings else s[0]
-        turned = moved if swings else 0.0 * moved
-        firsts = {one.flank.path: one for one in reversed(tuple(cam.flanks()))}
-        contacts = [
-            _contact(firsts[path], link, theta, (s, moved, turned)) for path in reversed(firsts)
-        ]
         slide, pivot = (v if v is None else _point(v) for v in (link.slide, link.pivot))
-        return cls(theta, shown, slide, pivot, link.face, moved, tuple(contacts))
+        moved = link.turn * shown * DEGREE if slide is None else by * s[0]
+        pivot = pivot if pivot is None else by * pivot
+        machine = cls(theta, shown, slide, pivot, link.face, moved, ())
+        firsts = {one.flank.path: one for one in reversed(tuple(cam.flanks()))}
+        contacts = (_contact(firsts[path], machine, link, s, by) for path in reversed(firsts))
+        return replace(machine, contacts=tuple(contacts))
 
-    def magnified(self, by: float) -> Mechanism:
-        """The same machine with all lengths so many times as large; what is shown of it stays."""
-        contacts = tuple(
-            replace(
-                each,
-                flank=each.flank.scaled(by),
-                place=by * each.place,
-                roller=by * each.roller,
-                along=by * each.along,
-            )
-            for each in self.contacts
-        )
-        moved = self.moved if self.slide is None else by * self.moved
-        pivot = None if self.pivot is None else by * self.pivot
-        return replace(self, pivot=pivot, moved=moved, contacts=contacts)
+    def carried(self, points: Any, moved: Any) -> Any:
+        """Points of the link at displacement 0, moved with it (by some of ``moved``)."""
+        if self.slide is not None:
+            return points + moved * self.slide
+        return self.pivot + (np.cos(moved) + 1j * np.sin(moved)) * (points - self.pivot)
 
 
 def _point(vector: Vector2) -> complex:
     return complex(float(vector[0]), float(vector[1]))
 
 
-def _contact(cam: Cam, link: Link, theta: Array, state: tuple[Array, Array, Array]) -> Contact:
-    s, moved, turned = state
-    trace, flank, first = cam.flank.trace, cam.flank, cam.follower.flanks[0]
+def _contact(cam: Cam, machine: Mechanism, link: Link, s: Array, by: float) -> Contact:
+    theta, trace, flank, first = machine.theta, cam.flank.trace, cam.flank, cam.follower.flanks[0]
+    turned = machine.moved if machine.slide is None else 0.0 * theta
     p, tangent = _traced(cam, s)
-    nx, ny = trace.normal(tangent, s, cam.size)
-    (gx, gy), _ = trace.drive_direction(s, cam.size)
+    normal, (drive, _) = trace.normal(tangent, s, cam.size), trace.drive_direction(s, cam.size)
     roller = cam.follower.roller_radius if flank.path == first.path else flank.distance
-    along, roll, heading = np.zeros_like(theta), np.zeros_like(theta), 0.0
+    along, roll, heading = 0.0 * theta, 0.0 * theta, 0.0
     if link.face is not None:
-        at, (ux, uy) = link.face.at, link.face.along
-        along, heading = _reached(link, link.face, p, moved), float(np.arctan2(uy, ux))
+        place, direction = by * _point(link.face.at), _point(link.face.along)
+        there = machine.carried(by * (p[0] + 1j * p[1]), -machine.moved)
+        along, heading = ((there - place) / direction).real, cmath.phase(direction)
     else:
-        at = next(tip.at for tip in link.tips if tip.path == flank.path)
+        place = by * _point(next(tip.at for tip in link.tips if tip.path == flank.path))
     if roller > 0.0:
         roll = theta - flank.side * _travelled(cam, theta) / roller - (turned - turned[0])
-    return Contact(
-        flank=flank,
-        curve=cam.at(theta),
-        place=_point(at),
-        roller=roller,
-        heading=heading,
-        along=along,
-        normal=np.unwrap(np.arctan2(ny, nx) + 0.0 * theta) - turned,
-        drive=np.unwrap(np.arctan2(gy, gx) + 0.0 * theta) - turned,
-        roll=roll,
+    normal_angle, drive_angle = (
+        np.unwrap(np.arctan2(y, x) + 0.0 * theta) - turned for x, y in (normal, drive)
     )
+    return Contact(
+        flank.scaled(by), cam.at(theta), place, by * roller, heading, along, normal_angle,
+        drive_angle, roll,
+    )  # fmt: skip
 
 
 def _traced(cam: Cam, s: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """The traced point and D of it in the machine's frame [mm]."""
     (px, py), (dx, dy), *_ = cam.flank.trace.position(s, cam.size)
     return (px, py), (dx + py, dy - px)
-
-
-def _reached(link: Link, face: Face, p: tuple[Array, Array], moved: Array) -> Array:
-    """How far along a face, from where its reach is measured, points of the machine are (n,)."""
-    x, y = p
-    if link.slide is not None:
-        x, y = x - moved * link.slide[0], y - moved * link.slide[1]
-    if link.pivot is not None:
-        cos, sin = np.cos(moved), np.sin(moved)
-        x, y = x - link.pivot[0], y - link.pivot[1]
-        x, y = link.pivot[0] + cos * x + sin * y, link.pivot[1] + cos * y - sin * x
-    return np.asarray((x - face.at[0]) * face.along[0] + (y - face.at[1]) * face.along[1])
 
 
 def _travelled(cam: Cam, theta: Array) -> Array:
@@ -164,3 +142,22 @@ def _travelled(cam: Cam, theta: Array) -> Array:
     w = np.hypot(tx, ty).reshape(at.shape)
     way = np.concatenate([[0.0], np.cumsum(half * (w @ WEIGHTS))])
     return way[np.searchsorted(marks, theta)]
+
+
+def face_at_rest(cam: Cam, machine: Mechanism) -> tuple[tuple[float, float], complex]:
+    """How far a face reaches to the left and the right [mm], and its direction to the right.
+
+    At cam angle 0, as someone behind it sees it; (0, 0) without a face.
+    """
+    face, kind = machine.face, flat_face(cam.follower)
+    if face is None or kind is None:
+        return (0.0, 0.0), 1.0 + 0.0j
+    turn = cmath.rect(1.0, 0.0 if machine.pivot is None else machine.moved[0])
+    normal, axis = (turn * _point(each) for each in (face.normal, face.along))
+    reach = cam.follower.motion_dimensions(cam.motion, cam.size)
+    first, second = (reach[f"face_{end}_mm"] for end in kind.face_ends)
+    if machine.pivot is not None:  # both are measured from the foot of the pivot
+        first = -first
+    along = -1j * normal
+    forward = (axis.conjugate() * along).real > 0.0
+    return (first, second) if forward else (second, first), along

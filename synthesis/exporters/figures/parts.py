@@ -43,16 +43,37 @@ def outline(flanks: Flanks, rotation: float, decimals: int) -> str:
     return svg.path("outline body", steps)
 
 
+def pitch_curve(curve: CamProfile, decimals: int) -> str:
+    """The path of a roller's centre."""
+    return svg.path("line pitch", svg.steps(curve.pitch_x, curve.pitch_y, decimals, closed=True))
+
+
+def profile_curve(curve: CamProfile, decimals: int) -> str:
+    """The profile of a second cam on the shaft."""
+    return svg.path("line curve", svg.steps(curve.x, curve.y, decimals, closed=True))
+
+
 def bar(centre: complex, pivot: complex, roller: float, u: float) -> list[str]:
     """The two edges of an arm, from a roller's rim to the eye at the pivot."""
     length, half, eye = abs(pivot - centre), half_width(roller, u), PIVOT * STEM * u
     foot = math.sqrt(max(roller**2 - half**2, 0.0))
     end = length - math.sqrt(max(eye**2 - half**2, 0.0))
     up = (pivot - centre) / length
+    return edges(centre, up, (foot, end), half)
+
+
+def edges(origin: complex, up: complex, along: tuple[float, float], half: float) -> list[str]:
+    """Both edges of a stem or an arm: from and to so far along a direction, so far aside."""
+    foot, end = along
     return [
-        polygon("line outline", centre, up, [(end, side), (foot, side)], closed=False)
+        polygon("line outline", origin, up, [(end, side), (foot, side)], closed=False)
         for side in (-half, half)
     ]
+
+
+def eye(pivot: complex, u: float) -> list[str]:
+    """What turns about a pivot, and the pin in it."""
+    return [circle("outline metal", pivot, radius) for radius in (PIVOT * STEM * u, HUB * u)]
 
 
 def half_width(roller: float, u: float) -> float:

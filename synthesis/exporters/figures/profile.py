@@ -9,37 +9,23 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from synthesis.catalogue.followers.base import prime_radius
-from synthesis.catalogue.profile import CamProfile, follower_outline
+from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, heading
 from synthesis.exporters.exporter import Exporter
-from synthesis.exporters.figures.parts import (
-    HUB,
-    PIVOT,
-    STEM,
-    Box,
-    Flanks,
-    bar,
-    box_around,
-    circle,
-    half_width,
-    line,
-    outline,
-    place,
-    polygon,
-    rim_of,
-)
+from synthesis.exporters.figures import parts
+from synthesis.exporters.figures.mechanism import Mechanism, face_at_rest
+from synthesis.exporters.figures.parts import HUB, PIVOT, STEM, Box, Flanks
 from synthesis.exporters.options import CamDrawingOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees, ring
-from synthesis.numerics.piecewise import Array
 
 BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)  # in units; of the rotation arrow [rad]
 UNITS_ACROSS = 160.0  # units of the sheet from side to side of a cam
@@ -82,21 +68,24 @@ class Scene:
         """The scene of a design."""
         cam = Cam.of(design)
         sign = -1.0 if cam.rotation == "cw" else 1.0
-        shape = follower_outline(cam.follower, cam.motion, cam.size)
-        prime = prime_radius(cam.follower, cam.size)
-        centre, pivot, drive = complex(sign * shape.centre[0], shape.centre[1]), None, 1j
-        if shape.pivot is None:
-            (gx, gy), _ = cam.follower.drive_direction(cam.at(np.zeros(1)).s, cam.size)
-            drive = complex(sign * float(gx[0]), float(gy[0]))
-        else:
-            pivot = complex(sign * shape.pivot[0], shape.pivot[1])
-            if pivot != centre:  # a face points at its pivot
-                drive = (pivot - centre) / abs(pivot - centre)
+        # of a ccw cam; its mirror image where it turns clockwise
+        machine = Mechanism.of(replace(cam, rotation="ccw"), 1)
+
+        def mirrored(point: complex) -> complex:
+            return complex(sign * point.real, point.imag)
+
+        first, prime = machine.contacts[0], prime_radius(cam.follower, cam.size)
+        centre = mirrored(machine.carried(first.place, machine.moved[0]))
+        drive = 1j if machine.slide is None else mirrored(machine.slide)
+        pivot = None if machine.pivot is None else mirrored(machine.pivot)
+        if pivot is not None and pivot != centre:  # a face points at its pivot
+            drive = (pivot - centre) / abs(pivot - centre)
+        face, along = face_at_rest(cam, machine)
         flanks = tuple(
             (one.flank, ring(one, options.count, options.chord_mm)) for one in cam.flanks()
         )
         sizes = [np.ptp(way) for _, one in flanks for way in (one.pitch_x, one.pitch_y)]
-        across = float(max(2.0 * prime, 2.0 * rim_of(flanks), *sizes))
+        across = float(max(2.0 * prime, 2.0 * parts.rim_of(flanks), *sizes))
         return cls(
             design=design,
             cam=cam,
@@ -105,10 +94,10 @@ class Scene:
             rotation=sign,
             centre=centre,
             drive=drive,
-            face=(shape.left, shape.right) if sign > 0.0 else (shape.right, shape.left),
-            along=complex(shape.along[0], sign * shape.along[1]),
+            face=face if sign > 0.0 else face[::-1],
+            along=complex(along.real, sign * along.imag),
             pivot=pivot,
-            roller=shape.roller,
+            roller=first.roller,
             prime=prime,
             u=across / UNITS_ACROSS,
             decimals=max(4, 7 - math.floor(math.log10(across))),
@@ -118,7 +107,10 @@ class Scene:
     def extent(self) -> Box:
         """Left, bottom, right and top of all that is drawn, texts excepted [mm]."""
         (left, right), square = self.face, 1.0 + 1.0j
-        reach, eye = max(self.prime, rim_of(self.flanks)) * square, PIVOT * STEM * self.u * square
+        reach, eye = (
+            max(self.prime, parts.rim_of(self.flanks)) * square,
+            PIVOT * STEM * self.u * square,
+        )
         points = [-reach, reach]
         for _, at in self.flanks:
             points += [complex(at.pitch_x.min(), at.pitch_y.min()),
@@ -128,7 +120,7 @@ class Scene:
         points.append(self.centre + (self.roller + STEM * self.u) * self.drive)
         if self.pivot is not None:
             points += [self.pivot - eye, self.pivot + eye]
-        return box_around(points)
+        return parts.box_around(points)
 
     @property
     def offset(self) -> float:
@@ -151,24 +143,22 @@ def shapes(scene: Scene) -> list[str]:
     """All lines and areas, y upwards."""
     (first, curve), base = scene.flanks[0], scene.design.dimensions["base_radius_mm"]
     body = [*_centre_lines(scene), svg.circle("line circle", 0.0, 0.0, base)]
-
-    def closed(kind: str, x: Array, y: Array) -> str:
-        return svg.path(f"line {kind}", svg.steps(x, y, scene.decimals, closed=True))
-
     if scene.roller > 0.0:
         body.append(svg.circle("line prime", 0.0, 0.0, scene.prime))
-        body.append(closed("pitch", curve.pitch_x, curve.pitch_y))
-    body.append(outline(scene.flanks, scene.rotation, scene.decimals))
+        body.append(parts.pitch_curve(curve, scene.decimals))
+    body.append(parts.outline(scene.flanks, scene.rotation, scene.decimals))
     # profile, pitch curve and roller of a second cam on the shaft
     for (flank, curve), one in zip(scene.flanks, scene.cam.flanks(), strict=True):
         if flank.path != first.path:
-            body.append(closed("pitch", curve.pitch_x, curve.pitch_y))
-            body.append(closed("curve", curve.x, curve.y))
             start = one.at(np.zeros(1))
             centre = complex(start.pitch_x[0], start.pitch_y[0])
-            body.append(circle("line outline", centre, flank.distance))
+            body += [
+                parts.pitch_curve(curve, scene.decimals),
+                parts.profile_curve(curve, scene.decimals),
+                parts.circle("line outline", centre, flank.distance),
+            ]
             if scene.pivot is not None:
-                body += bar(centre, scene.pivot, flank.distance, scene.u)
+                body += parts.bar(centre, scene.pivot, flank.distance, scene.u)
     body.append(svg.circle("outline metal", 0.0, 0.0, HUB * scene.u))
     # from the profile through the pitch curve, where two segments meet
     at, over = scene.borders, TICK * scene.u
@@ -187,12 +177,12 @@ def _centre_lines(scene: Scene) -> list[str]:
         svg.line("line centre", 0.0, low, 0.0, max(scene.prime, top - STEM * u) + 2.0 * u),
     ]
     if scene.pivot is not None:
-        return [*body, line("line centre", scene.pivot, scene.centre)]
+        return [*body, parts.line("line centre", scene.pivot, scene.centre)]
     if abs(scene.offset) < 0.2 * u:
         return body
     down, up = abs(scene.centre - low * 1j), scene.roller + (STEM + 2.0) * u
     ends = (scene.centre + to * scene.drive for to in (-down, up))
-    body.append(line("line centre", *ends))
+    body.append(parts.line("line centre", *ends))
     if scene.drive.real == 0.0:
         # the dimension line; its arrows stand outside where there is no room
         inside, level = abs(x) > 7.0 * u, low + 2.0 * u
@@ -215,7 +205,7 @@ def _rotation(scene: Scene) -> list[str]:
     # The head is a chord of the arc: turn it half of what it spans.
     along = last + scene.rotation * (0.5 * math.pi - 0.5 * size / radius)
     r = svg.num(radius)
-    steps = f"M{place(start)}A{r} {r} 0 0 {sweep} {place(end)}"
+    steps = f"M{parts.place(start)}A{r} {r} 0 0 {sweep} {parts.place(end)}"
     head = svg.arrow_head("solid", tip.real, tip.imag, along, size)
     return [svg.path("line outline", steps), head]
 
@@ -223,24 +213,20 @@ def _rotation(scene: Scene) -> list[str]:
 def _follower(scene: Scene) -> list[str]:
     """Roller and stem or arm, a flat face or a knife edge, at cam angle 0."""
     u, centre, pivot, roller = scene.u, scene.centre, scene.pivot, scene.roller
-    half, end = half_width(roller, u), roller + STEM * u
+    half, end = parts.half_width(roller, u), roller + STEM * u
     foot = math.sqrt(max(roller**2 - half**2, 0.0))
-    wheel = [circle("line outline", centre, roller),
-             circle("line axis", centre, min(0.25 * roller, HUB * u))]  # fmt: skip
+    wheel = [parts.circle("line outline", centre, roller),
+             parts.circle("line axis", centre, min(0.25 * roller, HUB * u))]  # fmt: skip
     if any(scene.face):
         return _face(scene)
     if pivot is not None:
-        body = [*bar(centre, pivot, roller, u), *(wheel if roller > 0.0 else ())]
-        eye = circle("line outline", pivot, PIVOT * STEM * u)
-        return [*body, eye, circle("outline metal", pivot, HUB * u)]
+        body = [*parts.bar(centre, pivot, roller, u), *(wheel if roller > 0.0 else ())]
+        eye = parts.circle("line outline", pivot, PIVOT * STEM * u)
+        return [*body, eye, parts.circle("outline metal", pivot, HUB * u)]
     if roller == 0.0:
         corners = [(end, -half), (3.0 * u, -half), (0.0, 0.0), (3.0 * u, half), (end, half)]
-        return [polygon("outline metal", centre, scene.drive, corners, closed=False)]
-    edges = [
-        polygon("line outline", centre, scene.drive, [(end, side), (foot, side)], closed=False)
-        for side in (-half, half)
-    ]
-    return [*edges, *wheel]
+        return [parts.polygon("outline metal", centre, scene.drive, corners, closed=False)]
+    return [*parts.edges(centre, scene.drive, (foot, end), half), *wheel]
 
 
 def _face(scene: Scene) -> list[str]:
@@ -253,14 +239,13 @@ def _face(scene: Scene) -> list[str]:
     least = half if pivot is None else 0.0
     left, right = max(left, least), max(right, least)
     corners = [(0.0, -left), (0.0, right), (2.0 * u, right), (2.0 * u, -left)]
-    plate = polygon("outline metal", centre, 1j * along, corners)
+    plate = parts.polygon("outline metal", centre, 1j * along, corners)
     if pivot is not None:
-        eye = (circle("outline metal", pivot, radius) for radius in (PIVOT * STEM * u, HUB * u))
-        return [line("line outline", centre, pivot), plate, *eye]
+        return [parts.line("line outline", centre, pivot), plate, *parts.eye(pivot, u)]
     stem = along.conjugate() * scene.drive  # as seen from the face
     foot = half * abs(stem.real) / stem.imag  # the stem's corner on the face
     corners = [(foot, -half), (foot, half), (STEM * u, half), (STEM * u, -half)]
-    return [polygon("outline metal", centre, scene.drive, corners), plate]
+    return [parts.polygon("outline metal", centre, scene.drive, corners), plate]
 
 
 def _profile(design: Design, options: CamDrawingOptions) -> bytes:
@@ -279,8 +264,10 @@ def _profile(design: Design, options: CamDrawingOptions) -> bytes:
         first, row = MARGIN * u, legend + (k + 0.5) * ROW * u
         lines.append(svg.line(kind, first, row, first + 11.0 * u, row))
         lines.append(svg.text("label", first + 13.0 * u, row + 1.0 * u, text))
-    for k, text in enumerate(remarks):
-        lines.append(svg.text("label", second, legend + ((k + 0.5) * ROW + 1.0) * u, text))
+    lines += [
+        svg.text("label", second, legend + ((k + 0.5) * ROW + 1.0) * u, text)
+        for k, text in enumerate(remarks)
+    ]
     body = [
         f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
         *shapes(scene),
@@ -342,7 +329,7 @@ def labels(scene: Scene, x: float, y: float) -> list[str]:
     body, taken = list[str](), _occupied(scene)
     for kind, at, text in _texts(scene):
         corner = complex(0.5 * svg.width_of(text, svg.LABEL * scene.u), 1.6 * scene.u)
-        left, bottom, right, top = around = box_around([at - corner, at + corner])
+        left, bottom, right, top = around = parts.box_around([at - corner, at + corner])
         if not any(left < b[2] and b[0] < right and bottom < b[3] and b[1] < top for b in taken):
             taken.append(around)
             body.append(svg.text(kind, x + at.real, y - at.imag + 1.0 * scene.u, text, "middle"))
@@ -355,8 +342,8 @@ def _occupied(scene: Scene) -> list[Box]:
     stem = np.arange(0.0, scene.roller / u + STEM, 2.0) * u
     points = [cmath.rect(radius, at) for at in np.linspace(first, last, 12)]
     points += [scene.centre + float(at) * scene.drive for at in stem]
-    boxes = [box_around([point], 2.5 * u) for point in points]
-    return [*boxes, box_around([scene.centre], 0.9 * scene.roller + 0.5 * u)]
+    boxes = [parts.box_around([point], 2.5 * u) for point in points]
+    return [*boxes, parts.box_around([scene.centre], 0.9 * scene.roller + 0.5 * u)]
 
 
 def _texts(scene: Scene) -> Iterator[tuple[str, complex, str]]:
