@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
@@ -84,22 +85,27 @@ BoreDiameter = Annotated[
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 
-def _field_texts(options: type[Any]) -> dict[str, str]:
-    """The strings below the fields of a class, each on one line."""
-    (definition,) = ast.parse(inspect.getsource(options)).body
-    assert isinstance(definition, ast.ClassDef)
-    texts = {}
-    for statement, below in pairwise(definition.body):
-        match statement, below:
-            case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str(text))):
-                texts[name] = " ".join(text.split())
+@cache
+def _field_texts(module: str) -> dict[str, dict[str, str]]:
+    """The strings below the fields of the classes of a module, by class, each on one line.
+
+    A module is parsed once: `inspect.getsource` of a class parses all of its module.
+    """
+    texts: dict[str, dict[str, str]] = {}
+    statements = ast.parse(inspect.getsource(sys.modules[module])).body
+    for each in (each for each in statements if isinstance(each, ast.ClassDef)):
+        own = texts[each.name] = {}
+        for statement, below in pairwise(each.body):
+            match statement, below:
+                case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str(text))):
+                    own[name] = " ".join(text.split())
     return texts
 
 
 def _form(options: type[Any]) -> type[BaseModel]:
     hints, texts = get_type_hints(options, include_extras=True), dict[str, str]()
     for family in reversed(options.__mro__[:-1]):
-        texts |= _field_texts(family)
+        texts |= _field_texts(family.__module__).get(family.__name__, {})
     members: dict[str, Any] = {}
     for each in fields(options):
         kind, text = hints[each.name], texts.get(each.name)
