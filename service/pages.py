@@ -10,22 +10,25 @@ from __future__ import annotations
 import html
 import re
 from functools import lru_cache
+from importlib.metadata import distribution
 from pathlib import Path
 from string import Template
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-import fastapi_swagger
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
 from fastapi.openapi.docs import get_redoc_html
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
-from markdown_it import MarkdownIt
-from markdown_it.token import Token
 from starlette.staticfiles import StaticFiles
 
 from service.contract.documentation import OPENAPI_URL, TITLE
 
+if TYPE_CHECKING:
+    from markdown_it.token import Token
+
 HERE = Path(__file__).resolve().parent
-SWAGGER = Path(fastapi_swagger.__file__).resolve().parent / "resources"
+# To import the package takes as long as half of the web framework.
+SWAGGER = Path(str(distribution("fastapi-swagger").locate_file("fastapi_swagger/resources")))
 ICON = "/assets/swagger/favicon-32x32.png"
 # Nothing from other hosts, whatever the bundles try to load (ReDoc: a logo).
 DOCS_POLICY = (
@@ -112,6 +115,8 @@ def _document(path: str) -> Path | None:
 @lru_cache(maxsize=64)
 def _page(file: Path, _: int) -> str:
     """The page of a document; made anew when the file has changed."""
+    from markdown_it import MarkdownIt  # few who start the service read the guide
+
     parser = MarkdownIt("commonmark").enable("table")
     tokens = parser.parse(file.read_text(encoding="utf-8"))
     title = file.stem

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import re
 import time
 import uuid
+from datetime import UTC, datetime
 from functools import partial
 
-import structlog
 from fastapi import Request
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from starlette.datastructures import Headers, MutableHeaders
@@ -21,7 +22,7 @@ METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
 # Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
 SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
-log = structlog.get_logger("camwright.request")
+log = logging.getLogger("camwright.request")
 
 
 class Metrics:
@@ -56,33 +57,28 @@ class Metrics:
         return generate_latest(self._registry)
 
 
+class JsonLine(logging.Formatter):
+    """A record as one JSON object: its ``fields``, event, level, logger, time and exception."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        time_utc = datetime.fromtimestamp(record.created, UTC).replace(tzinfo=None)
+        line = {
+            **getattr(record, "fields", {}),
+            "event": record.getMessage(),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "timestamp": f"{time_utc.isoformat()}Z",
+        }
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line)
+
+
 def configure_logs(level: str) -> None:
     """One JSON object a line on standard error: the service's own logs, and others' warnings."""
-    steps: list[structlog.typing.Processor] = [
-        structlog.stdlib.add_log_level,
-        structlog.stdlib.add_logger_name,
-        structlog.processors.TimeStamper(fmt="iso", utc=True),
-    ]
     handler = logging.StreamHandler()
-    handler.setFormatter(
-        structlog.stdlib.ProcessorFormatter(
-            foreign_pre_chain=steps,
-            processors=[
-                structlog.stdlib.ProcessorFormatter.remove_processors_meta,
-                structlog.processors.format_exc_info,
-                structlog.processors.JSONRenderer(),
-            ],
-        )
-    )
-    structlog.configure(
-        processors=[*steps, structlog.stdlib.ProcessorFormatter.wrap_for_formatter],
-        logger_factory=structlog.stdlib.LoggerFactory(),
-        wrapper_class=structlog.stdlib.BoundLogger,
-        cache_logger_on_first_use=True,
-    )
-    root = logging.getLogger()
-    root.handlers[:] = [handler]
-    root.setLevel(logging.WARNING)
+    handler.setFormatter(JsonLine())
+    logging.basicConfig(level=logging.WARNING, handlers=[handler], force=True)
     logging.getLogger("camwright").setLevel(level.upper())
 
 
@@ -124,12 +120,11 @@ class Observe:
         self._metrics.requests.labels(method, route, str(status)).inc()
         self._metrics.latency.labels(route).observe(seconds)
         level = logging.DEBUG if route in QUIET else logging.INFO
-        log.log(
-            level,
-            "request",
-            method=method,
-            path=scope["path"],
-            status=status,
-            ms=round(1e3 * seconds, 1),
-            request_id=scope["request_id"],
-        )
+        fields = {
+            "method": method,
+            "path": scope["path"],
+            "status": status,
+            "ms": round(1e3 * seconds, 1),
+            "request_id": scope["request_id"],
+        }
+        log.log(level, "request", extra={"fields": fields})

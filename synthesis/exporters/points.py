@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
-import xlsxwriter
 from pydantic import Field
 
 from synthesis.design.design import Design
@@ -99,6 +98,8 @@ def _xlsx(design: Design, options: PointOptions) -> bytes:
     points = _points(design, options, closed=True)
     z = round(options.z_mm or 0.0, options.decimals) + 0.0
     packed = io.BytesIO()
+    import xlsxwriter  # only here: whoever imports this module seldom writes a workbook
+
     book = xlsxwriter.Workbook(packed, {"in_memory": True})
     book.set_properties({"created": NO_CLOCK})
     sheet = book.add_worksheet("points")
