@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
-from service.contract.examples import SPATIAL_CAMS, examples
+from service.contract.examples import examples
 from synthesis.exporters import FileContent
 from synthesis.machines.spatial.files.step import BODY, FacetedOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
@@ -28,7 +28,7 @@ Longest = np.longdouble
 
 def given(name: str = "p4") -> SpatialCamSpec:
     """An example; P4 is given in full."""
-    return SpatialCamSpec.model_validate_json(json.dumps(examples(SPATIAL_CAMS)[name]["value"]))
+    return SpatialCamSpec.model_validate_json(json.dumps(examples("spatial-cams")[name]["value"]))
 
 
 def textbook(count: int) -> np.ndarray:

@@ -21,7 +21,6 @@ from service.state import State
 from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
-from service.wire.body import BodyLimit
 from service.wire.conditional import Ranges, TagEncodings
 from service.wire.observe import Metrics, Observe
 from service.workers.engine import Engine, running_engine
@@ -80,7 +79,6 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
 
 def _add_middleware(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
     """From the innermost to the outermost."""
-    app.add_middleware(BodyLimit, max_bytes=settings.max_body_bytes)
     app.add_middleware(CompressMiddleware, minimum_size=1000)
     app.add_middleware(TagEncodings)
     app.add_middleware(Ranges)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import uuid
-from collections.abc import AsyncGenerator, Mapping, Sequence
+from collections.abc import AsyncGenerator, Callable, Coroutine, Mapping, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +35,16 @@ class Event:
     kind: str
     data: dict[str, Any]
     id: str
+
+
+def _ask(path: str, text: str) -> Callable[[AsyncClient, Spec], Coroutine[Any, Any, Json]]:
+    """The call for questions of one collection; ``text`` is its docstring."""
+
+    async def ask(self: AsyncClient, spec: Spec, /) -> Json:
+        return await self.answer(path, spec)
+
+    ask.__doc__ = text
+    return ask
 
 
 class AsyncClient:
@@ -82,33 +92,16 @@ class AsyncClient:
             response = await self._exchange.send(Request("GET", location))
         return _document(response)
 
-    async def design(self, spec: Spec) -> Json:
-        """The cam for a DesignSpec."""
-        return await self.answer("/v1/designs", spec)
-
-    async def analyse(self, spec: Spec) -> Json:
-        """The analysis of a given cam."""
-        return await self.answer("/v1/analyses", spec)
-
-    async def read_back(self, measured: Spec) -> Json:
-        """The motion that measured points of a profile give."""
-        return await self.answer("/v1/profile-analyses", measured)
-
-    async def cam_set(self, spec: Spec) -> Json:
-        """The cams of one shaft."""
-        return await self.answer("/v1/cam-sets", spec)
-
-    async def spatial_cam(self, spec: Spec) -> Json:
-        """The spatial cam for a SpatialCamSpec."""
-        return await self.answer("/v1/spatial-cams", spec)
+    design = _ask("/v1/designs", "The cam for a DesignSpec.")
+    analyse = _ask("/v1/analyses", "The analysis of a given cam.")
+    read_back = _ask("/v1/profile-analyses", "The motion that points of a profile give.")
+    cam_set = _ask("/v1/cam-sets", "The cams of one shaft.")
+    spatial_cam = _ask("/v1/spatial-cams", "The spatial cam for a SpatialCamSpec.")
+    train_response = _ask("/v1/train-responses", "The response of a follower train to its cam.")
 
     async def linkage(self, kind: str, spec: Spec) -> Json:
         """A linkage of a kind, such as ``six-bar-shapers``."""
         return await self.answer(f"/v1/linkages/{kind}", spec)
-
-    async def train_response(self, spec: Spec) -> Json:
-        """The response of a follower train to its cam."""
-        return await self.answer("/v1/train-responses", spec)
 
     async def sweep(self, spec: Spec) -> Json:
         """Start a sweep, or join it where it is running; its current state."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis
 
+Cell = str | float | None
 VERDICTS = {
     "confirmed": "every line of the certificate agrees",
     "contradicted": "the certificate is wrong in what is marked NO",
@@ -24,19 +25,18 @@ VERDICTS = {
 }
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """A table, its first column to the left and the others, of numbers, to the right."""
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:
+    """A table, its first column to the left and the others, of numbers, to the right.
+
+    Numbers have six digits; a dash stands where there is none.
+    """
     drawn = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
     for i, column in enumerate(columns):
         drawn.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
     for row in rows:
-        drawn.add_row(*row)
+        cells = ("–" if cell is None else cell for cell in row)
+        drawn.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else cell for cell in cells))
     return drawn
-
-
-def number(value: float | None) -> str:
-    """A value to six digits, a dash where there is none."""
-    return "–" if value is None else f"{value:.6g}"
 
 
 def sizes(dimensions: Mapping[str, float]) -> str:
@@ -68,8 +68,8 @@ def describe_analysis(analysis: Analysis) -> Iterator[str | Table]:
         )
     yield table(
         "Limits", ("limit", "value", "unit", "at °", "allowed", "margin", ""),
-        [(e.limit, number(e.value), e.unit, f"{e.angle_deg:.3f}", number(e.bound),
-          number(e.margin), "holds" if e.holds else "BROKEN") for e in analysis.extremes],
+        [(e.limit, e.value, e.unit, f"{e.angle_deg:.3f}", e.bound, e.margin,
+          "holds" if e.holds else "BROKEN") for e in analysis.extremes],
     )  # fmt: skip
     yield table(
         "Curves", ("curve", "over", "unit", "largest", "at °", "smallest", "at °"),
@@ -78,37 +78,35 @@ def describe_analysis(analysis: Analysis) -> Iterator[str | Table]:
     if analysis.jumps:
         yield table(
             "Jumps", ("curve", "at °", "unit", "before", "after", "jump"),
-            [(j.curve, f"{j.angle_deg:.3f}", j.unit, number(j.before), number(j.after),
-              number(j.jump)) for j in analysis.jumps],
+            [(j.curve, f"{j.angle_deg:.3f}", j.unit, j.before, j.after, j.jump)
+             for j in analysis.jumps],
         )  # fmt: skip
     if analysis.remedy is not None:
         columns = ("change", "to", "by", "unit")
         yield table("What would mend it", columns, _remedies(analysis.remedy))
 
 
-def _peak(peak: Peak | None) -> tuple[str, str]:
+def _peak(peak: Peak | None) -> tuple[Cell, Cell]:
     if peak is None:
-        return "–", "–"
+        return None, None
     sides = {"left": "−", "right": "+", "both": ""}
-    return number(peak.value), f"{peak.angle_deg:.3f}{sides[peak.side]}"
+    return peak.value, f"{peak.angle_deg:.3f}{sides[peak.side]}"
 
 
-def _remedies(remedy: Remedy) -> Iterator[tuple[str, ...]]:
+def _remedies(remedy: Remedy) -> Iterator[tuple[Cell, ...]]:
     for size in remedy.sizes:
         name = f"base radius, follower's place {size.offset}"
         if not size.dimensions:
             yield name, "no size helps", "", ""
             continue
-        radius = number(size.dimensions["base_radius_mm"])
-        yield name, radius, number(size.base_radius_change_mm), "mm"
+        yield name, size.dimensions["base_radius_mm"], size.base_radius_change_mm, "mm"
         for each, by in size.changes.items():
             plain, _, unit = each.rpartition("_")
-            value = number(size.dimensions[each])
-            yield f"  with {plain.replace('_', ' ')}", value, number(by), unit
+            yield f"  with {plain.replace('_', ' ')}", size.dimensions[each], by, unit
     for alone in remedy.relaxations:
         if alone.needed is not None:
-            change = number(alone.needed - alone.requested)
-            yield f"{alone.field} alone", number(alone.needed), change, alone.unit
+            change = alone.needed - alone.requested
+            yield f"{alone.field} alone", alone.needed, change, alone.unit
 
 
 def describe_confirmation(confirmation: Confirmation) -> Iterator[str | Table]:
@@ -118,8 +116,8 @@ def describe_confirmation(confirmation: Confirmation) -> Iterator[str | Table]:
     words = {True: "yes", False: "NO", None: "–"}
     yield table(
         "Certificate", ("limit", "value", "unit", "certificate less value", "holds", "agrees"),
-        [(line.limit, line.value or "–", line.unit,
-          "–" if line.difference is None else f"{-line.difference:.1e}",
+        [(line.limit, line.value, line.unit,
+          None if line.difference is None else f"{-line.difference:.1e}",
           words[line.holds], words[line.agrees]) for line in confirmation.lines],
     )  # fmt: skip
 
@@ -133,7 +131,7 @@ def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
     )
     yield table(
         "Motion", ("curve", "unit", "largest", "at °", "smallest", "at °", "hidden by tolerance"),
-        [(p.curve, p.unit, number(p.largest), f"{p.largest_deg:.2f}", number(p.smallest),
+        [(p.curve, p.unit, p.largest, f"{p.largest_deg:.2f}", p.smallest,
           f"{p.smallest_deg:.2f}", "–" if p.error is None else f"±{p.error:.3g}")
          for p in analysis.peaks],
     )  # fmt: skip
@@ -145,14 +143,13 @@ def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
     if analysis.unreached_hollows:
         yield table(
             "Not touched", ("at °", "hollow radius", "roller radius", "gap mm", "x mm", "y mm"),
-            [(f"{n.angle_deg:.3f}", number(n.hollow_radius_mm), number(n.roller_radius_mm),
-              number(n.gap_mm), f"{n.x_mm:.4f}", f"{n.y_mm:.4f}")
-             for n in analysis.unreached_hollows],
+            [(f"{n.angle_deg:.3f}", n.hollow_radius_mm, n.roller_radius_mm, n.gap_mm,
+              f"{n.x_mm:.4f}", f"{n.y_mm:.4f}") for n in analysis.unreached_hollows],
         )  # fmt: skip
     if analysis.contact_off_face:
         yield table(
             "Off the face", ("side", "from °", "to °", "beyond mm", "at °"),
-            [(o.side, f"{o.from_deg:.2f}", f"{o.to_deg:.2f}", number(o.excess_mm),
+            [(o.side, f"{o.from_deg:.2f}", f"{o.to_deg:.2f}", o.excess_mm,
               f"{o.worst_deg:.2f}") for o in analysis.contact_off_face],
         )  # fmt: skip
 
@@ -170,10 +167,9 @@ def describe_spatial_cam(design: SpatialDesign) -> Iterator[str | Table]:
     yield table(
         "Measured",
         ("quantity", "value", "unit", "at °", "wall", "rho mm", "allowed", "margin", ""),
-        [(e.quantity, number(e.value), e.unit,
-          "–" if e.angle_deg is None else f"{e.angle_deg:.3f}",
-          f"{e.roller}{e.side}" if e.side else "–", number(e.rho_mm), number(e.bound),
-          number(e.margin), "" if e.bound is None else "holds" if e.holds else "BROKEN")
+        [(e.quantity, e.value, e.unit, None if e.angle_deg is None else f"{e.angle_deg:.3f}",
+          f"{e.roller}{e.side}" if e.side else None, e.rho_mm, e.bound, e.margin,
+          "" if e.bound is None else "holds" if e.holds else "BROKEN")
          for e in design.extremes],
     )  # fmt: skip
 

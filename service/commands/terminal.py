@@ -145,7 +145,7 @@ def _computed(resource: Any, question: Any) -> BaseModel:
     from service.workers.tasks import solve_design
 
     task = resource.task or solve_design
-    budget_s = settings_from().budget_s(resource.budget_of(question))
+    budget_s = settings_from().budget_s(getattr(question, "time_budget_s", None))
     try:
         body = task(question.model_dump_json().encode(), budget_s).body
         result: BaseModel = resource.answer.model_validate_json(body)

@@ -14,16 +14,6 @@ FOLDERS = (
 SELF_CHECK = "example-13-6-sized"
 
 
-# Folders, named as the paths under /v1/; linkages have one for each kind.
-ANALYSES = "analyses"
-PROFILE_ANALYSES = "profile-analyses"
-CAM_SETS = "cam-sets"
-SPATIAL_CAMS = "spatial-cams"
-TRAINS = "train-responses"
-LINKAGES = "linkages"
-SWEEPS = "sweeps"
-
-
 @cache
 def examples(part: str = "") -> dict[str, dict[str, Any]]:
     """By file name: summary, description and value, the spec. Empty where none were installed.

@@ -143,7 +143,7 @@ class Jobs:
     async def _run(self, id: str, spec: Any) -> AnswerRow:
         row = self._row(id, spec, "done")
         try:
-            budget = self._settings.budget_s(self.resource.budget_of(spec))
+            budget = self._settings.budget_s(getattr(spec, "time_budget_s", None))
             answer = await self.engine.solve(row.spec, budget, self.resource.task)
         except Exception as error:
             problem = problem_of(error)

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from service.resources.resource import Accepted, Resource, ResourceFile, StatusOrNone, file_of
+from service.resources.resource import Accepted, Resource, ResourceFile, StatusOrNone
 from service.sweeps.store import design_of_item
 from service.wire.errors import ProblemType
 from service.workers import tasks
 from service.workers.tasks import DESIGN_FORMATS, write_file
 from synthesis.design.analysis import Analysis
-from synthesis.design.cam_set import CamSet, set_id
+from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design, Status
-from synthesis.design.identity import design_id, question_id
 from synthesis.exporters import (
     DRAWINGS,
     MOTION_FORMATS,
@@ -37,7 +37,7 @@ from synthesis.machines.dynamics import TrainResponse, TrainSpec
 from synthesis.machines.dynamics.files import TRAIN_FILES
 from synthesis.machines.linkages import LINKAGES, Linkage
 from synthesis.machines.linkages.files import LINKAGE_FILES
-from synthesis.machines.spatial.design import SpatialDesign, spatial_design_id
+from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files import FORMATS
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.spec.cam_set import CamSetSpec
@@ -77,17 +77,6 @@ class ProfileAnalysisSummary(Accepted):
     )
 
 
-def _files() -> Iterator[ResourceFile]:
-    for part, formats in DESIGN_FORMATS.items():
-        for exporter in formats.values():
-            name = f"{part}{exporter.extension}"
-            path = f"{part}.{exporter.name}"
-            yield file_of(write_design, exporter, path, download_name=name)
-    for exporter in PICTURES.values():
-        if exporter.name != REPORT:
-            yield file_of(write_design, exporter, exporter.name)
-
-
 DESIGNS = Resource(
     path="/v1/designs",
     tag="designs",
@@ -97,7 +86,6 @@ DESIGNS = Resource(
     spec=DesignSpec,
     answer=Design,
     summary=DesignSummary,
-    id_of=design_id,
     task=None,
     unknown=ProblemType.UNKNOWN_DESIGN,
     title="Synthesise a cam",
@@ -109,7 +97,15 @@ DESIGNS = Resource(
     answer_text="Dimensions, motion, extremes, certificate, report and links.",
     status=Status,
     elsewhere=design_of_item,
-    files=tuple(_files()),
+    noun_in_id=False,
+    files=(
+        *(
+            ResourceFile(each, write_design, f"{part}.{name}", ending=f"{part}{each.extension}")
+            for part, formats in DESIGN_FORMATS.items()
+            for name, each in formats.items()
+        ),
+        *(ResourceFile(PICTURES[name], write_design, name) for name in PICTURES if name != REPORT),
+    ),
     marks_broken_limits=True,
     own_delete=True,
 )
@@ -121,7 +117,6 @@ ANALYSES = Resource(
     spec=DesignSpec,
     answer=Analysis,
     summary=AnalysisSummary,
-    id_of=lambda spec: question_id(spec, "analysis"),
     task=tasks.analyse_cam,
     unknown=ProblemType.UNKNOWN_ANALYSIS,
     title="Analyse a given cam",
@@ -133,14 +128,13 @@ ANALYSES = Resource(
     same bytes. Its pictures and its report are at `/v1/analyses/{id}/motion.svg`, `contact.svg`, …;
     for files of points, send the same spec to `POST /v1/designs`.
     """,
-    answer_text="As `POST /v1/analyses` answered, or would have without `respond-async`.",
     status=Verdict,
     files=tuple(
-        file_of(
-            tasks.write_picture, exporter, name, "analysis_",
-            title=f"{exporter.title}, of an analysis", purpose="", in_worker=True,
+        ResourceFile(
+            replace(each, title=f"{each.title}, of an analysis", purpose="", in_worker=True),
+            tasks.write_picture, name, "analysis_",
         )
-        for name, exporter in DRAWINGS.items()
+        for name, each in DRAWINGS.items()
     ),
     marks_broken_limits=True,
 )  # fmt: skip
@@ -152,7 +146,6 @@ PROFILE_ANALYSES = Resource(
     spec=MeasuredCam,
     answer=ProfileAnalysis,
     summary=ProfileAnalysisSummary,
-    id_of=lambda cam: question_id(cam, "profile analysis"),
     task=tasks.analyse_profile,
     unknown=ProblemType.UNKNOWN_ANALYSIS,
     title="Read the motion back from a measured profile",
@@ -164,8 +157,6 @@ PROFILE_ANALYSES = Resource(
     for the roller, `contact_off_face` where contact leaves a flat face. Points that are no closed
     curve round the cam's axis are a problem (422) that names the place.
     """,
-    answer_text="As `POST /v1/profile-analyses` answered, or would have without `respond-async`.",
-    budget_of=lambda _: None,
 )
 
 
@@ -184,41 +175,31 @@ class CamSetSummary(Accepted):
     solved: int | None = Field(None, description="For how many a cam was found.")
 
 
-class BundleQuery(BaseModel):
+@dataclass(frozen=True)
+class BundleQuery(Options):
     """What goes into the archive."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-    profile: list[Literal[tuple(PROFILE_FORMATS)]] = Field(  # type: ignore[valid-type]
-        list(BundleOptions().profile_formats),
-        max_length=20,
-        description="Formats of the profiles; may be repeated.",
-    )
-    motion: list[Literal[tuple(MOTION_FORMATS)]] = Field(  # type: ignore[valid-type]
-        list(BundleOptions().motion_formats),
-        max_length=20,
-        description="Formats of the motions; may be repeated.",
-    )
-    curve: Literal["profile", "pitch"] = Field(
-        "profile", description="The cams' profiles, all flanks of each, or the rollers' paths."
-    )
-    points_per_degree: Density = Field(
-        ProfileOptions().points_per_degree,
-        description="Points of profiles per degree of cam angle.",
-    )
+    profile: Annotated[
+        tuple[Literal[tuple(PROFILE_FORMATS)], ...],  # type: ignore[valid-type]
+        Field(max_length=20, description="Formats of the profiles; may be repeated."),
+    ] = BundleOptions().profile_formats
+    motion: Annotated[
+        tuple[Literal[tuple(MOTION_FORMATS)], ...],  # type: ignore[valid-type]
+        Field(max_length=20, description="Formats of the motions; may be repeated."),
+    ] = BundleOptions().motion_formats
+    curve: Literal["profile", "pitch"] = "profile"
+    """The cams' profiles, all flanks of each, or the rollers' paths."""
+    points_per_degree: Density = ProfileOptions().points_per_degree
+    """Points of profiles per degree of cam angle."""
     tolerance_um: Annotated[ChordTolerance, Field(ge=MIN_TOLERANCE_UM)] = None
-    motion_points_per_degree: Density = Field(
-        MotionOptions().points_per_degree, description="Rows of motions per degree of cam angle."
-    )
+    motion_points_per_degree: Density = MotionOptions().points_per_degree
+    """Rows of motions per degree of cam angle."""
 
-    def options(self) -> BundleOptions:
-        """The same, as the core takes it."""
-        return BundleOptions(
-            tuple(self.profile),
-            tuple(self.motion),
-            ProfileOptions(self.points_per_degree, self.tolerance_um, curve=self.curve),
-            MotionOptions(self.motion_points_per_degree),
-        )
+
+def _bundle(cams: CamSet, query: BundleQuery) -> bytes:
+    profile = ProfileOptions(query.points_per_degree, query.tolerance_um, curve=query.curve)
+    motion = MotionOptions(query.motion_points_per_degree)
+    return bundle(cams, BundleOptions(query.profile, query.motion, profile, motion))
 
 
 _TIMING = FileFormat[CamSet, Any](
@@ -227,7 +208,7 @@ _TIMING = FileFormat[CamSet, Any](
     "The displacement of every follower over shaft angle, and how many move together.",
 )  # fmt: skip
 _BUNDLE = FileFormat[CamSet, Any](
-    "bundle.zip", "All files in one archive", MEDIA_TYPE, ".zip", bundle, Options,
+    "bundle.zip", "All files in one archive", MEDIA_TYPE, ".zip", _bundle, BundleQuery,
     "Profiles in the cams' own frames and in the shaft's, motions, timing, and a manifest.\n\n"
     "A ZIP archive with a folder for each cam; `manifest.json` lists every file with its SHA-256 "
     "and says how the cams sit on the shaft. The same set and options give the same bytes.",
@@ -242,7 +223,6 @@ CAM_SETS = Resource(
     spec=CamSetSpec,
     answer=CamSet,
     summary=CamSetSummary,
-    id_of=set_id,
     task=tasks.solve_cam_set,
     unknown=ProblemType.UNKNOWN_CAM_SET,
     title="Synthesise the cams of a shaft",
@@ -255,11 +235,8 @@ CAM_SETS = Resource(
     answer_text="Every cam with its design and its place on the shaft, the timing, and links.",
     status=Status,
     files=(
-        file_of(_write_cams, _TIMING, _TIMING.name),
-        file_of(
-            _write_cams, _BUNDLE, _BUNDLE.name, query=BundleQuery, options_of=BundleQuery.options,
-            made_by=zlib.ZLIB_RUNTIME_VERSION,
-        ),
+        ResourceFile(_TIMING, _write_cams, _TIMING.name),
+        ResourceFile(_BUNDLE, _write_cams, _BUNDLE.name, made_by=zlib.ZLIB_RUNTIME_VERSION),
     ),
 )  # fmt: skip
 
@@ -298,7 +275,6 @@ SPATIAL_CAMS = Resource(
     spec=SpatialCamSpec,
     answer=SpatialDesign,
     summary=SpatialCamSummary,
-    id_of=spatial_design_id,
     task=tasks.solve_spatial_cam,
     unknown=ProblemType.UNKNOWN_SPATIAL_CAM,
     title="Design a spatial cam",
@@ -310,16 +286,16 @@ SPATIAL_CAMS = Resource(
     """,
     answer_text="Dimensions, motion, walls, extremes, certificate, report and links.",
     status=Status,
-    budget_of=lambda _: None,
     files=tuple(
-        file_of(_write_cam, exporter, name, "spatial_cam_") for name, exporter in FORMATS.items()
+        ResourceFile(each, _write_cam, name, "spatial_cam_") for name, each in FORMATS.items()
     ),
     marks_broken_limits=True,
 )
 
 
 def _linkages(linkage: Linkage) -> Resource:
-    operation = linkage.name.replace("-", "_").removesuffix("s")
+    whose = f"of a {linkage.noun}"
+    prefix = f"{linkage.name.replace('-', '_').removesuffix('s')}_"
     nothing = "No lengths keep these wishes: see conflict in the answer."
     write = partial(write_file, linkage.answer, linkage.summary, nothing)
     return Resource(
@@ -330,19 +306,15 @@ def _linkages(linkage: Linkage) -> Resource:
         spec=linkage.spec,
         answer=linkage.answer,
         summary=LinkageSummary,
-        id_of=lambda spec: question_id(spec, linkage.noun),
-        task=partial(tasks.solve_linkage, linkage.name),
+            task=partial(tasks.solve_linkage, linkage.name),
         unknown=ProblemType.UNKNOWN_LINKAGE,
         title=linkage.title,
         text=f"{linkage.purpose} The same spec gives the same bytes.",
         answer_text="The answer, with links to its files.",
         status=Status,
         files=tuple(
-            file_of(
-                write, file, name, f"{operation}_",
-                title=f"{file.title}, of a {linkage.noun}",
-            )
-            for name, file in LINKAGE_FILES[linkage.name].items()
+            ResourceFile(replace(each, title=f"{each.title}, {whose}"), write, name, prefix)
+            for name, each in LINKAGE_FILES[linkage.name].items()
         ),
     )  # fmt: skip
 
@@ -359,7 +331,6 @@ TRAIN_RESPONSES = Resource(
     spec=TrainSpec,
     answer=TrainResponse,
     summary=TrainResponseSummary,
-    id_of=lambda spec: question_id(spec, "train response"),
     task=tasks.compute_train_response,
     unknown=ProblemType.UNKNOWN_TRAIN_RESPONSE,
     title="Respond to a cam with an elastic follower train",
@@ -370,8 +341,7 @@ TRAIN_RESPONSES = Resource(
     cam's own limits are its spec's; a law without residual vibration: the limit
     `residual_vibration`. The same spec gives the same bytes.
     """,
-    answer_text="As `POST /v1/train-responses` answered, or would have without `respond-async`.",
-    files=tuple(file_of(_write_response, file, file.name, "train_") for file in TRAIN_FILES),
+    files=tuple(ResourceFile(each, _write_response, each.name, "train_") for each in TRAIN_FILES),
 )
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import cache, partial
-from operator import attrgetter
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, create_model
@@ -16,7 +15,8 @@ from service.storage.tables import AnswerRow, in_utc
 from service.wire.errors import ProblemType
 from service.workers.tasks import Task, links_to
 from synthesis.design.design import Status
-from synthesis.exporters import FileContent, form
+from synthesis.design.identity import question_id
+from synthesis.exporters import FileContent
 from synthesis.exporters.exporter import FileFormat
 
 StatusOrNone = Annotated[Status | None, Field(description="What came out; null until it is done.")]
@@ -49,57 +49,21 @@ def page_of(summary: type[Accepted]) -> Any:
 
 @dataclass(frozen=True)
 class ResourceFile:
-    """A file that is made of an answer.
+    """A file that is made of an answer, in a format of the core.
 
     Attributes:
-        path: the last part of its address. operation: name in the contract, without ``get_``.
-        title, purpose: for people. media_type: with its parameters.
-        query: the options as query parameters; options_of: those as ``make`` takes them.
-        make: an answer's body and options to the file.
-        in_worker: whether a worker makes it, because that takes long or much memory.
-        download_name: what the name of a saved file ends in.
+        write: format, an answer's body and options to the file.
+        path: the last part of its address.
+        prefix: of its name in the contract. ending: of a saved file's name ("": the path).
         made_by: what decides on its bytes besides the answer and the options.
     """
 
+    format: FileFormat[Any, Any]
+    write: Callable[[FileFormat[Any, Any], bytes, Any], FileContent]
     path: str
-    operation: str
-    title: str
-    media_type: str
-    query: type[BaseModel]
-    options_of: Callable[[Any], Any]
-    make: Callable[[bytes, Any], FileContent]
-    purpose: str
-    in_worker: bool
-    download_name: str
+    prefix: str = ""
+    ending: str = ""
     made_by: str = ""
-
-
-def file_of(
-    write: Callable[[FileFormat[Any, Any], bytes, Any], FileContent],
-    exporter: FileFormat[Any, Any],
-    path: str,
-    prefix: str = "",
-    **more: Any,
-) -> ResourceFile:
-    """A file in a format of the core.
-
-    Args:
-        write: format, an answer's body and options to the file.
-        prefix: of the operation's name. more: fields of ``ResourceFile`` that differ.
-    """
-    fields: dict[str, Any] = {
-        "path": path,
-        "operation": prefix + path.replace(".", "_"),
-        "title": exporter.title,
-        "purpose": exporter.purpose,
-        "media_type": exporter.media_type,
-        "query": form(exporter.options),
-        "options_of": lambda query: exporter.options(**dict(query)),
-        "in_worker": exporter.in_worker,
-        "download_name": path,
-        "make": partial(write, exporter),
-    }
-    return ResourceFile(**(fields | more))
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +75,14 @@ class Resource:
         tag: section of the documentation, and file_tag: of its files' ("": the same).
         noun: what one is called. id_name: what paths call the id of one.
         spec: the question. answer: what it leads to. summary: a line of the list.
-        id_of: question to id.
         task: what a worker does; None: what the engine was made for, which is to solve designs.
         unknown: the problem of an id that does not exist.
-        title, text: what the contract says of POST, and answer_text: of GET.
+        title, text: what the contract says of POST, and answer_text: of GET ("": as POST answers).
         status: type of the filter of lists; None: there is none.
-        budget_of: question to the time that it asks for [s]; None: what the server gives.
         elsewhere: finds answers that are kept as part of something else; None: there are none.
         files: what its answers can be had as.
         marks_broken_limits: whether the files of a cam that breaks its limits are named so.
+        noun_in_id: whether the noun is part of what ids are a hash of.
         own_delete: whether its routes have a DELETE of their own.
     """
 
@@ -130,19 +93,22 @@ class Resource:
     spec: type[Any]
     answer: type[BaseModel]
     summary: type[Accepted]
-    id_of: Callable[[Any], str]
     task: Task | None
     unknown: ProblemType
     title: str
     text: str
-    answer_text: str
+    answer_text: str = ""
     status: Any = None
-    budget_of: Callable[[Any], float | None] = attrgetter("time_budget_s")
     elsewhere: Lookup | None = None
     files: Sequence[ResourceFile] = ()
     file_tag: str = ""
     marks_broken_limits: bool = False
+    noun_in_id: bool = True
     own_delete: bool = False
+
+    def id_of(self, spec: BaseModel) -> str:
+        """The id of a question."""
+        return question_id(spec, self.noun) if self.noun_in_id else question_id(spec)
 
     def at(self, id: str) -> str:
         """Address of one of them."""

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import etag_response, problems
 from service.resources.records import DESIGNS, NO_CAM, REPORT, write_design
-from service.resources.resource import file_of
+from service.resources.resource import ResourceFile
 from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
 from service.state import Parts, State
 from service.sweeps.views import sweep_path
@@ -120,14 +120,14 @@ async def _get_report(
         costs = Sensitivities.model_validate_json(await _sensitivities(parts, design))
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     made_by = "with sensitivities" if costs else ""
-    file = file_of(write_design, report, REPORT, made_by=made_by)
+    file = ResourceFile(report, write_design, REPORT, made_by=made_by)
     return await send_file(request, parts, DESIGNS, file, row, design, PictureOptions(theme))
 
 
 add_file_route(
     router,
     DESIGNS,
-    file_of(write_design, PICTURES[REPORT], REPORT),
+    ResourceFile(PICTURES[REPORT], write_design, REPORT),
     _get_report,
     (500, 503, 504),
 )

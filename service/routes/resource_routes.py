@@ -27,14 +27,14 @@ from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
 from service.wire.problem import problem_response
-from synthesis.exporters import FileContent
+from synthesis.exporters import FileContent, form
 
 T = TypeVar("T")
 
 SVG, PNG = "image/svg+xml", "image/png"
 BINARY = (
-    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", "application/zip",
-    "model/stl", PNG,
+    "application/vnd.apache.parquet", "application/zip", "model/stl", PNG,
+    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
 )  # fmt: skip
 # A picture runs nothing. A page runs its own script, has no origin, and can reach nothing.
 PICTURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'"
@@ -78,7 +78,7 @@ def router_of(resource: Resource) -> APIRouter:
     if not resource.own_delete:
         _add_delete(router, resource)
     for file in resource.files:
-        add_file(router, resource, file)
+        _add_file(router, resource, file)
     return router
 
 
@@ -87,8 +87,8 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
     ) -> Response:
         jobs = parts.jobs[resource.path]
-        spec = await read_body(request, resource.spec)
-        await check_key(parts, idempotency_key, await request.body())
+        spec, body = await read_body(request, resource.spec, parts.settings.max_body_bytes)
+        await check_key(parts, idempotency_key, body)
         row = await jobs.answers.find(resource.id_of(spec))
         if row is None or row.state != "done":
             if "respond-async" in prefer.lower():
@@ -139,6 +139,11 @@ def _add_list(router: APIRouter, resource: Resource) -> None:
 
 
 def _add_get(router: APIRouter, resource: Resource) -> None:
+    text = (
+        resource.answer_text
+        or f"As `POST {resource.path}` answered, or would have without `respond-async`."
+    )
+
     async def handler(
         request: Request,
         id: Annotated[str, Path(alias=resource.id_name)],
@@ -155,7 +160,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
         name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
-        description=f"{resource.answer_text}\n\n{WAITING}", response_model=resource.answer,
+        description=f"{text}\n\n{WAITING}", response_model=resource.answer,
         responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
     )  # fmt: skip
 
@@ -200,17 +205,20 @@ def position_of(cursor: str) -> int:
     )
 
 
+async def newest(
+    kept: Any, limit: int, cursor: str | None, state: str | None
+) -> tuple[Sequence[Any], str | None]:
+    """Rows of a page and the cursor of the next one; ``kept`` has the rows."""
+    before = None if cursor is None else position_of(cursor)
+    rows = await kept.page(before, limit + 1, state)
+    return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
+
+
 async def _page(
     parts: State, resource: Resource, limit: int, cursor: str | None, status: str | None
 ) -> Any:
-    before = None if cursor is None else position_of(cursor)
-    rows: Sequence[AnswerRow] = await parts.jobs[resource.path].answers.page(
-        before, limit + 1, status
-    )
-    items = [
-        {**resource.fields_of(row), "status": row.status, **row.summary} for row in rows[:limit]
-    ]
-    following = str(rows[limit - 1].sequence) if len(rows) > limit else None
+    rows, following = await newest(parts.jobs[resource.path].answers, limit, cursor, status)
+    items = [{**resource.fields_of(row), "status": row.status, **row.summary} for row in rows]
     return page_of(resource.summary).model_validate({"items": items, "next": following})
 
 
@@ -237,21 +245,19 @@ def _snake(words: str) -> str:
     return words.replace(" ", "_").replace("-", "_")
 
 
-def add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None:
-    """Add the route of a file."""
-
+def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None:
     async def handler(
         request: Request,
         id: Annotated[str, Path(alias=resource.id_name)],
         parts: Parts,
-        query: Annotated[file.query, Query()],  # type: ignore[name-defined]
+        query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
         if_none_match: KnownTag = None,
     ) -> Response:
-        options = file.options_of(query)
+        options = file.format.options(**dict(query))
         row, body = await parts.jobs[resource.path].find_done(id)
         return await send_file(request, parts, resource, file, row, body, options)
 
-    statuses = WORKER_STATUSES if file.in_worker else ()
+    statuses = WORKER_STATUSES if file.format.in_worker else ()
     add_file_route(router, resource, file, handler, statuses)
 
 
@@ -263,23 +269,28 @@ def add_file_route(
     statuses: tuple[int, ...],
 ) -> None:
     """Add the route of a file with a handler; ``statuses``: what may go wrong besides."""
-    media_type = file.media_type.partition(";")[0]
-    schema = {"type": "object"} if media_type == "application/json" else {"type": "string"}
-    if file.media_type in BINARY:
-        schema["format"] = "binary"
+    media_type = file.format.media_type.partition(";")[0]
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}/{file.path}",
         handler,
         tags=[resource.file_tag or resource.tag],
-        name=f"get_{file.operation}",
-        summary=file.title,
-        description=file.purpose,
+        name=f"get_{file.prefix}{file.path.replace('.', '_')}",
+        summary=file.format.title,
+        description=file.format.purpose,
         response_class=Response,
         responses={
-            **file_response(description=file.title, content={media_type: {"schema": schema}}),
+            **file_response(description=file.format.title, content=content_of(media_type)),
             **problems(404, 409, 422, *statuses),
         },
     )
+
+
+def content_of(media_type: str) -> dict[str, Any]:
+    """A file of this type as the contract has it."""
+    schema = {"type": "object"} if media_type == "application/json" else {"type": "string"}
+    if media_type in BINARY:
+        schema["format"] = "binary"
+    return {media_type: {"schema": schema}}
 
 
 async def send_file(
@@ -296,11 +307,11 @@ async def send_file(
     known = not_modified(request, tag)
     if known is not None:
         return known
-    make = partial(file.make, body, options)
+    make = partial(file.write, file.format, body, options)
     content: FileContent = await (
-        in_worker(parts, make) if file.in_worker else asyncio.to_thread(make)
+        in_worker(parts, make) if file.format.in_worker else asyncio.to_thread(make)
     )
-    name = file.download_name
+    name = file.ending or file.path
     if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
         name = f"not-certified-{name}"
     metadata = {f"Camwright-{key}": value for key, value in content.metadata.items()}
@@ -308,9 +319,9 @@ async def send_file(
         content.data,
         headers={
             "ETag": f'"{tag}"', **IN_PARTS,
-            **download_headers(row.name, name, file.media_type), **metadata,
+            **download_headers(row.name, name, file.format.media_type), **metadata,
         },
-        media_type=file.media_type,
+        media_type=file.format.media_type,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.responses import StreamingResponse
@@ -18,7 +18,6 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.contract.examples import SWEEPS
 from service.routes.resource_routes import (
     PNG,
     SVG,
@@ -26,8 +25,10 @@ from service.routes.resource_routes import (
     Cursor,
     Key,
     check_key,
+    content_of,
     download_headers,
     in_worker,
+    newest,
     position_of,
 )
 from service.state import Parts, State
@@ -80,7 +81,7 @@ After = Annotated[int, Depends(_last_event)]
               "headers": UNDER_WAY_HEADERS},
         **problems(400, 413, 415, 422, 429, 503),
     },
-    openapi_extra=spec_body(SWEEPS, "SweepSpec"),
+    openapi_extra=spec_body("sweeps", "SweepSpec"),
     summary="Start a sweep",
 )  # fmt: skip
 async def create_sweep(
@@ -92,9 +93,9 @@ async def create_sweep(
     dismissed. Every finished item is stored before it is counted, and a restart of the service, of
     the scheduler or of a worker loses none.
     """
-    spec = await read_body(request, SweepSpec)
+    spec, body = await read_body(request, SweepSpec, parts.settings.max_body_bytes)
     parts.sweeps.check(spec)
-    await check_key(parts, idempotency_key, await request.body())
+    await check_key(parts, idempotency_key, body)
     row = await parts.sweeps.accept(spec)
     response.headers.update({"Location": views.sweep_path(row.id), "Retry-After": "1"})
     return views.sweep_of(row, parts.sweeps)
@@ -110,12 +111,9 @@ async def list_sweeps(
     ] = None,
 ) -> views.SweepPage:
     """The newest first."""
-    before = None if cursor is None else position_of(cursor)
-    rows = await parts.sweeps.store.page(before, limit + 1, state)
-    following = str(rows[limit - 1].sequence) if len(rows) > limit else None
-    return views.SweepPage(
-        items=[views.summary_of(row, parts.sweeps) for row in rows[:limit]], next=following
-    )
+    rows, following = await newest(parts.sweeps.store, limit, cursor, state)
+    items = [views.summary_of(row, parts.sweeps) for row in rows]
+    return views.SweepPage(items=items, next=following)
 
 
 @router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
@@ -216,27 +214,15 @@ async def get_sweep_item(sweep: RequestedSweep, number: int, parts: Parts) -> vi
     return views.item_of(sweep, row)
 
 
-# By extension: media type, schema, writer, title, text, and what may go wrong besides.
-TABLES: dict[
-    str,
-    tuple[str, Any, Callable[[views.Columns, views.Pages], AsyncIterator[bytes]], str, str, Any],
-]
-TABLES = {
-    "csv": (
-        "text/csv; charset=utf-8", {"type": "string"}, views.csv_table, "Finished items as CSV",
-        "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem."
-        "\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.", (),
-    ),
-    "parquet": (
-        "application/vnd.apache.parquet", {"type": "string", "format": "binary"},
-        views.parquet_table, "Finished items as Parquet",
-        "The same table for data frames; axes of numbers and quantities are doubles.", (501,),
-    ),
-}  # fmt: skip
-
-
-def _add_table(extension: str) -> None:
-    media_type, schema, write, title, text, statuses = TABLES[extension]
+def _add_table(
+    extension: str,
+    media_type: str,
+    write: Callable[[views.Columns, views.Pages], AsyncIterator[bytes]],
+    title: str,
+    text: str,
+    *statuses: int,
+) -> None:
+    """Add the route of a table; ``statuses``: what may go wrong besides."""
 
     async def handler(request: Request, sweep: RequestedSweep, parts: Parts) -> Response:
         def body() -> AsyncIterator[bytes]:
@@ -256,14 +242,21 @@ def _add_table(extension: str) -> None:
         f"/{{sweep_id}}/items.{extension}", handler, name=f"get_sweep_items_{extension}",
         summary=title, description=text, response_class=StreamingResponse,
         responses={
-            **file_response(description="The table.", content={media_type: {"schema": schema}}),
+            **file_response(description="The table.", content=content_of(media_type)),
             **problems(404, *statuses),
         },
     )  # fmt: skip
 
 
-for _extension in TABLES:
-    _add_table(_extension)
+_add_table(
+    "csv", "text/csv; charset=utf-8", views.csv_table, "Finished items as CSV",
+    "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem."
+    "\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.",
+)  # fmt: skip
+_add_table(
+    "parquet", "application/vnd.apache.parquet", views.parquet_table, "Finished items as Parquet",
+    "The same table for data frames; axes of numbers and quantities are doubles.", 501,
+)  # fmt: skip
 
 
 def _axes(
@@ -304,7 +297,7 @@ async def get_sweep_pareto(
     "/{sweep_id}/pareto.svg",
     response_class=Response,
     responses={
-        **etag_response(description="The drawing.", content={SVG: {"schema": {"type": "string"}}}),
+        **etag_response(description="The drawing.", content=content_of(SVG)),
         **problems(404, 422),
     },
     summary="The Pareto front as a drawing",
@@ -322,8 +315,8 @@ async def get_sweep_pareto_svg(
     sweep has ended.
     """
 
-    async def paint(drawn: TradeOff) -> bytes:
-        return await asyncio.to_thread(trade_off, drawn, theme)
+    def paint(drawn: TradeOff) -> Awaitable[bytes]:
+        return asyncio.to_thread(trade_off, drawn, theme)
 
     return await _drawn(request, sweep, parts, axes, ("svg", SVG, theme), paint)
 
@@ -332,10 +325,7 @@ async def get_sweep_pareto_svg(
     "/{sweep_id}/pareto.png",
     response_class=Response,
     responses={
-        **etag_response(
-            description="The picture.",
-            content={PNG: {"schema": {"type": "string", "format": "binary"}}},
-        ),
+        **etag_response(description="The picture.", content=content_of(PNG)),
         **problems(404, 422, *WORKER_STATUSES),
     },
     summary="The Pareto front as pixels",
@@ -350,8 +340,8 @@ async def get_sweep_pareto_png(
 ) -> Response:
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
-    async def paint(drawn: TradeOff) -> bytes:
-        return await in_worker(parts, partial(rasterise, trade_off(drawn, theme), width_px))
+    def paint(drawn: TradeOff) -> Awaitable[bytes]:
+        return in_worker(parts, partial(rasterise, trade_off(drawn, theme), width_px))
 
     options = ("png", PNG, theme, str(width_px))
     return await _drawn(request, sweep, parts, axes, options, paint)

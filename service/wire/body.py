@@ -14,11 +14,8 @@ from typing import Any, TypeVar
 
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
-from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.errors import ProblemType, ServiceError
-from service.wire.problem import error_response
 from service.wire.violations import (
     LEAVE_OUT,
     MAX_LISTED,
@@ -38,8 +35,19 @@ READ_ON = 32  # times the limit: so much of a refused body is read, so that clie
 TOO_DEEP = "The body is nested too deeply. A design needs five levels."
 
 
-async def read_body(request: Request, model: type[Model]) -> Model:
-    """The body of a request as ``model``; see ``validated`` for the errors raised."""
+async def read_body(request: Request, model: type[Model], max_bytes: int) -> tuple[Model, bytes]:
+    """The body of a request as ``model``, and its bytes; see ``validate`` for the errors raised."""
+    chunks, size = [], 0
+    async for chunk in request.stream():
+        size += len(chunk)
+        if size > READ_ON * max_bytes:
+            break
+        chunks.append(chunk if size <= max_bytes else b"")
+    if size > max_bytes:
+        raise ProblemType.BODY_TOO_LARGE(
+            f"The body is larger than {max_bytes} bytes, the limit of this server. "
+            "A design with 100 segments needs less than 50 kB."
+        )
     declared = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     subtype = declared.removeprefix("application/")
     if declared == subtype or not (subtype == "json" or subtype.endswith("+json")):
@@ -48,7 +56,8 @@ async def read_body(request: Request, model: type[Model]) -> Model:
             "Content-Type: application/json.",
             {"Accept": "application/json"},
         )
-    return validate(await request.body(), model)
+    body = b"".join(chunks)
+    return validate(body, model), body
 
 
 def validate(body: bytes, model: type[Model]) -> Model:
@@ -176,49 +185,3 @@ def _invalid_request(violations: list[dict[str, Any]], count: int) -> ServiceErr
     where = first["pointer"] or "the body"
     detail = f"{where}: {first['rule'].rstrip('.')}. {first['remedy']}{more}"
     return ProblemType.INVALID_REQUEST(detail, violations=violations)
-
-
-class _TooLarge(Exception):
-    """Passes through the application from ``receive`` to ``BodyLimit``."""
-
-
-class BodyLimit:
-    """Middleware that counts the bytes of a body."""
-
-    def __init__(self, app: ASGIApp, max_bytes: int) -> None:
-        self._app, self._max_bytes = app, max_bytes
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-        declared = Headers(scope=scope).get("content-length", "")
-        if declared.isdecimal() and int(declared) > self._max_bytes:
-            await self._refuse(scope, receive, send)
-            return
-        seen = 0
-
-        async def counted() -> Message:
-            nonlocal seen
-            message = await receive()
-            seen += len(message.get("body", b""))
-            if seen > self._max_bytes:
-                raise _TooLarge
-            return message
-
-        try:
-            await self._app(scope, counted, send)
-        except _TooLarge:
-            await self._refuse(scope, receive, send)
-
-    async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
-        left, more = READ_ON * self._max_bytes, True
-        while more and left > 0:
-            message = await receive()
-            left -= len(message.get("body", b""))
-            more = message.get("more_body", False)
-        error = ProblemType.BODY_TOO_LARGE(
-            f"The body is larger than {self._max_bytes} bytes, the limit of this server. "
-            "A design with 100 segments needs less than 50 kB."
-        )
-        await error_response(Request(scope), error)(scope, receive, send)

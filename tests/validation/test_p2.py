@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.contract.examples import ANALYSES, examples
+from service.contract.examples import examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
 from synthesis.catalogue.motion import Motion
 from synthesis.catalogue.profile import cam_profile
@@ -56,7 +56,7 @@ def curvature(angle_deg: float, side: str) -> float:
 
 @pytest.fixture(scope="module")
 def given() -> DesignSpec:
-    value = examples(ANALYSES)["p2-as-given"]["value"]
+    value = examples("analyses")["p2-as-given"]["value"]
     return DesignSpec.model_validate_json(json.dumps(value), strict=True)
 
 

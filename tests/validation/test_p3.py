@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.contract.examples import ANALYSES, examples
+from service.contract.examples import examples
 from synthesis import Analysis, DesignSpec, analyse, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions
 
@@ -59,7 +59,7 @@ def alpha(theta: np.ndarray, sense: str) -> np.ndarray:
 
 
 def spec(sense: str) -> DesignSpec:
-    value = examples(ANALYSES)[f"p3-{sense}"]["value"]
+    value = examples("analyses")[f"p3-{sense}"]["value"]
     return DesignSpec.model_validate_json(json.dumps(value), strict=True)
 
 

@@ -14,7 +14,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from service.contract.examples import CAM_SETS, examples
+from service.contract.examples import examples
 from synthesis import CamSet, CamSetSpec, synthesise_set
 from synthesis.exporters.bundle import BundleOptions, bundle
 from synthesis.exporters.options import ProfileOptions
@@ -38,7 +38,7 @@ def swung(cam_deg: float) -> float:
 
 
 def solved(rotation: str, sense: str) -> CamSet:
-    value = deepcopy(examples(CAM_SETS)["p3-set"]["value"]) | {"rotation": rotation}
+    value = deepcopy(examples("cam-sets")["p3-set"]["value"]) | {"rotation": rotation}
     for cam in value["cams"]:
         follower = cam["spec"]["follower"] | {"sense": sense}
         cam["spec"] = cam["spec"] | {"follower": follower}

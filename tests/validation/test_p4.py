@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from service.contract.examples import SPATIAL_CAMS, examples
+from service.contract.examples import examples
 from synthesis import SpatialCamSpec, SpatialDesign, synthesise_spatial
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ def nearest(points: Array, angles: Array) -> tuple[Array, Array]:
 
 @pytest.fixture(scope="module")
 def p4() -> SpatialDesign:
-    value = examples(SPATIAL_CAMS)["p4"]["value"]
+    value = examples("spatial-cams")["p4"]["value"]
     return synthesise_spatial(SpatialCamSpec.model_validate(value))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from service.contract.examples import LINKAGES, examples
+from service.contract.examples import examples
 from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse_or_size_shaper
 from tests import forty_digits
 
@@ -29,7 +29,7 @@ MISSED = radians(0.033)
 
 
 def solve(**changes: Any) -> SixBarShaper:
-    value = examples(f"{LINKAGES}/six-bar-shapers")["p5"]["value"]
+    value = examples("linkages/six-bar-shapers")["p5"]["value"]
     return analyse_or_size_shaper(ShaperSpec.model_validate(value | changes))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from service.contract.examples import LINKAGES, examples
+from service.contract.examples import examples
 from synthesis.machines.linkages.arm import ArmSpec, PalletisingArm, analyse_arm
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ G = 9.80665
 
 
 def solve(**changes: Any) -> PalletisingArm:
-    value = examples(f"{LINKAGES}/palletising-arms")["irb-660"]["value"]
+    value = examples("linkages/palletising-arms")["irb-660"]["value"]
     return analyse_arm(ArmSpec.model_validate(value | changes))
 
 

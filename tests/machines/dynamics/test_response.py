@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.integrate import quad, solve_ivp
 
-from service.contract.examples import TRAINS, examples
+from service.contract.examples import examples
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.piecewise_motion import PiecewiseMotion
@@ -201,7 +201,7 @@ def test_phi_functions() -> None:
     assert found[0, 3] == pytest.approx(complex(cos(3.3), sin(3.3)), abs=1e-15)
 
 
-BODY = examples(TRAINS)["press-feeder"]["value"]
+BODY = examples("train-responses")["press-feeder"]["value"]
 
 
 def test_the_example_rests_in_its_first_mode_and_floats() -> None:

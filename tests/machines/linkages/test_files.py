@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from service.contract.examples import LINKAGES as FOLDER
 from service.contract.examples import examples
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import InputError
@@ -25,7 +24,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def solve_example(kind: str, name: str, **changes: Any) -> Any:
-    linkage, value = LINKAGES[kind], examples(f"{FOLDER}/{kind}")[name]["value"]
+    linkage, value = LINKAGES[kind], examples(f"linkages/{kind}")[name]["value"]
     return linkage.solve(linkage.spec.model_validate(value | changes), None)
 
 

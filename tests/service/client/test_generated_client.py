@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from service.contract.examples import ANALYSES, SELF_CHECK, examples
+from service.contract.examples import SELF_CHECK, examples
 from service.openapi import TARGET
 from tests.service.conftest import Running
 
@@ -86,7 +86,7 @@ def test_a_design_and_its_files(found: Found, client: Any) -> None:
 
 
 def test_an_analysis(found: Found, client: Any) -> None:
-    body = next(iter(examples(ANALYSES).values()))["value"]
+    body = next(iter(examples("analyses").values()))["value"]
     asked = found("models").DesignSpec.from_dict(body)
     analysis = found("api.analyses.create_analysis").sync(client=client, body=asked)
     assert type(analysis).__name__ == "Analysis"

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
-from service.contract.examples import ANALYSES, examples
+from service.contract.examples import examples
 from synthesis import Analysis, DesignSpec, analyse
 from synthesis.exporters import DRAWINGS
 from synthesis.studies.analyse import as_design
@@ -19,7 +19,7 @@ from tests.service.contract.test_openapi import document
 from tests.service.specs import spec
 
 runner = CliRunner()
-NAMES = list(examples(ANALYSES))
+NAMES = list(examples("analyses"))
 
 
 def given(**changes: Any) -> dict[str, Any]:
@@ -30,12 +30,12 @@ def given(**changes: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_worked_examples(client: httpx2.Client, name: str) -> None:
-    value = examples(ANALYSES)[name]["value"]
+    value = examples("analyses")[name]["value"]
     answer = client.post("/v1/analyses", json=value)
     assert answer.status_code == 200, answer.text
     assert answer.headers["etag"]
     body = document()["paths"]["/v1/analyses"]["post"]["requestBody"]["content"]["application/json"]
-    assert body["examples"][name] == examples(ANALYSES)[name]
+    assert body["examples"][name] == examples("analyses")[name]
     there = Analysis.model_validate_json(answer.content)
     assert there == analyse(DesignSpec.model_validate(value))
 
@@ -53,7 +53,7 @@ def test_a_broken_limit_is_a_result(client: httpx2.Client) -> None:
 
 
 def test_an_analysis_has_the_pictures_of_a_design(client: httpx2.Client) -> None:
-    value = examples(ANALYSES)["p2-as-given"]["value"]
+    value = examples("analyses")["p2-as-given"]["value"]
     answer = client.post("/v1/analyses", json=value)
     where = answer.headers["content-location"]
     listed = client.get("/v1/analyses").json()["items"]
@@ -121,7 +121,7 @@ def test_wrong_input_is_told_as_for_designs(client: httpx2.Client) -> None:
 @pytest.fixture
 def example_file(tmp_path: Path) -> Path:
     path = tmp_path / "given.json"
-    path.write_text(json.dumps(examples(ANALYSES)["p2-as-given"]), encoding="utf-8")
+    path.write_text(json.dumps(examples("analyses")["p2-as-given"]), encoding="utf-8")
     return path
 
 

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
-from service.contract.examples import CAM_SETS, examples
+from service.contract.examples import examples
 from service.wire.violations import describe_errors
 from synthesis import CamSet, CamSetSpec, DesignSpec
 from synthesis.design.cam_set import set_id
@@ -325,9 +325,9 @@ def test_the_server_says_how_many_cams(client: httpx2.Client) -> None:
 # --- documentation and the command ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", examples(CAM_SETS))
+@pytest.mark.parametrize("name", examples("cam-sets"))
 def test_worked_examples(client: httpx2.Client, name: str) -> None:
-    example = examples(CAM_SETS)[name]
+    example = examples("cam-sets")[name]
     assert set(example) == {"summary", "description", "value"}
     asked = document()["paths"]["/v1/cam-sets"]["post"]["requestBody"]
     shown = asked["content"]["application/json"]

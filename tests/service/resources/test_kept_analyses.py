@@ -8,7 +8,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.contract.examples import ANALYSES, PROFILE_ANALYSES, examples
+from service.contract.examples import examples
 from tests.service.resources.test_designs import wait_for
 
 
@@ -26,8 +26,8 @@ class Kind:
         return self.question | {"name": name}
 
 
-GIVEN = examples(ANALYSES)["p2-as-given"]["value"]
-POINTS = examples(PROFILE_ANALYSES)["spare-roller"]["value"]
+GIVEN = examples("analyses")["p2-as-given"]["value"]
+POINTS = examples("profile-analyses")["spare-roller"]["value"]
 KINDS = [
     Kind("/v1/analyses", GIVEN, {"base_radius_mm": None}, "/base_radius_mm",
          {"status": "violated", "violated": ["pressure_angle_rise"]}),

@@ -12,23 +12,22 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
-from service.contract.examples import LINKAGES as FOLDER
 from service.contract.examples import examples
 from synthesis.machines.linkages import LINKAGES
 from synthesis.machines.linkages.files import LINKAGE_FILES
 from tests.service.contract.test_openapi import document
 
-EXAMPLES = [(kind, name) for kind in LINKAGES for name in examples(f"{FOLDER}/{kind}")]
+EXAMPLES = [(kind, name) for kind in LINKAGES for name in examples(f"linkages/{kind}")]
 SHAPERS, ARMS = "/v1/linkages/six-bar-shapers", "/v1/linkages/palletising-arms"
-SHAPER = examples(f"{FOLDER}/six-bar-shapers")["p5"]["value"]
-ARM = examples(f"{FOLDER}/palletising-arms")["irb-660"]["value"]
+SHAPER = examples("linkages/six-bar-shapers")["p5"]["value"]
+ARM = examples("linkages/palletising-arms")["irb-660"]["value"]
 
 
 @pytest.mark.parametrize(("kind", "name"), EXAMPLES)
 def test_worked_examples(client: httpx2.Client, kind: str, name: str) -> None:
     """Answered as by the library, with links that lead to files."""
     example, linkage, path = (
-        examples(f"{FOLDER}/{kind}")[name],
+        examples(f"linkages/{kind}")[name],
         LINKAGES[kind],
         f"/v1/linkages/{kind}",
     )
@@ -123,7 +122,7 @@ def test_the_command_writes_what_the_service_has(client: httpx2.Client, tmp_path
     for name in names:
         here, there = ((tmp_path / folder / name).read_bytes() for folder in ("here", "there"))
         assert here == there
-    path.write_text(json.dumps(examples(f"{FOLDER}/{kind}")["impossible-on-purpose"]))
+    path.write_text(json.dumps(examples(f"linkages/{kind}")["impossible-on-purpose"]))
     said = CliRunner().invoke(cli.app, ["linkage", kind, str(path), "--out", str(tmp_path)])
     assert said.exit_code == 3
     assert "coupler_mm: 60 requested, 83.4174 mm needed" in said.stdout

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.commands.questions import points_in
-from service.contract.examples import PROFILE_ANALYSES, examples
+from service.contract.examples import examples
 from synthesis import DesignSpec
 from synthesis.errors import InputError
 from synthesis.studies.measured import MeasuredCam, ProfileAnalysis, read_back
@@ -22,7 +22,7 @@ from tests.studies.measured.cams import ROLLER, profile, spec
 
 runner = CliRunner()
 WHERE = "/v1/profile-analyses"
-EXAMPLES = examples(PROFILE_ANALYSES)
+EXAMPLES = examples("profile-analyses")
 
 
 def body(**changes: Any) -> dict[str, Any]:

@@ -13,13 +13,13 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.client import Client
-from service.contract.examples import SPATIAL_CAMS, examples
+from service.contract.examples import examples
 from synthesis import SpatialCamSpec, SpatialDesign, synthesise_spatial
 from tests.service.conftest import Running
 from tests.service.resources.test_designs import wait_for
 
 WHERE = "/v1/spatial-cams"
-P4 = examples(SPATIAL_CAMS)["p4"]["value"]
+P4 = examples("spatial-cams")["p4"]["value"]
 
 
 def changed(**machine: Any) -> dict[str, Any]:
@@ -28,9 +28,9 @@ def changed(**machine: Any) -> dict[str, Any]:
     return body
 
 
-@pytest.mark.parametrize("name", examples(SPATIAL_CAMS))
+@pytest.mark.parametrize("name", examples("spatial-cams"))
 def test_worked_examples(service: Running, name: str) -> None:
-    value = examples(SPATIAL_CAMS)[name]["value"]
+    value = examples("spatial-cams")[name]["value"]
     with Client(service.url) as client:
         answer = client.spatial_cam(value)
     found = SpatialDesign.model_validate(answer)
@@ -38,7 +38,7 @@ def test_worked_examples(service: Running, name: str) -> None:
     assert answer["links"]["self"] == f"{WHERE}/{found.id}"
     document = service.client.get("/openapi.json").json()
     asked = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
-    assert asked["examples"][name] == examples(SPATIAL_CAMS)[name]
+    assert asked["examples"][name] == examples("spatial-cams")[name]
 
 
 def test_the_library_says_the_same_and_files_have_the_same_cam(client: httpx2.Client) -> None:
@@ -78,7 +78,7 @@ def test_an_index_that_meets_no_roller_is_refused_at_the_program(client: httpx2.
 
 
 def test_every_file_and_the_catalogue(client: httpx2.Client) -> None:
-    answer = client.post(WHERE, json=examples(SPATIAL_CAMS)["cylindrical-rib"]["value"]).json()
+    answer = client.post(WHERE, json=examples("spatial-cams")["cylindrical-rib"]["value"]).json()
     links = {name: at for name, at in answer["links"].items() if name != "self"}
     known = {each["name"]: each for each in client.get("/v1/formats").json()["spatial"]}
     assert set(links) == set(known)
@@ -98,7 +98,7 @@ def test_what_does_not_unroll_says_so(client: httpx2.Client) -> None:
     refused = client.get(f"{flat['self']}/developed.svg")
     assert refused.status_code == 422
     assert "no development on a cylinder" in refused.json()["errors"][0]["rule"]
-    rib = client.post(WHERE, json=examples(SPATIAL_CAMS)["cylindrical-rib"]["value"]).json()
+    rib = client.post(WHERE, json=examples("spatial-cams")["cylindrical-rib"]["value"]).json()
     refused = client.get(rib["links"]["developed.svg"], params={"radius_mm": 60})
     (wrong,) = refused.json()["errors"]
     assert (refused.status_code, wrong["parameter"], wrong["value"]) == (422, "radius_mm", 60.0)
@@ -117,7 +117,7 @@ def test_what_does_not_unroll_says_so(client: httpx2.Client) -> None:
 def test_machines_that_cannot_be_are_refused(
     client: httpx2.Client, machine: dict[str, Any], pointer: str
 ) -> None:
-    asked = deepcopy(examples(SPATIAL_CAMS)["cylindrical-rib"]["value"])
+    asked = deepcopy(examples("spatial-cams")["cylindrical-rib"]["value"])
     asked["machine"].update(machine)
     answer = client.post(WHERE, json=asked)
     assert answer.status_code == 422

@@ -17,14 +17,14 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.client import Client
-from service.contract.examples import TRAINS, examples
+from service.contract.examples import examples
 from synthesis.machines.dynamics import TrainSpec
 from synthesis.machines.dynamics.report import respond
 from tests.service.conftest import Running
 from tests.service.resources.test_designs import wait_for
 
 WHERE = "/v1/train-responses"
-BODY = examples(TRAINS)["press-feeder"]["value"]
+BODY = examples("train-responses")["press-feeder"]["value"]
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_the_library_says_the_same(service: Running, quick: dict[str, Any]) -> N
         alike(answer[same], mine[same])
     document = service.client.get("/openapi.json").json()
     body = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
-    assert body["examples"] == examples(TRAINS)
+    assert body["examples"] == examples("train-responses")
 
 
 def test_now_and_later_with_files(client: httpx2.Client, quick: dict[str, Any]) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from service.contract.examples import LINKAGES as FOLDER
 from service.contract.examples import examples
 from tests.service.browsing import PATIENT, Closed, expect, picture
 from tests.service.conftest import Running
@@ -120,7 +119,7 @@ def test_an_arms_target_is_dragged(closed: Closed, real_service: Running, tmp_pa
     assert math.hypot(there["x"], there["y"]) < 2450.0
     assert there["y"] / there["x"] == pytest.approx(-7.0 / 24.0, rel=1e-4)  # in the same plane
     pose = {"kind": "point", **{f"{name}_mm": value for name, value in there.items()}}
-    body = examples(f"{FOLDER}/{ARMS}")["irb-660"]["value"] | {"poses": [pose]}
+    body = examples(f"linkages/{ARMS}")["irb-660"]["value"] | {"poses": [pose]}
     answer = real_service.client.post(f"/v1/linkages/{ARMS}", json=body).json()
     ways = answer["poses"][0]["solutions"]
     best = ways[0]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from service.contract.examples import SWEEPS, examples
+from service.contract.examples import examples
 from service.wire.body import validate
 from service.wire.errors import ServiceError
 from synthesis.spec.design_spec import DesignSpec
@@ -145,9 +145,9 @@ def test_a_field_replaced_by_an_axis_is_no_place_for_another() -> None:
         sweep({"kind": "list", "pointer": "/limits/0", "values": [None]}, ANGLE)
 
 
-@pytest.mark.parametrize("name", examples(SWEEPS))
+@pytest.mark.parametrize("name", examples("sweeps"))
 def test_worked_examples_are_sound(name: str) -> None:
-    example = examples(SWEEPS)[name]
+    example = examples("sweeps")[name]
     assert set(example) == {"summary", "description", "value"}
     spec = validate(json.dumps(example["value"]).encode(), SweepSpec)
     for number in range(spec.size):
