@@ -28,7 +28,7 @@ from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
-from synthesis.optimise.conic.tangent_cuts import TangentPoint, bounds_within, cut_block
+from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint, cuts_on_law
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
@@ -259,21 +259,17 @@ def prove_empty(node: PivotNode, time_limit: float) -> Bound | None:
 def _implied_rows(model: ConicModel, node: PivotNode) -> Iterator[LinearBlock]:
     """Rows that limits imply in the box: tangent at its middle, and at the last solution."""
     yield from reverse_convex_rows(node.problem, node.sizes, model.scales)
+    region = Region(node.sizes, (None, node.about) if node.about else (), node.tubes)
     for position, tube in node.tubes.items():
         segment, grid = node.problem.free[position], model.grids[position]
         low, high = tube.nodes[0], tube.nodes[-1]
         points = grid.points[(grid.points >= low) & (grid.points <= high)]
-        x = np.union1d(points, np.linspace(low, high, FEWEST_ROWS))
-        within = bounds_within(tube, segment, x, node.sizes)
-        places = [None] if node.about is None else [None, node.about.at(position, segment, x)]
+        grid = Grid(grid.space, np.union1d(points, np.linspace(low, high, FEWEST_ROWS)))
         for limit in node.problem.limits:
             for implied in _relaxable(limit, segment, node.problem.machine):
-                for place in places:
-                    for cut in implied.relax(within, place):
-                        yield cut_block(
-                            cut, implied.source, position, segment, Grid(grid.space, x),
-                            model.scales, NO_TIGHTENING,
-                        )  # fmt: skip
+                yield from cuts_on_law(
+                    implied, position, segment, grid, model.scales, NO_TIGHTENING, region
+                )
 
 
 def _relaxable(

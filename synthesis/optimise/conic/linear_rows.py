@@ -105,10 +105,6 @@ class LinearBlock:
             self, law_matrix=-self.law_matrix, alpha=-self.alpha, rhs=-self.rhs, exact=False
         )
 
-    def priced(self, z: Array) -> Array:
-        """What multipliers (r,) make of the size's share: (n_size,)."""
-        return self.size * float(np.sum(z)) if self.size.ndim == 1 else z @ self.size
-
 
 @dataclass(frozen=True)
 class Tightening:

@@ -6,98 +6,68 @@ than the whole: it is a relaxation of it, so that every bound of the part is one
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
 
-from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.solvers.clarabel import ConeProgram
-from synthesis.optimise.conic.assembly import MatrixBuilder
-from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 
 
-@dataclass(frozen=True, eq=False)
-class ModelByLaw:
-    """A model with its rows sorted by law."""
-
-    model: ConicModel
-
-    def coupled_laws(self, position: int) -> tuple[int, ...]:
-        """A law and those with which it shares derivatives at a junction, in order."""
-        result = {position}
-        for junction in self.model.junctions:
-            if junction.highest >= junction.lowest and position in (
-                junction.before,
-                junction.after,
-            ):
-                result |= {junction.before, junction.after}
-        return tuple(sorted(result))
-
-    def submodel(self, positions: Sequence[int]) -> ConicModel:
-        """The laws at these positions alone, numbered anew; without cones and objective."""
-        model, number = self.model, {position: k for k, position in enumerate(positions)}
-        grids = tuple(model.grids[k] for k in positions)
-        boundaries = tuple(model.boundary_states[k] for k in positions)
-        junctions = tuple(
-            replace(junction, before=number[junction.before], after=number[junction.after])
-            for junction in model.junctions
-            if junction.before in number and junction.after in number
-        )
-        free = tuple(self._free[k] for k in positions)
-        problem = replace(model.problem, segments=free)
-        columns, at = list[slice](), 0
-        for k in positions:
-            width = model.columns[k].stop - model.columns[k].start
-            columns.append(slice(at, at + width))
-            at += width
-        size = slice(at, at + len(model.problem.sizing.bounds))
-        exact, blocks = (
-            tuple(each for k in (None, *positions) for each in _renumber(rows.get(k, ()), number))
-            for rows in self._rows
-        )
-        writer = MatrixBuilder(size.stop, columns, size, None, boundaries)
-        for junction in junctions:
-            writer.add_junction(junction, free, grids)
-        writer.add_fixed_sizes(model.problem.sizing.bounds, model.scales)
-        for block in exact:
-            writer.add_block(block)
-        equalities = writer.rows
-        for block in blocks:
-            writer.add_block(block)
-        matrix, rhs = writer.build()
-        program = ConeProgram(
-            sparse.csc_matrix((size.stop, size.stop)), np.zeros(size.stop), matrix, rhs,
-            equalities, writer.rows - equalities, (),
-        )  # fmt: skip
-        return replace(
-            model, problem=problem, grids=grids, boundary_states=boundaries, junctions=junctions,
-            columns=tuple(columns), size=size, epigraph=None,
-            energy_columns=slice(size.stop, size.stop), equality_blocks=exact, blocks=blocks,
-            cone_blocks=(), energy=None, program=program, vibration_equalities=(),
-        )  # fmt: skip
-
-    @cached_property
-    def _free(self) -> tuple[PlacedSegment, ...]:
-        return self.model.problem.free
-
-    @cached_property
-    def _rows(
-        self,
-    ) -> tuple[dict[int | None, list[LinearBlock]], dict[int | None, list[LinearBlock]]]:
-        """Equalities and inequalities of every law, and of none."""
-        return _blocks_by_law(self.model.equality_blocks), _blocks_by_law(self.model.blocks)
+def coupled_laws(model: ConicModel, position: int) -> tuple[int, ...]:
+    """A law and those with which it shares derivatives at a junction, in order."""
+    result = {position}
+    for junction in model.junctions:
+        both = {junction.before, junction.after}
+        if junction.highest >= junction.lowest and position in both:
+            result |= both
+    return tuple(sorted(result))
 
 
-def _blocks_by_law(blocks: Iterable[LinearBlock]) -> dict[int | None, list[LinearBlock]]:
-    result: dict[int | None, list[LinearBlock]] = {}
-    for block in blocks:
-        result.setdefault(block.segment, []).append(block)
-    return result
-
-
-def _renumber(blocks: Iterable[LinearBlock], number: dict[int, int]) -> Iterable[LinearBlock]:
-    return (b if b.segment is None else replace(b, segment=number[b.segment]) for b in blocks)
+def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
+    """The laws at these positions alone, numbered anew; without cones and objective."""
+    number = {position: k for k, position in enumerate(positions)}
+    # 1. Its rows: junctions, fixed sizes, equalities, inequalities; of the size, then law by law.
+    rows, junctions, at = list[int](), [], 0
+    for junction in model.junctions:
+        first, at = at, at + max(junction.highest - junction.lowest + 1, 0)
+        if junction.before in number and junction.after in number:
+            rows += range(first, at)
+            before, after = number[junction.before], number[junction.after]
+            junctions.append(replace(junction, before=before, after=after))
+    rows += range(at, at + sum(low == high for low, high in model.problem.sizing.bounds))
+    every = [
+        (at, block if k is None else replace(block, segment=number[k]))
+        for at, block in model.numbered_blocks
+        if (k := block.segment) is None or k in number
+    ]
+    every.sort(key=lambda each: -1 if each[1].segment is None else each[1].segment)
+    exact, others = ([each for each in every if each[1].exact is kind] for kind in (True, False))
+    for at, block in (*exact, *others):
+        rows += range(at, at + len(block.rhs))
+    inequalities = sum(len(block.rhs) for _, block in others)
+    # 2. Its columns: the coefficients of the laws, and the size.
+    parts = [*(model.columns[k] for k in positions), model.size]
+    kept = np.concatenate([np.arange(part.start, part.stop) for part in parts])
+    stops = np.cumsum([0, *(part.stop - part.start for part in parts)]).tolist()
+    *columns, size = (slice(*ends) for ends in pairwise(stops))
+    whole, width = model.program, len(kept)
+    matrix = whole.matrix[rows][:, kept]
+    matrix.sort_indices()
+    program = ConeProgram(
+        sparse.csc_matrix((width, width)), np.zeros(width), matrix, whole.rhs[rows],
+        len(rows) - inequalities, inequalities, (),
+    )  # fmt: skip
+    free = tuple(model.problem.free[k] for k in positions)
+    return replace(
+        model, problem=replace(model.problem, segments=free),
+        grids=tuple(model.grids[k] for k in positions),
+        boundary_states=tuple(model.boundary_states[k] for k in positions),
+        junctions=tuple(junctions), columns=tuple(columns), size=size, epigraph=None,
+        energy_columns=slice(width, width), equality_blocks=tuple(block for _, block in exact),
+        blocks=tuple(block for _, block in others), cone_blocks=(), energy=None, program=program,
+        vibration_equalities=(),
+    )  # fmt: skip

@@ -8,8 +8,8 @@ every law with s and s' in the region's bounds, so that dual bounds made of them
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -51,13 +51,14 @@ class Region:
 
     Attributes:
         sizes: bounds of every size variable that any better cam keeps [length]; none: no rows.
-        tangent_points: where the rows are tight; none: all over the region.
-        law_bounds: what every free law of a better cam keeps to; none: its ends alone are known.
+        tangent_points: where the rows are tight; none, or None: all over the region.
+        law_bounds: by position, what a free law of a better cam keeps to; of others the ends alone
+            are known.
     """
 
     sizes: tuple[tuple[float, float], ...] = ()
-    tangent_points: tuple[TangentPoint, ...] = ()
-    law_bounds: tuple[LawBounds, ...] = ()
+    tangent_points: tuple[TangentPoint | None, ...] = ()
+    law_bounds: Mapping[int, LawBounds] = field(default_factory=dict)
 
     @classmethod
     def full(cls, problem: Problem) -> Region:
@@ -78,46 +79,26 @@ def cuts_on_law(
     if not region.sizes:
         return
     within = _within(position, segment, grid.points, region)
-    if not region.tangent_points:
-        for cuts in curve.relax(within, None):
-            yield cut_block(cuts, curve.source, position, segment, grid, scales, tightening)
-    for about in region.tangent_points:
-        for cuts in curve.relax(within, about.at(position, segment, grid.points)):
+    for about in region.tangent_points or (None,):
+        place = None if about is None else about.at(position, segment, grid.points)
+        for cuts in curve.relax(within, place):
             yield cut_block(cuts, curve.source, position, segment, grid, scales, tightening)
 
 
 def _within(position: int, segment: PlacedSegment, x: Array, region: Region) -> MotionSizeBox:
-    """What is known of s and s' at points of a free law."""
+    """What is known of s and s' at points of a free law, between the nodes of its bounds."""
     assert segment.free is not None
-    if region.law_bounds:
-        return bounds_within(region.law_bounds[position], segment, x, region.sizes)
-    low, high = np.zeros_like(x), np.ones_like(x)
-    slow, fast = np.zeros_like(x), np.full_like(x, np.inf)
-    if segment.free.overshoot:
-        low, high, slow = -fast, fast, -fast
-    return _box_of_displacements(segment, (low, high), (slow, fast), region.sizes)
-
-
-def bounds_within(
-    law_bounds: LawBounds, segment: PlacedSegment, x: Array, sizes: tuple[tuple[float, float], ...]
-) -> MotionSizeBox:
-    """What a tube says of s and s' at points of a free law, all of them between its nodes."""
-    return _box_of_displacements(
-        segment, law_bounds.position_bounds(x), law_bounds.speed_bounds(x), sizes
-    )
-
-
-def _box_of_displacements(
-    segment: PlacedSegment,
-    position: tuple[Array, Array],
-    speed: tuple[Array, Array],
-    sizes: tuple[tuple[float, float], ...],
-) -> MotionSizeBox:
-    """From bounds of g and g' to those of s and s'."""
-    (low, high), (slow, fast) = position, speed
-    places = np.sort(segment.s_start + segment.lift * np.stack([low, high]), axis=0)
-    speeds = np.sort(segment.lift / segment.angle * np.stack([slow, fast]), axis=0)
-    return MotionSizeBox(places[0], places[1], speeds[0], speeds[1], sizes)
+    fast = np.full_like(x, np.inf)
+    if position in region.law_bounds:
+        bounds = region.law_bounds[position]
+        g, speed = bounds.position_bounds(x), bounds.speed_bounds(x)
+    elif segment.free.overshoot:
+        g, speed = (-fast, fast), (-fast, fast)
+    else:
+        g, speed = (np.zeros_like(x), np.ones_like(x)), (np.zeros_like(x), fast)
+    places = np.sort(segment.s_start + segment.lift * np.stack(g), axis=0)
+    speeds = np.sort(segment.lift / segment.angle * np.stack(speed), axis=0)
+    return MotionSizeBox(*places, *speeds, region.sizes)
 
 
 def cut_block(

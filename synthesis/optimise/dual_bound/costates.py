@@ -119,13 +119,10 @@ def stationarity_conditions(model: ConicModel, order: int) -> tuple[Array, Mask,
         unknown: (laws, order), which initial values are unknown, row by row.
         priced: (laws, order), which costates there are: of end values that are known or shared.
     """
-    laws, own = len(model.grids), np.zeros((order, order))
-    for k in range(order):
-        own[k, : k + 1] = [1.0 / factorial(k - j) for j in range(k + 1)]
-    table = np.zeros((laws, order, laws, order))
+    laws, table = len(model.grids), np.zeros((len(model.grids), order, len(model.grids), order))
     unknown, priced = np.zeros((2, laws, order), dtype=bool)
     for position, boundary in enumerate(model.boundary_states):
-        table[position, :, position] = own
+        table[position, :, position] = _end_values(order)
         unknown[position, len(boundary.start) :] = True
         priced[position, : len(boundary.end)] = True
     for before, after, k, ratio in shared_derivatives(model, order):
@@ -165,9 +162,9 @@ def best_costates(
     # that does not raise the bound is halved: any costates give a valid bound, so that it can stop
     # at any time.
     matrix, unknown, priced = stationarity_conditions(model, controls[0].order)
-    laws = [_law(model, k, *both) for k, both in enumerate(zip(controls, psi, strict=True))]
+    bound = _CostateFunction.of(model, controls, psi)
     costates = _minimum_norm_solution(matrix, -given[0, unknown])
-    value, gradient, hessian = _total(laws, costates)
+    value, gradient, hessian = bound(costates)
     for _ in range(STEPS):
         # to the top of the quadratic model, with matrix · costates kept
         size = len(gradient)
@@ -176,7 +173,7 @@ def best_costates(
         rhs = np.concatenate([-gradient, np.zeros(len(matrix))])
         step = _minimum_norm_solution(system, rhs)[:size] * priced.ravel()
         share, before = 1.0, value
-        while share > LEAST_STEP and (new := _total(laws, costates + share * step))[0] <= before:
+        while share > LEAST_STEP and (new := bound(costates + share * step))[0] <= before:
             share *= 0.5
         if share <= LEAST_STEP:
             break
@@ -188,55 +185,59 @@ def best_costates(
 
 
 @dataclass(frozen=True, eq=False)
-class _Law:
-    """One free law as a function of its end costates.
+class _CostateFunction:
+    """The bound of a mean square as a function of the end costates of all laws (laws·m,).
 
     Attributes:
-        weights: (n,) weights of the integral over [0, 1] at Gauss points.
-        psi: (n,) ψ there, from the rows alone.
-        costate_effect: (m, n) what the costate of g^(k)(1) adds to ψ.
-        constant: (m,) what that costate adds to the bound besides the integral.
+        shares, psi, weight, cap: (n,) at the Gauss points of all laws: weights of the integrals,
+            ψ from the rows alone, weight and cap of the control.
+        effect: (laws·m, n) what each costate adds to ψ.
+        constant: (laws·m,) what it adds to the bound besides the integrals.
     """
 
-    control: Control
-    weights: Array
+    shares: Array
     psi: Array
-    costate_effect: Array
+    weight: Array
+    cap: Array
+    effect: Array
     constant: Array
 
-    def value(self, costates: Array) -> tuple[float, Array, Array]:
-        """The bound's share, its gradient and its Hessian."""
-        weight, cap = self.control.weight, self.control.cap
-        psi = self.psi + costates @ self.costate_effect
-        w = np.clip(-psi / (2.0 * weight), -cap, cap)
-        free = self.weights * (np.abs(w) < cap) / (2.0 * weight)
-        value = self.constant @ costates + np.sum(self.weights * (weight * w**2 + psi * w))
-        gradient = self.constant + self.costate_effect @ (self.weights * w)
-        return float(value), gradient, -(self.costate_effect * free) @ self.costate_effect.T
+    @classmethod
+    def of(
+        cls, model: ConicModel, controls: Sequence[Control], psi: Sequence[Switching]
+    ) -> _CostateFunction:
+        order = controls[0].order
+        columns, effects, constant = [], [], np.zeros((len(controls), order))
+        for control, own, boundary, added in zip(
+            controls, psi, model.boundary_states, constant, strict=True
+        ):
+            cuts = np.union1d(own.breaks, np.linspace(0.0, 1.0, 65))
+            width = np.diff(cuts)[:, None]
+            tau = (cuts[:-1, None] + width * (NODES + 1.0) / 2.0).ravel()
+            shares, one = (width * SHARES / 2.0).ravel(), np.ones(len(tau))
+            columns.append(np.stack([shares, own(tau), control.weight * one, control.cap * one]))
+            powers = [(1.0 - tau) ** n / factorial(n) for n in range(order - 1, -1, -1)]
+            effects.append(np.stack(powers))
+            start, end = boundary.start[:order], boundary.end[:order]
+            added += start @ _end_values(order)[: len(start)]
+            added[: len(end)] -= end
+        return cls(*np.concatenate(columns, axis=1), block_diag(*effects), constant.ravel())
+
+    def __call__(self, costates: Array) -> tuple[float, Array, Array]:
+        """The bound, its gradient and its Hessian."""
+        psi = self.psi + costates @ self.effect
+        w = np.clip(-psi / (2.0 * self.weight), -self.cap, self.cap)
+        free = self.shares * (np.abs(w) < self.cap) / (2.0 * self.weight)
+        value = self.constant @ costates + np.sum(self.shares * (self.weight * w**2 + psi * w))
+        gradient = self.constant + self.effect @ (self.shares * w)
+        return float(value), gradient, -(self.effect * free) @ self.effect.T
 
 
-def _law(model: ConicModel, position: int, control: Control, psi: Switching) -> _Law:
-    order, boundary = control.order, model.boundary_states[position]
-    cuts = np.union1d(psi.breaks, np.linspace(0.0, 1.0, 65))
-    width = np.diff(cuts)[:, None]
-    tau = (cuts[:-1, None] + width * (NODES + 1.0) / 2.0).ravel()
-    powers = [(1.0 - tau) ** (order - 1 - k) / factorial(order - 1 - k) for k in range(order)]
-    constant = np.zeros(order)
-    for k in range(order):
-        for j in range(k, min(len(boundary.start), order)):
-            constant[k] += boundary.start[j] / factorial(j - k)
-    count = min(len(boundary.end), order)
-    constant[:count] -= boundary.end[:count]
-    return _Law(control, (width * SHARES / 2.0).ravel(), psi(tau), np.stack(powers), constant)
-
-
-def _total(laws: Sequence[_Law], costates: Array) -> tuple[float, Array, Array]:
-    """Value, gradient and Hessian of all laws together."""
-    table = costates.reshape(len(laws), -1)
-    values, gradients, blocks = zip(
-        *(law.value(row) for law, row in zip(laws, table, strict=True)), strict=True
+def _end_values(order: int) -> Array:
+    """What a polynomial's j-th derivative at 0 comes to in its k-th one at 1: (m, m) of j and k."""
+    return np.array(
+        [[1.0 / factorial(j - k) if k <= j else 0.0 for k in range(order)] for j in range(order)]
     )
-    return sum(values), np.concatenate(gradients), block_diag(*blocks)
 
 
 def _minimum_norm_solution(matrix: Array, rhs: Array) -> Array:

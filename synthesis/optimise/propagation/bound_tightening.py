@@ -25,7 +25,7 @@ from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, with_rows
-from synthesis.optimise.conic.subprogram import ModelByLaw
+from synthesis.optimise.conic.subprogram import coupled_laws, submodel
 from synthesis.optimise.dual_bound.batch import (
     MultiplierDensity,
     PointRuns,
@@ -63,8 +63,8 @@ def tighten_bounds(
     tangents = [
         block for cone in model.cone_blocks for block in cone_tangents(model, cone, region.sizes)
     ]
-    whole, infeasible, half_spaces = ModelByLaw(model), set[int](), list[HalfSpaces]()
-    parts = {k: _LawSubproblem.of(whole, k, controls, tangents, region) for k in positions}
+    infeasible, half_spaces = set[int](), list[HalfSpaces]()
+    parts = {k: _LawSubproblem.of(model, k, controls, tangents, region) for k in positions}
     # 1. How far the size of a better cam lies in directions all round, by every law.
     directions = directions_around(region.sizes)
     count = len(directions)
@@ -113,15 +113,15 @@ class _LawSubproblem:
     @classmethod
     def of(
         cls,
-        whole: ModelByLaw,
+        whole: ConicModel,
         position: int,
         controls: Sequence[Control],
         more: Sequence[LinearBlock],
         region: ImprovingRegion,
     ) -> _LawSubproblem:
         """Of a model, with more rows of the size, and those that a region implies."""
-        positions = whole.coupled_laws(position)
-        part, own = with_rows(whole.submodel(positions), more), region.for_laws(positions)
+        positions = coupled_laws(whole, position)
+        part, own = with_rows(submodel(whole, positions), more), region.for_laws(positions)
         caps = tuple(controls[k] for k in positions)
         law = positions.index(position)
         return cls(part, law, caps, own.rows(part), own.rows_between(part, SPREAD))

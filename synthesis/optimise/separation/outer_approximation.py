@@ -121,12 +121,14 @@ def _tighten_region(
     capped = law_controls(relaxed)
     if capped is None or any(not isfinite(control.cap) for control in capped):
         return None
-    known = region.law_bounds or [initial_law_bounds(relaxed, *each) for each in enumerate(capped)]
-    bounds = (
-        tighten_law(relaxed, k, one, state.deadline) if k in loose else one
-        for k, one in enumerate(known)
-    )
-    return replace(state, region=replace(region, law_bounds=tuple(bounds)))
+    known = region.law_bounds or {
+        k: initial_law_bounds(relaxed, k, control) for k, control in enumerate(capped)
+    }
+    bounds = {
+        k: tighten_law(relaxed, k, one, state.deadline) if k in loose else one
+        for k, one in known.items()
+    }
+    return replace(state, region=replace(region, law_bounds=bounds))
 
 
 def _linearise(

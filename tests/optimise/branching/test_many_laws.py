@@ -11,7 +11,7 @@ from synthesis import DesignSpec
 from synthesis.optimise.branching.node import BoundTask, binding_parts
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.conic.subprogram import ModelByLaw
+from synthesis.optimise.conic.subprogram import coupled_laws, submodel
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
@@ -148,9 +148,8 @@ def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
 def test_a_part_has_the_rows_of_its_laws_and_of_the_size(found):
     quest, _ = lair_of(found)
     model = plan_of(quest, 20)
-    whole = ModelByLaw(model)
-    positions = whole.coupled_laws(2)
-    part = whole.submodel(positions)
+    positions = coupled_laws(model, 2)
+    part = submodel(model, positions)
     assert positions == ((2,) if not model.junctions else (1, 2, 3))
     x = np.random.default_rng(4).normal(size=model.program.matrix.shape[1])
     inner = np.concatenate([*(x[model.columns[k]] for k in positions), x[model.size]])

@@ -294,7 +294,7 @@ def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveS
     bare = formulate(problem, state.grids, 0.0, Tightening(), Region())
     if not law_controls(bare):
         return state, None
-    region = Region(problem.sizing.bounds, (), trajectory_tubes(bare, size))
+    region = Region(problem.sizing.bounds, (), dict(enumerate(trajectory_tubes(bare, size))))
     plan = formulate(problem, state.grids, 0.0, Tightening(state.tighten), region)
     solution = solve(plan.program, state.time_left)
     lower = dual_bound(plan, solution) if solution.stopped in USABLE else None
