@@ -98,12 +98,12 @@ class LinearBlock:
         """Whether there are several points, each beyond the one before."""
         return len(self.x) > 1 and bool(np.all(self.x[1:] > self.x[:-1]))
 
-    def negated(self) -> LinearBlock:
-        """The rows ≥ rhs of an equality, written as ≤."""
+    def inequalities(self) -> tuple[LinearBlock, LinearBlock]:
+        """An equality as two inequalities, ≤ rhs and −laws · c ≤ −rhs."""
         assert self.law_matrix is not None
-        return replace(
-            self, law_matrix=-self.law_matrix, alpha=-self.alpha, rhs=-self.rhs, exact=False
-        )
+        below = replace(self, exact=False)
+        above = replace(below, law_matrix=-self.law_matrix, alpha=-self.alpha, rhs=-self.rhs)
+        return below, above
 
 
 @dataclass(frozen=True)
@@ -127,10 +127,7 @@ def in_normalised_law(row: LinearInequality, segment: PlacedSegment) -> tuple[Ar
 
 def row_scale(row: LinearInequality, segment: PlacedSegment, scales: Scales) -> float:
     """Natural size of the row's terms: rows are divided by it."""
-    return _scale(row, *in_normalised_law(row, segment), scales)
-
-
-def _scale(row: LinearInequality, alpha: Array, rhs: float, scales: Scales) -> float:
+    alpha, rhs = in_normalised_law(row, segment)
     parts = [*(np.abs(alpha) * TYPICAL).tolist(), abs(row.level * scales.level)]
     parts += [abs(share * scales.size) for share in row.size]
     return float(max(parts) if row.size or row.level else max(*parts, abs(rhs)))
@@ -161,7 +158,7 @@ def rows_on_law(
     keeps all along once it keeps it at an end is written there alone.
     """
     alpha, rhs = in_normalised_law(row, segment)
-    scale, space = _scale(row, alpha, rhs, scales), grid.space
+    scale, space = row_scale(row, segment, scales), grid.space
     if row.interval is not None:
         return _row_on_window(row, row.interval, position, segment, grid, scale, tightening)
     size, level = (share * scales.size for share in row.size), row.level * scales.level
@@ -285,17 +282,6 @@ def row_on_given_law(
         round_mantissa(size / scale), room, row.source, level=float(round_mantissa(level / scale)),
         tighten=tighten,
     )  # fmt: skip
-
-
-def half_planes(bounding: Sequence[tuple[LinearInequality, float]]) -> tuple[Array, Array]:
-    """normals · z ≤ offsets of rows with their worst values on given laws: (k, n), (k,).
-
-    Of size 1, and without their last digits, as in ``row_on_given_law``.
-    """
-    sizes = np.array([row.size for row, _ in bounding])
-    room = np.array([row.upper - worst for row, worst in bounding])
-    scale = np.max(np.abs(sizes), axis=1)
-    return round_mantissa(sizes / scale[:, None]), round_mantissa(room / scale)
 
 
 def monotonicity_rows(

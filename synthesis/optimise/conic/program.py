@@ -12,7 +12,7 @@ Unknowns, all dimensionless:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import accumulate
@@ -162,8 +162,13 @@ def formulate(
     size = slice(at, at + len(problem.machine.follower.size_names))
     order = problem.objective.energy_order()
     extra = size.stop if order is None else None
-    linear_blocks = _linear_blocks(problem, grids, boundaries, scales, level, tightening, region)
-    exact, blocks = _split_equalities(linear_blocks, paired)
+    linear_blocks = list(
+        _linear_blocks(problem, grids, boundaries, scales, level, tightening, region)
+    )
+    if paired:
+        both = (block.inequalities() if block.exact else (block,) for block in linear_blocks)
+        linear_blocks = [block for sides in both for block in sides]
+    exact, blocks = (tuple(b for b in linear_blocks if b.exact is kind) for kind in (True, False))
     energetic = None if order is None else energy(problem.segments, grids, order)
     at = size.stop + (extra is not None)
     squares = slice(at, at + (0 if energetic is None else energetic.rows))
@@ -192,9 +197,12 @@ def formulate(
     for cone in cone_blocks:
         writer.add_cone(cone)
     matrix, rhs = writer.build()
-    quadratic, linear = _objective(squares, extra)
+    # the extra unknown alone, or the sum of squares of y
+    linear = np.zeros(squares.stop)
+    if extra is not None:
+        linear[extra] = 1.0
     program = ConeProgram(
-        quadratic, linear, matrix, rhs, equalities, inequalities,
+        _sum_of_squares(squares.start, squares.stop), linear, matrix, rhs, equalities, inequalities,
         tuple(len(cone.shift) + 1 for cone in cone_blocks),
     )  # fmt: skip
     return ConicModel(
@@ -233,21 +241,6 @@ def natural_scales(problem: Problem) -> Scales:
             per_turn = abs(segment.lift) / segment.angle ** np.arange(4)
             level = max(level, float(np.max(np.abs(row.coefficients) * per_turn * TYPICAL)))
     return Scales(max(problem.length, problem.sizing.min_norm), level or 1.0)
-
-
-def _split_equalities(
-    blocks: Iterable[LinearBlock], paired: bool
-) -> tuple[tuple[LinearBlock, ...], tuple[LinearBlock, ...]]:
-    """Equalities, and inequalities: to these belong both sides of an equality that is paired."""
-    exact, others = list[LinearBlock](), list[LinearBlock]()
-    for block in blocks:
-        if not block.exact:
-            others.append(block)
-        elif paired:
-            others += [replace(block, exact=False), block.negated()]
-        else:
-            exact.append(block)
-    return tuple(exact), tuple(others)
 
 
 def _linear_blocks(
@@ -325,14 +318,6 @@ def _cone_blocks(
             yield writer.norm_cone(norm, scales.size, earlier.value)
         if order is not None:
             yield writer.energy_cone(energy(problem.segments, grids, order), earlier.value)
-
-
-def _objective(squares: slice, extra: int | None) -> tuple[sparse.csc_matrix, Array]:
-    """P and q: the extra unknown alone, or the sum of squares of y."""
-    linear = np.zeros(squares.stop)
-    if extra is not None:
-        linear[extra] = 1.0
-    return _sum_of_squares(squares.start, squares.stop), linear
 
 
 @lru_cache(maxsize=64)

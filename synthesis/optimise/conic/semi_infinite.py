@@ -6,16 +6,14 @@ zooming in on each local maximum; the closed form adds them in turn (an exchange
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.catalogue.constraints import NonconvexConstraint, Vector
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Array, Indices, Piecewise
 from synthesis.optimise.problem.problem import Problem
 
-Indices = NDArray[np.intp]
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8  # points of a piece, so that none is missed on short ones
 ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
@@ -23,8 +21,7 @@ NEAR = 1e-6  # of the size: half-planes satisfied by more than this are left out
 TOPS = 4  # local maxima of a family that are looked at closely
 
 
-@dataclass(frozen=True, eq=False)
-class HalfPlanes:
+class HalfPlanes(NamedTuple):
     """Half-planes normals · z ≤ offsets, (k, n_size) and (k,), and by how much z breaks each."""
 
     normals: Array
@@ -47,11 +44,7 @@ def most_violated(problem: Problem, z: Vector) -> HalfPlanes:
         for curve in problem.curved_limits_on(segment)
     ]
     result.append(HalfPlanes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0)))
-    return HalfPlanes(
-        np.concatenate([part.normals for part in result]),
-        np.concatenate([part.offsets for part in result]),
-        np.concatenate([part.excess for part in result]),
-    )
+    return HalfPlanes(*map(np.concatenate, zip(*result, strict=True)))
 
 
 def local_maxima(
@@ -70,13 +63,18 @@ def local_maxima(
     if not len(planes.excess):
         return planes  # a limit that is checked on finished sizes alone
     value = planes.excess.reshape(-1, *theta.shape)
-    padded = np.pad(value, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
-    top = (value >= padded[..., :-2]) & (value >= padded[..., 2:])
-    steps = np.maximum(value - padded[..., :-2], value - padded[..., 2:])
-    steps = np.where(np.isfinite(steps), steps, np.abs(value - _neighbours_of_ends(value)))
-    family, on, column = np.nonzero(top & _highest(value, top) & (value + steps > above))
+    padded = np.pad(value, ((0, 0), (0, 0), (1, 1)), mode="reflect")
+    before, after = padded[..., :-2], padded[..., 2:]
+    top = (value >= before) & (value >= after)
+    steps = value - np.minimum(before, after)
+    # of every family the few highest
+    tops = np.where(top, value, -np.inf).reshape(len(value), -1)
+    threshold = np.sort(tops, axis=1)[:, -min(TOPS, tops.shape[1])]
+    family, on, column = np.nonzero(
+        top & (value >= threshold[:, None, None]) & (value + steps > above)
+    )
     if not len(family):
-        return HalfPlanes(planes.normals[:0], planes.offsets[:0], planes.excess[:0])
+        return HalfPlanes(*(part[:0] for part in planes))
     at, reach = theta[on, column], (np.diff(placed.breaks) / (density - 1))[on]
     low, high = placed.breaks[on], placed.breaks[on + 1]
     for _ in range(ZOOMS):
@@ -88,19 +86,7 @@ def local_maxima(
         reach = reach / NARROWER
     result = _planes(curve, placed, at, on, z)
     mine = family * len(at) + np.arange(len(at))
-    return HalfPlanes(result.normals[mine], result.offsets[mine], result.excess[mine])
-
-
-def _neighbours_of_ends(value: Array) -> Array:
-    """At the ends of pieces the sample next to them."""
-    return np.concatenate([value[..., 1:2], value[..., 1:-1], value[..., -2:-1]], axis=-1)
-
-
-def _highest(value: Array, top: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Of every family the few highest of its local maxima."""
-    local_maxima = np.where(top, value, -np.inf).reshape(len(value), -1)
-    threshold = np.sort(local_maxima, axis=1)[:, -min(TOPS, local_maxima.shape[1])]
-    return np.asarray(value >= threshold[:, None, None])
+    return HalfPlanes(*(part[mine] for part in result))
 
 
 def _planes(

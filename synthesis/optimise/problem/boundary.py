@@ -110,9 +110,11 @@ def boundary_states(
             finishes[position[before.index]] = _given_end(before, after, at_start=False)
         elif after.law is None:
             starts[position[after.index]] = _given_end(after, before, at_start=True)
-    result = [
-        _boundary_state(g.space, a, b) for g, a, b in zip(grids, starts, finishes, strict=True)
-    ]
+    result = []
+    for grid, start, end in zip(grids, starts, finishes, strict=True):
+        first, last = slice(0, len(start)), slice(grid.space.size - len(end), grid.space.size)
+        ends = (grid.space, 0.0, start, first), (grid.space, 1.0, end, last)
+        result.append(BoundaryState(start, end, *(_end_coefficients(*each) for each in ends)))
     return result, junctions
 
 
@@ -155,12 +157,6 @@ def _given_end(free: PlacedSegment, given: PlacedSegment, *, at_start: bool) -> 
         if value is not None:
             known[order], count = value, max(count, order + 1)
     return np.asarray(known[:count])
-
-
-def _boundary_state(space: SplineSpace, start: Array, end: Array) -> BoundaryState:
-    first = _end_coefficients(space, 0.0, start, slice(0, len(start)))
-    last = _end_coefficients(space, 1.0, end, slice(space.size - len(end), space.size))
-    return BoundaryState(start, end, first, last)
 
 
 def _end_coefficients(space: SplineSpace, x: float, values: Array, where: slice) -> Array:

@@ -94,7 +94,7 @@ class NondimensionalSpec:
         """A nondimensional spec in physical units; unchanged fields are those of ``physical``."""
         if scaled is self.scaled:
             return self.physical
-        same = _equal(scaled.program, self.scaled.program)
+        same = scaled.program == self.scaled.program
         physical = self.physical if same else _with_unit_fields(self.physical)
         result = self._merge("", scaled, self.scaled, physical)
         assert isinstance(result, DesignSpec)
@@ -106,14 +106,14 @@ class NondimensionalSpec:
 
     def _merge(self, name: str, new: Any, old: Any, physical: Any) -> Any:
         """``physical``, with what differs between ``old`` and ``new`` converted from ``new``."""
-        if _equal(new, old):
+        if new == old:
             return physical
         if isinstance(new, BaseModel) and type(new) is type(old):
             update = {
                 field: self._merge(_unit_field(field, name), value, was, getattr(physical, field))
                 for field in type(new).model_fields
                 for value, was in [(getattr(new, field), getattr(old, field))]
-                if not _equal(value, was)
+                if value != was
             }
             return physical.model_copy(update=update)
         if isinstance(new, list) and len(new) == len(old):
@@ -124,11 +124,6 @@ class NondimensionalSpec:
             low, high = ends(physical)
             return min(max(result, low), high)
         return result
-
-
-def _equal(one: Any, other: Any) -> bool:
-    """Whether two parts of a body are equal; unchanged parts are the same object."""
-    return one is other or bool(one == other)
 
 
 def _with_unit_fields(spec: DesignSpec) -> DesignSpec:

@@ -11,11 +11,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic import linear_rows as rows
 from synthesis.optimise.conic.semi_infinite import most_violated
 from synthesis.optimise.problem.problem import Problem
 
@@ -27,16 +26,17 @@ OUTSIDE = 1e-12  # of the norm: how far a size may lie outside a half-plane
 def half_planes(problem: Problem) -> tuple[Array, Array]:
     """normals · z ≤ offsets for every row and bound, on given segments: (k, n), (k,)."""
     bounding = [
-        (row, maximise(segment.placed(), row.coefficients)[0])
+        (row.size, row.upper - maximise(segment.placed(), row.coefficients)[0])
         for segment in problem.segments
         for row in problem.rows_on(segment, 0.0)
         if row.size and not row.level
     ]
     low, high = np.array(problem.sizing.bounds).T
     unit = np.eye(len(low))
-    if not bounding:
-        return np.vstack([unit, -unit]), np.concatenate([high, -low])
-    normals, offsets = rows.half_planes(bounding)
+    normals = np.array([size for size, _ in bounding]).reshape(-1, len(low))
+    scale, room = np.abs(normals).max(axis=1), np.array([room for _, room in bounding])
+    # of size 1, and without their last digits, as ``row_on_given_law`` states them
+    normals, offsets = round_mantissa(normals / scale[:, None]), round_mantissa(room / scale)
     return np.vstack([normals, unit, -unit]), np.concatenate([offsets, high, -low])
 
 
@@ -108,18 +108,11 @@ def inverse_matrix(matrix: tuple[tuple[float, ...], ...]) -> Array:
     return np.asarray(np.linalg.inv(np.array(matrix)), dtype=float)
 
 
-@lru_cache(maxsize=64)
-def _line_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """All pairs of so many lines."""
-    first, second = np.triu_indices(count, 1)
-    return first, second
-
-
 def _corners(a: Array, b: Array) -> Array:
     """Where two lines of the plane meet; one size variable has none."""
     if a.shape[1] == 1:
         return np.zeros((0, 1))
-    first, second = _line_pairs(len(b))
+    first, second = np.triu_indices(len(b), 1)
     cross = a[first, 0] * a[second, 1] - a[first, 1] * a[second, 0]
     meeting = np.abs(cross) > 1e-12
     i, j, d = first[meeting], second[meeting], cross[meeting]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -56,17 +55,11 @@ def sample(problem: Problem) -> list[Samples]:
         curve = segment.placed()
         density = 2 if segment.kind == "dwell" else max(LEAST_DENSITY, DENSITY // curve.count)
         left, right = curve.breaks[:-1, None], curve.breaks[1:, None]
-        theta = (left + (right - left) * _unit_samples(density)).ravel()
+        theta = (left + (right - left) * np.linspace(0.0, 1.0, density)).ravel()
         piece = np.repeat(np.arange(curve.count), density)
         s = curve.jet(theta, piece, 3)
         result.append(Samples(segment, theta, s, piece))
     return result
-
-
-@cache
-def _unit_samples(count: int) -> Array:
-    """So many equally spaced numbers from 0 to 1."""
-    return np.linspace(0.0, 1.0, count)
 
 
 def violation(problem: Problem, samples: list[Samples], size: Vector) -> float:
@@ -190,14 +183,12 @@ def peaks(
     for part, value in zip(parts, values, strict=False):
         if np.max(value) <= NEAR:
             continue
-        same = part.piece[1:] == part.piece[:-1]
-        rises = np.concatenate([[False], same & (value[1:] >= value[:-1])])
-        falls = np.concatenate([same & (value[:-1] >= value[1:]), [False]])
-        first = ~np.concatenate([[False], same])
-        last = ~np.concatenate([same, [False]])
-        top = (rises | first) & (falls | last) & (value > NEAR)
-        if np.any(top):
-            result.append(_refine_peaks(problem, part, size, np.flatnonzero(top)))
+        table = value.reshape(part.piece[-1] + 1, -1)
+        padded = np.pad(table, ((0, 0), (1, 1)), constant_values=-np.inf)
+        highest = (table >= padded[:, :-2]) & (table >= padded[:, 2:]) & (table > NEAR)
+        top = np.flatnonzero(highest)
+        if len(top):
+            result.append(_refine_peaks(problem, part, size, top))
     return result
 
 
