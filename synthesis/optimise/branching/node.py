@@ -158,10 +158,7 @@ class BoundTask:
 
 
 def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:
-    """Parts of a free law on which traced limits are nearly binding or exceeded.
-
-    In the incumbent, or in the best cam of the relaxation.
-    """
+    """Parts of a free law where traced limits nearly bind, in the incumbent or the relaxation."""
     x = np.linspace(0.0, 1.0, SAMPLES + 1)
     worst = np.full(len(x), -np.inf)
     for cam in (state.incumbent, state.relaxed):

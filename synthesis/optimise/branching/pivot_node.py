@@ -122,13 +122,11 @@ class PivotNode(Node):
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """Halve the widest range of the sizes."""
-        axis = max(range(len(self.sizes)), key=lambda k: self.sizes[k][1] - self.sizes[k][0])
+        axis, bounds = int(np.argmax(np.ptp(self.sizes, axis=1))), self.problem.sizing.bounds
         children = []
         for sizes in halve(self.sizes, axis):
-            bounds = list(self.problem.sizing.bounds)
-            bounds[axis] = sizes[axis]
-            sizing = replace(self.problem.sizing, bounds=tuple(bounds))
-            problem = replace(self.problem, sizing=sizing)
+            inside = (*bounds[:axis], sizes[axis], *bounds[axis + 1 :])
+            problem = replace(self.problem, sizing=replace(self.problem.sizing, bounds=inside))
             child = replace(self, problem=problem, sizes=sizes, processed=False, is_root=False)
             children.append(child)
         return state, children
@@ -169,8 +167,7 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
     None where nothing caps the laws, or time is over.
     """
     problem = node.problem
-    coarse = (uniform_grid(segment, COARSE) for segment in problem.free)
-    grids = tuple(Grid(g.space, g.space.breaks) for g in coarse)
+    grids = tuple(uniform_grid(segment, COARSE).knots_only for segment in problem.free)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
     model = formulate(with_value_cap(problem, value), grids)
     capped = law_controls(model)
@@ -234,8 +231,7 @@ def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> Pi
         # Knots can gain what lies between the best of this family of splines and the bound.
         if cam.value - bound.value < KNOT_GAIN * (best.value - bound.value):
             break
-        nowhere = [np.zeros(0)] * len(node.grids)
-        node = replace(node, grids=refine_mesh(problem, node.grids, cam, bound, nowhere))
+        node = replace(node, grids=refine_mesh(problem, node.grids, cam, bound))
     return node
 
 
@@ -243,17 +239,12 @@ def prove_empty(node: PivotNode, time_limit: float) -> Bound | None:
     """Prove that no law at all satisfies the implied rows; None where that does not succeed.
 
     The proof is a positive lower bound of the largest excess of these rows.
-
-    Args:
-        node: the node. time_limit: seconds.
     """
     bare = formulate(replace(node.problem, objective=NoObjective()), node.grids)
     model = with_rows(bare, [replace(row, level=-1.0) for row in _implied_rows(bare, node)])
     solution = solve(model.program, time_limit)
-    if solution.stopped not in USABLE:
-        return None
-    least = dual_bound(model, solution)
-    return least if least.switching and least.value > SPARE else None
+    least = dual_bound(model, solution) if solution.stopped in USABLE else None
+    return least if least and least.switching and least.value > SPARE else None
 
 
 def _implied_rows(model: ConicModel, node: PivotNode) -> Iterator[LinearBlock]:

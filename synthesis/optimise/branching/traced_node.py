@@ -37,16 +37,12 @@ from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
-from synthesis.optimise.propagation.improving_region import (
-    ImprovingRegion,
-    initial_region,
-)
+from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
 from synthesis.optimise.relaxation import size_rows
-from synthesis.optimise.relaxation.size_rows import outside_ball_rows
 from synthesis.optimise.state.solve_state import SolveState, Stage
 
 INTERVALS = 20  # of the first mesh of every node
@@ -109,13 +105,9 @@ class TracedNode(Node):
             return None
         region = initial_region(task.problem, task.controls, parts)
         return cls(
-            task,
-            region,
-            lower=state.lower,
-            valid_for=state.valid_for,
-            is_root=True,
+            task, region, lower=state.lower, valid_for=state.valid_for, is_root=True,
             started=started,
-        )
+        )  # fmt: skip
 
     def node_limit(self, state: SolveState) -> float:
         if self.task.thorough:
@@ -212,12 +204,10 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     if node.relaxation is None:
         return state, node
     cam, grids, bound = node.relaxation
-    nowhere = [np.zeros(0)] * len(grids)
-    grids = refine_mesh(state.problem, grids, cam, bound, nowhere)
+    grids = refine_mesh(state.problem, grids, cam, bound)
     points, _ = row_violations(replace(state, grids=grids), cam)
     both = zip(grids, points, strict=True)
-    state = replace(state, grids=tuple(grid.with_points(x) for grid, x in both))
-    state = improve_from(state, cam)
+    state = improve_from(replace(state, grids=tuple(g.with_points(x) for g, x in both)), cam)
     best = state.incumbent
     assert best is not None
     if best.value >= node.task.incumbent.value:
@@ -271,21 +261,19 @@ def _tighten_region(
     A law for which the coarse mesh has no spline under the capped value says nothing. For those the
     cap is raised by what the incumbent is above the target, then their intervals are halved.
     """
-    task, grids = node.task, tuple(Grid(grid.space, grid.space.breaks) for grid in node.grids)
+    task, grids = node.task, tuple(grid.knots_only for grid in node.grids)
     region = node.region.restrict(size_rows.tighten_sizes(task.problem, node.region.sizes))
     if region.is_empty:
         return region
     pending = frozenset(among)
-    nowhere = [np.zeros(0)] * len(grids)
     slack = (1.0 + SPARE) * task.incumbent.value - task.target
     for number, extra in enumerate((0.0, slack, slack)):
         if state.time_left <= 0.0 or not pending or region.is_empty:
             break
         if number == 2:
-            finer = halve_intervals(task.problem, grids, nowhere)
+            finer = halve_intervals(task.problem, grids)
             both = enumerate(zip(grids, finer, strict=True))
-            grids = tuple(new if k in pending else old for k, (old, new) in both)
-            grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+            grids = tuple(new.knots_only if k in pending else old for k, (old, new) in both)
         problem = with_value_cap(task.problem, node.largest_value + extra)
         model = formulate(problem, grids)
         model = with_rows(model, _size_rows(replace(node, region=region), model.scales))
@@ -299,7 +287,7 @@ def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
     rows = list(size_rows.fixed_motion_rows(problem, sizes, scales))
     norm = problem.objective.norm(problem.machine)
     if norm is not None and isfinite(node.least):
-        rows += outside_ball_rows(norm, node.least, sizes, scales)
+        rows += size_rows.outside_ball_rows(norm, node.least, sizes, scales)
     return rows
 
 
@@ -308,9 +296,7 @@ def solve_relaxation(
 ) -> TracedNode:
     """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound.
 
-    Args:
-        state: the solve. node: the node.
-        every_mesh: refine even where rows leave more to gain than knots.
+    ``every_mesh``: refine even where rows leave more to gain than knots.
     """
     task, sizes = node.task, node.region.sizes
     # A cam grows in its last size variable: with that left open above there is a cam to every row.
@@ -320,7 +306,7 @@ def solve_relaxation(
     grids = _coarse_mesh(node)
     for number in range(ROUNDS):
         # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
-        grids = tuple(Grid(grid.space, grid.space.breaks) for grid in grids)
+        grids = tuple(grid.knots_only for grid in grids)
         bare = formulate(problem, grids)
         given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
         model = with_rows(bare, [*given, *node.region.rows(bare, sparing=True)])
@@ -337,7 +323,7 @@ def solve_relaxation(
             node = node.raised(infeasibility_bound(density.model, distributed, ends))
             if node.is_empty or state.time_left <= 0.0:
                 break
-            grids = halve_intervals(problem, grids, [np.zeros(0)] * len(grids))
+            grids = halve_intervals(problem, grids)
             continue
         if solution.stopped not in USABLE:
             return node
@@ -361,7 +347,7 @@ def solve_relaxation(
         fine = number >= EARLY_ROUNDS or cam.value - bound.value < MESH_LOSS * missing
         if missing > 0.0 and fine and not every_mesh:
             break
-        grids = refine_mesh(problem, grids, cam, bound, [np.zeros(0)] * len(grids))
+        grids = refine_mesh(problem, grids, cam, bound)
     return node
 
 

@@ -97,9 +97,7 @@ def dual_bounds(
     """A lower bound of every quantity: (q,), −inf where none follows.
 
     Args:
-        model: rows that hold. controls: caps of every free law's third derivative.
-        sizes: ranges of the size variables [length].
-        quantities: the quantities.
+        controls: caps of every free law's third derivative. sizes: ranges of the size [length].
         multipliers: (q, m) of the model's rows without its cones; any, good ones bound well.
         costates: (q, laws, 3) costates of the laws' ends (``solve_boundary_costates``); any.
     """
@@ -262,12 +260,7 @@ class MultiplierDensity:
         return cls(replace(model, blocks=dense, program=program), tuple(runs for _, runs in result))
 
     def distribute(self, quantities: Quantities, z: Array, costates: Array) -> Array:
-        """The other model's multipliers (q, m) as this one's.
-
-        Args:
-            quantities: the quantities that they are for. z: the multipliers.
-            costates: costates of the laws' ends.
-        """
+        """The other model's multipliers z (q, m) of some quantities as this one's."""
         # ∫ |ψ| between every two rows, with their multipliers at points, and spread between them.
         points, spread = (
             switching_functions(

@@ -97,14 +97,12 @@ class Bound:
 def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None = None) -> Bound:
     """The lower bound that the multipliers of a solution give.
 
+    Any multipliers give a valid one: over all laws; over the splines of the model's mesh alone
+    where nothing caps or weighs a derivative of every law.
+
     Args:
-        model: the cone program. solution: its multipliers; any give a valid bound.
         costates: (1, laws, m) multipliers of g to g^(m−1) at the end of every law, where the rows
             at hand are not those that were solved; None: those of ``boundary_multipliers``.
-
-    Returns:
-        a bound over all laws; over the splines of the model's mesh alone where nothing caps or
-        weighs a derivative of every law.
     """
     controls = law_controls(model)
     if controls is None:
@@ -301,9 +299,7 @@ def _inverse_norm(matrix: tuple[tuple[float, ...], ...]) -> float:
 def _control_integrals(
     model: ConicModel, solution: ConeSolution, controls: Sequence[Control]
 ) -> list[float]:
-    """What |∫ (x−τ)²/2 w dτ| of every law is at most; level and energy at most twice the
-    solution's.
-    """
+    """What |∫ (x−τ)²/2 w dτ| of every law is at most, up to twice the solution's energy."""
     energy = 0.0
     if model.energy is not None:
         laws, _ = model.recover(solution.x)
@@ -345,30 +341,18 @@ def spline_family_bound(model: ConicModel, solution: ConeSolution) -> float:
     The dual objective, less what its residual r could gain: |r| · box for unknowns in a box about
     the solution. Dual cones: the head of a cone's multiplier is raised to the norm of its tail.
     """
-    program, z = model.program, solution.multipliers.copy()
-    first, count = program.equalities, program.inequalities
-    z[first : first + count] = np.maximum(z[first : first + count], 0.0)
-    at = first + count
-    for size in program.cones:
-        z[at] = max(z[at], float(np.linalg.norm(z[at + 1 : at + size])))
-        at += size
-    x = solution.x
-    full = program.quadratic + program.quadratic.T
-    full.setdiag(program.quadratic.diagonal())
-    curved = full @ x
-    residual = curved + program.linear + program.matrix.T @ z
-    box = FAMILY_BOX * np.maximum(1.0, np.abs(x))
-    value = -0.5 * x @ curved - _untightened_rhs(model) @ z - np.abs(residual) @ box
-    return float(value)
-
-
-def _untightened_rhs(model: ConicModel) -> Array:
-    """The right-hand sides of the limits themselves, without the tightening for the solver."""
-    rhs, at = model.program.rhs.copy(), model.program.equalities
+    program, z, x = model.program, solution.multipliers.copy(), solution.x
+    rhs, at = program.rhs.copy(), program.equalities
+    # the right-hand sides of the limits themselves, without the tightening for the solver
     for block in model.blocks:
-        rhs[at : at + len(block.rhs)] += block.tightening
-        at += len(block.rhs)
+        own = slice(at, at + len(block.rhs))
+        rhs[own] += block.tightening
+        z[own], at = np.maximum(z[own], 0.0), own.stop
     for cone in model.cone_blocks:
         rhs[at] += cone.radius * cone.tightening
+        z[at] = max(z[at], float(np.linalg.norm(z[at + 1 : at + 1 + len(cone.shift)])))
         at += 1 + len(cone.shift)
-    return rhs
+    curved = program.quadratic @ x  # its matrix is diagonal
+    residual = curved + program.linear + program.matrix.T @ z
+    box = FAMILY_BOX * np.maximum(1.0, np.abs(x))
+    return float(-0.5 * x @ curved - rhs @ z - np.abs(residual) @ box)

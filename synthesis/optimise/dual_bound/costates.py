@@ -54,10 +54,7 @@ def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
 def boundary_multipliers(
     model: ConicModel, solution: ConeSolution, order: int, z: Array | None = None
 ) -> Array:
-    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order).
-
-    ``z``: ``nonnegative_multipliers``, where they are known already.
-    """
+    """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order)."""
     z = nonnegative_multipliers(model, solution) if z is None else z
     gradients = [np.zeros((1, len(boundary.end))) for boundary in model.boundary_states]
     for vibration, y in model.vibration_multipliers(z):
@@ -134,8 +131,7 @@ def stationarity_conditions(model: ConicModel, order: int) -> tuple[Array, Mask,
 def project_costates(model: ConicModel, initial_costates: Array, near: Array) -> Array:
     """The nearest costates (q, laws, m) at which the factors of unknown values vanish.
 
-    Args:
-        initial_costates: (q, laws, m) factors of initial values that the rows leave.
+    ``initial_costates``: (q, laws, m) factors of initial values that the rows leave.
     """
     if all(len(boundary.start) >= near.shape[2] for boundary in model.boundary_states):
         return near  # all initial values are known
@@ -150,12 +146,12 @@ def best_costates(
 ) -> Array:
     """The costates (1, laws, m) that make the bound of a mean square largest.
 
-    The bound is concave in them, law by law, and its gradient is by how much the ideal law's end
-    misses what it has to be. The solver's own come from the last few coefficients of the spline,
-    and what is uncertain there grows with the third power of the knots.
+    The bound is concave in them, and its gradient is by how much the ideal law's end misses what
+    it has to be. The solver's own come from the last few coefficients of the spline, and what is
+    uncertain there grows with the third power of the knots.
 
     Args:
-        controls: of every law, each with a weight. psi: of every law, from its rows alone.
+        psi: of every law, from its rows alone.
         given: (1, laws, m) factors of initial values that the rows leave.
     """
     # Newton's method on a concave function, its steps in the null space of the conditions. A step

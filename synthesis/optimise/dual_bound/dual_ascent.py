@@ -52,13 +52,7 @@ def improve_multipliers(
     is_sufficient: Callable[[Bound], bool],
     time_limit: float,
 ) -> Bound:
-    """The bound of the best multipliers, at least the one that is known.
-
-    Args:
-        model: the rows. solution: its optimum, which tells what rows bind.
-        known: the bound of the solution's own multipliers.
-        is_sufficient: whether a bound is sufficient. time_limit: what is left.
-    """
+    """The bound of the best multipliers of rows that bind at the optimum; at least ``known``."""
     controls = law_controls(model)
     if not controls or any(control.weight for control in controls):
         return known  # of a weighed derivative the end costates alone make the bound exact

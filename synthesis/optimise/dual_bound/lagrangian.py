@@ -26,10 +26,7 @@ from synthesis.optimise.problem.boundary import junction_rows
 
 @dataclass(eq=False)
 class Lagrangian:
-    """q Lagrangians, to which terms are added one after the other.
-
-    ``constant``, ``magnitude``, ``initial_costates`` and ``psi_magnitude`` are complete after
-    ``reduce``.
+    """q Lagrangians, to which terms are added one after the other; complete after ``reduce``.
 
     Attributes:
         model: whose rows. order: m, the order of the control. count: q.

@@ -252,10 +252,9 @@ RISING = np.stack([_shifted_power(p + 1) for p in (2, 1, 0)]) - FALLING
 
 
 def distribute_to_intervals(x: Array, mass: Array) -> tuple[Array, Array]:
-    """Point multipliers given to the intervals between their points, by their widths.
+    """Point multipliers (r,) shared out to the intervals between, by their widths.
 
-    Returns:
-        masses of falling hats and of rising ones, (r − 1,) each.
+    Returns masses of falling hats and of rising ones, (r − 1,) each.
     """
     gaps = np.diff(x)
     reach = np.concatenate([gaps, [0.0]]) + np.concatenate([[0.0], gaps])
@@ -293,10 +292,7 @@ def cone_rows(model: ConicModel, z: Array) -> Terms:
 def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Terms:
     """What the objective is worth at least, as rows with their multipliers; none of other kinds.
 
-    y is the solution's own derivative, linear between points.
-
-    Args:
-        order: m, the order of the control.
+    y is the solution's own derivative, linear between points. ``order``: m, of the control.
     """
     if model.energy is None or model.energy.order >= order:
         return []
@@ -324,11 +320,7 @@ def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Te
 
 
 def vibration_terms(model: ConicModel, order: int, z: Array) -> tuple[Terms, Array]:
-    """Limits on residual vibration, and how far the laws' true ψ may be from theirs: (laws,).
-
-    Args:
-        order: m, the order of the control. z: (rows,) the program's multipliers.
-    """
+    """Limits on residual vibration, and how far the laws' true ψ may be from theirs: (laws,)."""
     terms, error, sizes = Terms(), np.zeros(len(model.grids)), len(model.problem.sizing.bounds)
     for vibration, y in model.vibration_multipliers(z):
         if not y.any():

@@ -49,11 +49,7 @@ class Switching:
         return np.asarray(cuts[1:-1][changes], dtype=float)
 
     def significant_sign_changes(self, noise: float) -> Array:
-        """Where ψ changes sign, or goes from next to nothing to more or back.
-
-        Args:
-            noise: share of the largest |ψ| that is next to nothing.
-        """
+        """Where ψ changes sign, or goes from next to nothing (``noise``, relative) to more."""
         cuts = self._breaks_and_roots((0.0,))
         width = np.diff(cuts)[:, None]
         tau = cuts[:-1, None] + width * (NODES + 1.0) / 2.0
@@ -80,11 +76,8 @@ class Switching:
     def least_integral(self, cap: float, weight: float) -> float:
         """∫ min over |w| ≤ cap of (weight w² + ψ w): never positive.
 
-        Exact but for rounding; without a weight never above the true value.
-
-        Args:
-            cap: bound of |w|, may be infinite if weight is positive.
-            weight: ≥ 0.
+        Exact but for rounding; without a weight never above the true value. With one the cap may
+        be infinite.
         """
         if weight == 0.0:
             return -cap * absolute_integrals([self])[0]
@@ -104,9 +97,8 @@ class Switching:
         """What a law pays more than the ideal one, knot interval by knot interval: (n,) ≥ 0.
 
         Args:
-            knots: (n+1,) from 0 to 1.
-            law: its control at given x, right-hand values.
-            cap, weight: as in ``least``.
+            knots: (n+1,) from 0 to 1. law: its control at given x, right-hand values.
+            cap, weight: as in ``least_integral``.
         """
         cuts = np.union1d(self._breaks_and_roots((0.0,)), knots)
         width = np.diff(cuts)
@@ -159,10 +151,8 @@ def mean_absolute(poly: Array, *, exact: bool = False) -> Array:
     """∫ |p(s)| ds over [0, 1] of polynomials (n, d): (n,), but for rounding never too small.
 
     Every one is cut at its roots. On a part |p| is at most the mean of its Bernstein coefficients'
-    sizes, and is that where they have one sign; roots need not be exact for that.
-
-    Args:
-        exact: |∫ p| on every part instead, for parabolas, whose roots are exact.
+    sizes, and is that where they have one sign; roots need not be exact for that. ``exact``: |∫ p|
+    on every part instead, for parabolas, whose roots are exact.
     """
     roots = [np.fmin(np.fmax(root, 0.0), 1.0) for root in _roots(poly)]  # of none, an end
     if exact:

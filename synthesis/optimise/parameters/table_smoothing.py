@@ -25,6 +25,7 @@ from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.optimise.problem.boundary import given_end, required_end
 from synthesis.optimise.state.solve_state import Stage
 
 FIRST, MOST = 16, 2048  # intervals
@@ -123,23 +124,10 @@ def _rows(segment: PlacedSegment, left: PlacedSegment, right: PlacedSegment) -> 
 
 def _known(segment: PlacedSegment, neighbour: PlacedSegment, *, at_start: bool) -> Array:
     """g, g', … at an end: of the known neighbour, but for what is required."""
-    assert segment.free is not None
-    level = 0.0 if at_start else segment.lift / segment.scale
-    state = segment.start_state if at_start else segment.end_state
-    required = state.normalised(segment.angle, segment.scale)
     if neighbour.law is None or neighbour is segment:
-        return np.array([level, *(value for value in required if value is not None)])
-    curve = neighbour.placed()
-    x = curve.breaks[-1:] if at_start else curve.breaks[:1]
-    values = curve.derivatives(x, 2, "left" if at_start else "right")[:, 0]
-    scaled = values * segment.angle ** np.arange(3) / segment.scale
-    v, a = (
-        own if value is None else value for own, value in zip(scaled[1:], required, strict=True)
-    )
-    count = (
-        3 if required[1] is not None else 1 + min(2, segment.free.continuity_at(at_start=at_start))
-    )
-    return np.array([level, v, a][:count])
+        state = segment.start_state if at_start else segment.end_state
+        return required_end(segment, state, at_start=at_start)
+    return given_end(segment, neighbour, at_start=at_start)
 
 
 def smooth_table(rows: Rows, degree: int, time_limit: float = inf) -> Fit:

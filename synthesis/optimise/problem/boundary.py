@@ -104,12 +104,12 @@ def boundary_states(
         if before.law is None and after.law is None:
             junction, known = _free_joint(before, after, position)
             junctions.append(junction)
-            finishes[junction.before] = _normalised_end(1.0, known[0], before)
-            starts[junction.after] = _normalised_end(0.0, known[1], after)
+            finishes[junction.before] = required_end(before, known[0], at_start=False)
+            starts[junction.after] = required_end(after, known[1], at_start=True)
         elif before.law is None:
-            finishes[position[before.index]] = _given_end(before, after, at_start=False)
+            finishes[position[before.index]] = given_end(before, after, at_start=False)
         elif after.law is None:
-            starts[position[after.index]] = _given_end(after, before, at_start=True)
+            starts[position[after.index]] = given_end(after, before, at_start=True)
     result = []
     for grid, start, end in zip(grids, starts, finishes, strict=True):
         first, last = slice(0, len(start)), slice(grid.space.size - len(end), grid.space.size)
@@ -138,20 +138,21 @@ def _free_joint(
     return Junction(position[before.index], position[after.index], lowest, highest), sides
 
 
-def _normalised_end(value: float, known: EndState, segment: PlacedSegment) -> Array:
+def required_end(free: PlacedSegment, known: EndState, *, at_start: bool) -> Array:
     """g and as many of its derivatives as are known at an end."""
-    derivatives = known.normalised(segment.angle, segment.lift)
+    derivatives = known.normalised(free.angle, free.scale)
+    value = 0.0 if at_start else free.lift / free.scale
     return np.array([value, *(v for v in derivatives if v is not None)])
 
 
-def _given_end(free: PlacedSegment, given: PlacedSegment, *, at_start: bool) -> Array:
+def given_end(free: PlacedSegment, given: PlacedSegment, *, at_start: bool) -> Array:
     """Derivatives of g where a free law meets a given one: those asked for, else the given's."""
     assert free.free is not None
     highest = free.free.continuity_at(at_start=at_start)
     values = given.end_derivatives(max(highest, 2), at_start=not at_start)
-    known = values * free.angle ** np.arange(len(values)) / free.lift
-    known[0] = 0.0 if at_start else 1.0
-    required = (free.start_state if at_start else free.end_state).normalised(free.angle, free.lift)
+    known = values * free.angle ** np.arange(len(values)) / free.scale
+    known[0] = 0.0 if at_start else free.lift / free.scale
+    required = (free.start_state if at_start else free.end_state).normalised(free.angle, free.scale)
     count = highest + 1
     for order, value in enumerate(required, start=1):
         if value is not None:

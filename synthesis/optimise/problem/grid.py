@@ -30,6 +30,11 @@ class Grid:
         """The same knots with further points."""
         return Grid(self.space, np.union1d(self.points, more)) if len(more) else self
 
+    @property
+    def knots_only(self) -> Grid:
+        """The same knots, with points there alone."""
+        return Grid(self.space, self.space.breaks)
+
     def basis_table(self, order: int) -> Array:
         """The ``order``-th derivative of every basis function at the points, made once."""
         if order not in self._basis_tables:

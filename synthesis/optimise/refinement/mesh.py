@@ -54,7 +54,7 @@ def refine_mesh(
     grids: tuple[Grid, ...],
     cam: Candidate | None,
     lower: Bound | None,
-    missed: Sequence[Array],
+    missed: Sequence[Array] = (),
 ) -> tuple[Grid, ...]:
     """Finer knots where the law pays more than the ideal one; points where rows were missed."""
     chosen = []
@@ -62,7 +62,7 @@ def refine_mesh(
         assert segment.free is not None
         breaks = grid.space.breaks
         if cam is None or lower is None or not lower.switching:
-            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
+            breaks = _halved(breaks)
         else:
             softer = segment.free.smoothness + 1 - lower.order
             curve = cam.laws[position].curve()
@@ -70,24 +70,27 @@ def refine_mesh(
             breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
-        chosen.append(grid_through(segment, breaks).with_points(missed[position]))
-    before, after = ([grid.space.breaks for grid in each] for each in (grids, chosen))
-    if _alike(after, before, CLOSEST_KNOTS):
+        chosen.append(breaks)
+    if _alike(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
         return halve_intervals(problem, grids, missed)
-    return tuple(chosen)
+    return _mesh_through(problem, chosen, missed)
 
 
 def halve_intervals(
-    problem: Problem, grids: tuple[Grid, ...], missed: Sequence[Array]
+    problem: Problem, grids: tuple[Grid, ...], missed: Sequence[Array] = ()
 ) -> tuple[Grid, ...]:
     """No interval stands out, so what is left is the bound's: its multipliers lie too far apart."""
-    chosen = []
-    for segment, grid, more in zip(problem.free, grids, missed, strict=True):
-        breaks = grid.space.breaks
-        if len(breaks) <= MOST_INTERVALS:
-            breaks = _halved(breaks, np.full(len(breaks) - 1, True))
-        chosen.append(grid_through(segment, breaks).with_points(more))
-    return tuple(chosen)
+    before = (grid.space.breaks for grid in grids)
+    chosen = [_halved(breaks) if len(breaks) <= MOST_INTERVALS else breaks for breaks in before]
+    return _mesh_through(problem, chosen, missed)
+
+
+def _mesh_through(
+    problem: Problem, breaks: Sequence[Array], missed: Sequence[Array]
+) -> tuple[Grid, ...]:
+    """Grids over breaks, with the points where rows were missed."""
+    grids = tuple(grid_through(*each) for each in zip(problem.free, breaks, strict=True))
+    return tuple(g.with_points(x) for g, x in zip(grids, missed, strict=True)) if missed else grids
 
 
 def _where_it_pays(
@@ -120,8 +123,8 @@ def _beside(needed: Sequence[float]) -> Array:
     return np.concatenate([np.array(needed) - step, np.array(needed) + step])
 
 
-def _halved(breaks: Array, chosen: NDArray[np.bool_]) -> Array:
-    """The breaks with the chosen intervals cut in two."""
+def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
+    """The breaks with the chosen intervals, or all, cut in two."""
     middle = 0.5 * (breaks[:-1] + breaks[1:])
     return np.union1d(breaks, middle[chosen & (np.diff(breaks) > 2.0 * CLOSEST_KNOTS)])
 

@@ -22,7 +22,6 @@ from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulat
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
-from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.propagation.law_tightening import (
     initial_law_bounds,
     tighten_law,
@@ -115,7 +114,7 @@ def _tighten_region(
     better = with_value_cap(replace(problem, sizing=inside), best * (1.0 + SPARE))
     if problem.objective.norm(problem.machine) is not None:
         better = replace(better, objective_caps=problem.objective_caps)
-    grids = tuple(Grid(grid.space, grid.space.breaks) for grid in model.grids)
+    grids = tuple(grid.knots_only for grid in model.grids)
     first = replace(region, tangent_points=region.tangent_points[:1])
     relaxed = formulate(better, grids, 0.0, NO_TIGHTENING, first)
     capped = law_controls(relaxed)
