@@ -145,7 +145,6 @@ def formulate(
     """State the problem on given grids.
 
     Args:
-        problem: the question. grids: one per free segment.
         level: trial level of a fractional objective [core units], otherwise without effect.
         tightening: how far the rows are drawn in for the solver's sake.
         region: where curved limits are written as rows; None: all over what is allowed.

@@ -98,7 +98,7 @@ def _within(position: int, segment: PlacedSegment, x: Array, region: Region) -> 
         g, speed = (np.zeros_like(x), np.ones_like(x)), (np.zeros_like(x), fast)
     places = np.sort(segment.s_start + segment.lift * np.stack(g), axis=0)
     speeds = np.sort(segment.lift / segment.angle * np.stack(speed), axis=0)
-    return MotionSizeBox(*places, *speeds, region.sizes)
+    return MotionSizeBox(places[0], places[1], speeds[0], speeds[1], region.sizes)
 
 
 def cut_block(

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.lagrangian import shared_derivatives
-from synthesis.optimise.dual_bound.switching import NODES, SHARES, Switching
+from synthesis.optimise.dual_bound.switching import NODES, Switching
 from synthesis.optimise.problem.boundary import junction_rows
 
 NOISE = 1e-10
@@ -208,16 +208,16 @@ class _CostateFunction:
             controls, psi, model.boundary_states, constant, strict=True
         ):
             cuts = np.union1d(own.breaks, np.linspace(0.0, 1.0, 65))
-            width = np.diff(cuts)[:, None]
-            tau = (cuts[:-1, None] + width * (NODES + 1.0) / 2.0).ravel()
-            shares, one = (width * SHARES / 2.0).ravel(), np.ones(len(tau))
+            tau, shares = (each.ravel() for each in gauss_points(cuts, NODES))
+            one = np.ones(len(tau))
             columns.append(np.stack([shares, own(tau), control.weight * one, control.cap * one]))
             powers = [(1.0 - tau) ** n / factorial(n) for n in range(order - 1, -1, -1)]
             effects.append(np.stack(powers))
             start, end = boundary.start[:order], boundary.end[:order]
             added += start @ _end_values(order)[: len(start)]
             added[: len(end)] -= end
-        return cls(*np.concatenate(columns, axis=1), block_diag(*effects), constant.ravel())
+        shares, values, weight, cap = np.concatenate(columns, axis=1)
+        return cls(shares, values, weight, cap, block_diag(*effects), constant.ravel())
 
     def __call__(self, costates: Array) -> tuple[float, Array, Array]:
         """The bound, its gradient and its Hessian."""

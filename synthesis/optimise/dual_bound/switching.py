@@ -17,9 +17,9 @@ from math import comb
 import numpy as np
 
 from synthesis.numerics.maxima import quadratic_roots
-from synthesis.numerics.piecewise import Array, sorted_unique
+from synthesis.numerics.piecewise import Array, gauss_points, sorted_unique
 
-NODES, SHARES = np.polynomial.legendre.leggauss(5)  # exact to degree 9 between the cuts
+NODES = 5  # of Gauss's rule, exact to degree 9 between the cuts
 TINY = 1e-14  # of the largest coefficient: a leading one below it has no root near by
 
 
@@ -51,11 +51,9 @@ class Switching:
     def significant_sign_changes(self, noise: float) -> Array:
         """Where ψ changes sign, or goes from next to nothing (``noise``, relative) to more."""
         cuts = self._breaks_and_roots((0.0,))
-        width = np.diff(cuts)[:, None]
-        tau = cuts[:-1, None] + width * (NODES + 1.0) / 2.0
-        middle = self(tau)
-        size = np.max(np.abs(middle), axis=1)
-        sense = np.where(size > noise * np.max(size), np.sign(middle[:, len(NODES) // 2]), 0.0)
+        value = self(gauss_points(cuts, NODES)[0])
+        size = np.max(np.abs(value), axis=1)
+        sense = np.where(size > noise * np.max(size), np.sign(value[:, NODES // 2]), 0.0)
         return np.asarray(cuts[1:-1][sense[1:] != sense[:-1]], dtype=float)
 
     def with_densities(self, spans: Array, poly: Array) -> Switching:
@@ -83,13 +81,12 @@ class Switching:
             return -cap * absolute_integrals([self])[0]
         edge = 2.0 * weight * cap
         cuts = self._breaks_and_roots((0.0, edge, -edge) if np.isfinite(edge) else (0.0,))
-        width = cuts[1:] - cuts[:-1]
-        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
+        tau, shares = gauss_points(cuts, NODES)
         psi = np.abs(self(tau))
         inner = -(psi**2) / (4.0 * weight)
         outer = -cap * psi + weight * cap**2 if np.isfinite(cap) else inner
         value = np.where(psi <= edge, inner, outer)
-        return float(np.sum(value * SHARES * width[:, None]) / 2.0)
+        return float(np.sum(value * shares))
 
     def losses(
         self, knots: Array, law: Callable[[Array], Array], cap: float, weight: float
@@ -101,12 +98,11 @@ class Switching:
             cap, weight: as in ``least_integral``.
         """
         cuts = np.union1d(self._breaks_and_roots((0.0,)), knots)
-        width = np.diff(cuts)
-        tau = cuts[:-1, None] + width[:, None] * (NODES + 1.0) / 2.0
+        tau, shares = gauss_points(cuts, NODES)
         psi, w = self(tau), law(tau)
         paid = weight * w**2 + psi * w
         ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
-        loss = np.sum((paid - ideal) * SHARES, axis=1) * width / 2.0
+        loss = np.sum((paid - ideal) * shares, axis=1)
         interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
         sums = np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
         return np.asarray(sums, dtype=float)

@@ -64,14 +64,9 @@ Trial = tuple[BundlePoint, Candidate | None]
 
 
 def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, Stage]:
-    """The spec with numbers in place of all that it leaves free to be searched.
+    """The spec with numbers in place of all that it leaves free, and what the search took.
 
-    Args:
-        spec: with numbers left free. deadline: ``time.monotonic()``; the search takes a part of
-            what is left.
-
-    Returns:
-        the spec, and what the search took.
+    It takes a part of the time that is left until the deadline (``time.monotonic()``).
     """
     started = time.perf_counter()
     now, parameters = clock.now(), spec.free_parameters

@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from synthesis.catalogue.followers.kinematics import pressure_angle_sine_cosine
 from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
 from synthesis.catalogue.limits.base import Machine
 from synthesis.catalogue.limits.forces import ContactForce
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Certificate, Design, Proof, StageReport
 from synthesis.design.identity import design_id
 from synthesis.errors import SolverFailed
@@ -54,11 +54,7 @@ Indices = NDArray[np.intp]
 
 
 def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
-    """The cam and its spring.
-
-    Args:
-        spec: with a load whose spring is free. solve: designs a cam with everything given.
-    """
+    """The cam and its spring, which is free; ``solve`` designs a cam with everything given."""
     load = spec.load
     assert load is not None
 
@@ -126,9 +122,7 @@ def _answer(
         **for_all[0].model_dump(),
     )
     close = all(p.gap is not None and p.gap <= spec.tolerance for p in for_all)
-    status = design.status
-    if status == "optimal" and not close:
-        status = "feasible"
+    status = "feasible" if design.status == "optimal" and not close else design.status
     report = design.report.model_copy(
         update={
             "stages": [*(first.report.stages if stages else ()), *stages, *design.report.stages],
@@ -173,19 +167,13 @@ class ChosenSpring:
     stage: Stage
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
+class _Rows(NamedTuple):
     """N at n places: (s k + F0 + low)/grip at least, (s k + F0 + high)/grip at most; (n,) each."""
 
     s: Array
     low: Array
     high: Array
     grip: Array
-
-    def joined(self, other: _Rows) -> _Rows:
-        """These and the others."""
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return _Rows(*(np.concatenate(pair) for pair in pairs))
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,9 +207,9 @@ class SpringProgram:
             steps += 1
             spring = self._solved(rows)
             violated = self._violated(curve, *spring)
-            if violated is None:
+            if not violated:
                 break
-            rows = rows.joined(violated)
+            rows = _Rows(*map(np.concatenate, zip(rows, *violated, strict=True)))
         seconds = time.perf_counter() - started
         stage = Stage(
             "spring", "LP", "HiGHS", 4, 2 * len(rows.s), steps, seconds, "solved",
@@ -253,9 +241,9 @@ class SpringProgram:
 
     def _violated(
         self, curve: Piecewise, rate: float, preload: float, peak: float, lacking: float
-    ) -> _Rows | None:
-        """Rows at the worst places of every piece where the spring violates them; None: nowhere."""
-        result, pieces, allowed = None, np.arange(curve.count), MISSED * abs(peak)
+    ) -> list[_Rows]:
+        """Rows at the worst places of every piece where the spring violates them."""
+        result, pieces, allowed = list[_Rows](), np.arange(curve.count), MISSED * abs(peak)
         for largest in (True, False):
             piece, x = _spread(curve, DENSE)
             reach = np.diff(curve.breaks) / (DENSE - 1)
@@ -275,8 +263,7 @@ class SpringProgram:
                 piece = np.repeat(pieces, len(FAN))
             beyond = np.flatnonzero(worst > allowed)
             if len(beyond):
-                rows = self._at(curve, beyond, centre[beyond])
-                result = rows if result is None else result.joined(rows)
+                result.append(self._at(curve, beyond, centre[beyond]))
         return result
 
     def _at(self, curve: Piecewise, piece: Indices, x: Array) -> _Rows:
@@ -286,9 +273,10 @@ class SpringProgram:
         middle = 0.5 * (curve.breaks[:-1] + curve.breaks[1:])
         process = load.process.at(x, load.process.piece_of(middle)[piece], 0)
         sine, cosine = pressure_angle_sine_cosine(flank.trace, s, self.size)
-        starts = np.array([segment.start for segment in self._placed])
+        placed = [segment for segment in self.motion.segments if segment.angle > 0.0]
+        starts = [segment.start for segment in placed]
         which = np.searchsorted(starts, middle[piece], side="right") - 1
-        sense = np.array([load.sliding_sense(segment) for segment in self._placed])[which]
+        sense = np.array([load.sliding_sense(segment) for segment in placed])[which]
         grip = cosine * flank.trace.lever(s, self.size)
         grip = grip - load.friction_loss(sense, sine, s[0], np.abs)
         slow, fast = load.speeds
@@ -303,10 +291,6 @@ class SpringProgram:
         return _Rows(
             load.side * s[0], rest + np.min(moved, axis=0), rest + np.max(moved, axis=0), grip
         )
-
-    @property
-    def _placed(self) -> list[PlacedSegment]:
-        return [segment for segment in self.motion.segments if segment.angle > 0.0]
 
 
 def _spread(curve: Piecewise, count: int) -> tuple[Indices, Array]:

@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics import clock
 from synthesis.numerics.bspline import SplineSpace
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.problem.boundary import given_end, required_end
@@ -79,9 +79,7 @@ class Tables:
 def smooth_tables(segments: Sequence[PlacedSegment], deadline: float = inf) -> Tables:
     """Smooth every table in the order of the program; each joins what is known beside it.
 
-    Args:
-        segments: the program on the cam.
-        deadline: ``time.monotonic()`` after which no solve goes on.
+    ``deadline``: ``time.monotonic()`` after which no solve goes on.
     """
     result = list(segments)
     splines, stages = {}, []
@@ -131,10 +129,9 @@ def _known(segment: PlacedSegment, neighbour: PlacedSegment, *, at_start: bool) 
 
 
 def smooth_table(rows: Rows, degree: int, time_limit: float = inf) -> Fit:
-    """The smoothest spline of a degree through all rows; through them as near as can be if none is.
+    """The smoothest spline of a degree through all rows; as near as can be if none is.
 
-    Args:
-        rows: what to meet. degree: of the spline. time_limit: for each solve [s].
+    ``time_limit``: for each solve [s].
     """
     best: Fit | None = None
     iterations, most = 0, min(MOST, max(FIRST, 2 * len(rows.x)))
@@ -220,8 +217,13 @@ class _Frame:
 
     @classmethod
     def of(cls, rows: Rows, space: SplineSpace) -> _Frame:
-        basis, jerk = sparse_basis(space, rows.x), _jerk_roots(space)
-        around = _least_squares(basis, jerk, rows.g)
+        basis = sparse_basis(space, rows.x)
+        x, shares = (each.ravel() for each in gauss_points(space.breaks, space.degree - JERK + 1))
+        jerk = sparse.csr_matrix(sparse.diags(np.sqrt(shares)) @ sparse_basis(space, x, JERK))
+        # the spline nearest to the rows; a trace of the jerk fills what they leave open
+        near, bend = basis.T @ basis, jerk.T @ jerk
+        trace = 1e-10 * near.diagonal().mean() / bend.diagonal().mean()
+        around: Array = splu((near + trace * bend).tocsc()).solve(basis.T @ rows.g)
         first, last = len(rows.start), len(rows.end)
         inner = slice(first, space.size - last)
         starts, ends = (
@@ -264,19 +266,3 @@ def sparse_basis(space: SplineSpace, x: Array, order: int = 0) -> sparse.csr_mat
     inner = knots[order : len(knots) - order]
     values = BSpline.design_matrix(x, inner, space.degree - order)
     return sparse.csr_matrix(values) @ matrix
-
-
-def _jerk_roots(space: SplineSpace) -> sparse.csr_matrix:
-    """R with ‖R c‖² = ∫ (g''')² dx: Gauss points on every interval."""
-    nodes, shares = np.polynomial.legendre.leggauss(space.degree - JERK + 1)
-    left, width = space.breaks[:-1], np.diff(space.breaks)
-    x = (left[:, None] + width[:, None] * (nodes + 1.0) / 2.0).ravel()
-    root = np.sqrt((width[:, None] * shares / 2.0).ravel())
-    return sparse.csr_matrix(sparse.diags(root) @ sparse_basis(space, x, JERK))
-
-
-def _least_squares(basis: sparse.csr_matrix, jerk: sparse.csr_matrix, g: Array) -> Array:
-    """The spline nearest to the rows; a trace of the jerk fills what they leave open."""
-    near, bend = basis.T @ basis, jerk.T @ jerk
-    trace = 1e-10 * near.diagonal().mean() / bend.diagonal().mean()
-    return np.asarray(splu((near + trace * bend).tocsc()).solve(basis.T @ g), dtype=float)

@@ -92,9 +92,7 @@ def boundary_states(
 ) -> tuple[list[BoundaryState], list[Junction]]:
     """What the neighbours settle of every free law, and the joints between free laws.
 
-    Args:
-        segments: the whole turn in order, none of zero angle.
-        grids: one per free segment.
+    ``segments``: the whole turn in order, none of zero angle.
     """
     position = {s.index: k for k, s in enumerate(s for s in segments if s.law is None)}
     starts: list[Array] = [np.zeros(1)] * len(position)

@@ -44,10 +44,8 @@ def energy(segments: Sequence[PlacedSegment], grids: Sequence[Grid], order: int)
     free = [s for s in segments if s.law is None]
     for segment, grid in zip(free, grids, strict=True):
         weight = (segment.lift / segment.angle**order) ** 2 * segment.angle / FULL_TURN
-        nodes, shares = np.polynomial.legendre.leggauss(grid.space.degree - order + 1)
-        left, width = grid.space.breaks[:-1], np.diff(grid.space.breaks)
-        x = (left[:, None] + width[:, None] * (nodes + 1.0) / 2.0).ravel()
-        share = (width[:, None] * shares / 2.0).ravel()
+        points = gauss_points(grid.space.breaks, grid.space.degree - order + 1)
+        x, share = (each.ravel() for each in points)
         factors.append(np.sqrt(weight * share)[:, None] * grid.space.basis(x, order))
         weights.append(weight)
     given = sum(mean_square(s.placed(), order) for s in segments if s.law is not None)

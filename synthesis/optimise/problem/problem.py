@@ -21,7 +21,7 @@ from synthesis.catalogue.followers.base import base_gap
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
-from synthesis.optimise.problem.residual_vibration import amplitude, has_given_laws
+from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.spec.design_spec import DesignSpec
 
 Place = tuple[object, ...]
@@ -59,10 +59,7 @@ class Problem:
 
     Attributes:
         segments: the program on the cam; those without a law are free. Zero angles are left out.
-        machine: follower and speed.
-        limits: what may not be exceeded.
-        sizing: where the size variables may lie.
-        objective: what to make small.
+        machine: follower and speed. sizing: where the size variables may lie.
         length: unit of length inside the formulations: the stroke [length].
         objective_caps: earlier objectives.
         base_radius_range: smallest and largest base radius [length], which the sizing comes from.
@@ -116,9 +113,7 @@ class Problem:
     def rows_on(self, segment: PlacedSegment, level: float) -> Iterator[LinearInequality]:
         """Every row on one segment: of limits, of objectives held, of the objective.
 
-        Args:
-            segment: where.
-            level: trial level of a fractional objective [core units].
+        ``level``: trial level of a fractional objective [core units].
         """
         yield from self.limit_rows(segment)
         yield from self.objective.rows(segment, self.machine, level)
@@ -185,13 +180,11 @@ class Problem:
     @cached_property
     def vibration_excess(self) -> float:
         """By how much runs whose laws are all given ring too much, over the stroke; 0: nowhere."""
-        given = [
-            vibration
-            for vibration in self.vibration_limits
-            if has_given_laws(vibration, self.segments)
-        ]
+        given = {s.index for s in self.segments if s.law is not None}
         beyond = (
-            amplitude(vibration, self.segments) - vibration.max_amplitude for vibration in given
+            amplitude(vibration, self.segments) - vibration.max_amplitude
+            for vibration in self.vibration_limits
+            if given.issuperset(vibration.run)
         )
         worst = max(beyond, default=0.0) / self.length
         return worst if worst > QUIET else 0.0

@@ -64,12 +64,7 @@ class VibrationTerm:
 def vibration_term(
     limit: VibrationBound, segments: Sequence[PlacedSegment], grids: Sequence[Grid]
 ) -> VibrationTerm | None:
-    """One run on given grids; None where all of its laws are given.
-
-    Args:
-        limit: what may be left. segments: the whole turn, none of zero angle.
-        grids: one per free segment.
-    """
+    """One run on given grids; None where all of its laws are given."""
     position = {s.index: k for k, s in enumerate(s for s in segments if s.law is None)}
     given, shares, rows = 0j, list[LawTerm](), list[Complex]()
     for segment, weight, kappa in _terms(limit, segments):
@@ -100,12 +95,6 @@ def amplitude(limit: VibrationBound, settled: Sequence[PlacedSegment]) -> float:
         if segment.law is not None:
             total += weight * _integral(segment.law, kappa)
     return abs(total) / sqrt(1.0 - limit.damping**2)
-
-
-def has_given_laws(limit: VibrationBound, segments: Sequence[PlacedSegment]) -> bool:
-    """Whether all laws of the run are given."""
-    laws = {s.index for s in segments if s.law is not None}
-    return laws.issuperset(limit.run)
 
 
 def _terms(

@@ -25,10 +25,8 @@ class Candidate:
     """A cam of the optimiser: laws, size and value, not yet certified.
 
     Attributes:
-        problem: the question with these laws fixed.
-        laws: one per free segment.
-        size: size variables [length].
-        value: the objective in core units.
+        problem: the question with these laws fixed. laws: one per free segment.
+        size: size variables [length]. value: the objective in core units.
         fitted: the size meets every row that speaks of it, all along the laws, but for what
             growing costs in the last size variable.
     """
@@ -45,11 +43,7 @@ def recover_cam(
 ) -> Candidate:
     """The cam of the relaxation: limits that are not convex are not looked at.
 
-    Args:
-        problem: the problem, laws free.
-        laws: one per free segment.
-        hint: the solver's size; used where the closed form does not apply.
-        keep_hint: take the hint even where the closed form applies.
+    ``hint``: the solver's size, used where the closed form does not apply, or ``keep_hint``.
     """
     placed = [s.with_law(curve) for s, curve in zip(problem.free, law_curves(laws), strict=True)]
     fixed = problem.with_laws(placed)
@@ -109,10 +103,7 @@ def given_cam(problem: Problem) -> Candidate | None:
 
 
 def enlarge_until_feasible(cam: Candidate, *, densely: bool = False) -> Candidate | None:
-    """The cam raised until the limits that are not convex hold; None where none allowed does.
-
-    ``densely``: as in ``enlarged_size``.
-    """
+    """The cam raised until the limits that are not convex hold; None where none allowed does."""
     problem = cam.problem
     size = enlarged_size(problem, cam.size, CLEARANCE, densely=densely)
     if size is None or _is_out_of_bounds(problem, size):

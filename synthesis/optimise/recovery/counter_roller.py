@@ -48,14 +48,9 @@ def place_counter_roller(
 ) -> CounterRollerPlacement:
     """Choose what the size leaves open, for a finished main cam.
 
-    Args:
-        spec: the specification.
-        cam: the main cam: laws fixed, size known.
-        deadline: ``clock.now()`` after which the nearest place is not sought any closer.
-
-    Returns:
-        the nearest place that works; where none does, the one at which least is exceeded, but not
-        farther than an outer radius allows; the spec itself where nothing is open.
+    The nearest place that works; where none does, the one at which least is exceeded, but not
+    farther than an outer radius allows; the spec itself where nothing is open. After ``deadline``
+    (``clock.now()``) the nearest place is not sought any closer.
     """
     free = [
         (name, ends(value))
@@ -78,21 +73,15 @@ def place_counter_roller(
     value = counter_cam.least_violated(nearest, most) if least is None else least
     if counter_cam.size_excess(value) > 0.0 >= counter_cam.size_excess(nearest):
         value = float(brentq(counter_cam.size_excess, nearest, value, xtol=1e-300, rtol=1e-13))
-        return CounterRollerPlacement(
-            spec.with_deferred({name: value}), False
-        )  # too small or too large, with these laws
+        # too small or too large, with these laws
+        return CounterRollerPlacement(spec.with_deferred({name: value}), False)
     farthest = helps and not any(counter_cam.cones(value))
     return CounterRollerPlacement(spec.with_deferred({name: value}), least is not None, farthest)
 
 
 @dataclass(frozen=True, eq=False)
 class _CounterCam:
-    """The counter cam beside a finished main cam.
-
-    Attributes:
-        spec: the specification. cam: the main cam. name: of the distance among the dimensions.
-        deadline: after which places are no longer closed in on.
-    """
+    """The counter cam beside a finished main cam; ``name``: of the distance in the spec."""
 
     spec: DesignSpec
     cam: Candidate
@@ -101,14 +90,10 @@ class _CounterCam:
 
     def at(self, distance: float) -> Problem:
         """The problem put to the counter cam alone."""
-        machine = self.cam.problem.machine
-        follower = self.spec.follower
+        problem, follower = self.cam.problem, self.spec.follower
         closure = follower.active_closure.counter_only({self.name: distance})
-        return replace(
-            self.cam.problem,
-            machine=replace(machine, follower=follower.with_closure(closure)),
-            limits=self.spec.all_limits(),
-        )
+        machine = replace(problem.machine, follower=follower.with_closure(closure))
+        return replace(problem, machine=machine, limits=self.spec.all_limits())
 
     def nearest_feasible(self, low: float, high: float) -> float | None:
         """The least distance between two ends that keeps every limit, None where none does."""

@@ -71,9 +71,7 @@ def repair_junctions(segments: Sequence[PlacedSegment], splines: Splines) -> Spl
 
 def _lies_between_dwells(segments_on_cam: Sequence[PlacedSegment], k: int) -> bool:
     """Whether a free law lies between dwells and nothing else is asked of its ends."""
-    own, beside = (
-        segments_on_cam[k],
-        (segments_on_cam[k - 1], segments_on_cam[(k + 1) % len(segments_on_cam)]),
-    )
+    own = segments_on_cam[k]
+    beside = segments_on_cam[k - 1], segments_on_cam[(k + 1) % len(segments_on_cam)]
     constrained = own.start_state != ANY_STATE or own.end_state != ANY_STATE
     return not constrained and all(each.law is not None and each.law.is_constant for each in beside)

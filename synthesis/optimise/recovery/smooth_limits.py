@@ -95,10 +95,8 @@ def enlarged_size(problem: Problem, size: Vector, margin: float, *, densely: boo
 
     Raising enlarges the prime radius and lowers pressure angle and curvature alike; None where
     even the largest size allowed does not do. Peaks that lie between the samples are looked for
-    on the enlarged cam and sampled too, until none is left.
-
-    Args:
-        densely: sample the laws densely even where the limits seem to be far from binding.
+    on the enlarged cam and sampled too, until none is left. ``densely``: sample the laws even
+    where the limits seem to be far from binding.
     """
     if not densely and _is_far_from_binding(problem, size):
         return size
@@ -262,9 +260,7 @@ def add_violated(
 ) -> list[ConstraintSamples]:
     """Peaks at which a smooth limit is exceeded, refined by a parabola.
 
-    Args:
-        problem: the problem, laws fixed. size: the size [length].
-        relaxed_count: how many of the last limits may be exceeded, and by how much (``above``).
+    ``relaxed_count``: how many of the last limits may be exceeded, and by how much (``above``).
     """
     allowed = [0.0] * (len(problem.limits) - relaxed_count) + [above] * relaxed_count
     return _constraint_samples(problem, size, np.inf, allowed)

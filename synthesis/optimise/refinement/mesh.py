@@ -132,9 +132,7 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
 def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     """Solve cone programs, each with its knots on the switches of the law before.
 
-    Args:
-        state: after mesh refinement, not yet within its tolerance.
-        solve_once: solves one cone program on ``state.grids``; the number is for the report.
+    ``solve_once``: solves one cone program on ``state.grids``; the number is for the report.
     """
     cam = state.relaxed
     if state.tolerance > FINEST or cam is None or not state.problem.free:

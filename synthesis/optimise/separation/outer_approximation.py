@@ -48,9 +48,6 @@ def relax(state: SolveState, level: float) -> Relaxed:
 
     Where limits are curved, programs are solved until their rows touch these limits.
 
-    Args:
-        state: the solve. level: trial level of a fractional objective [core units].
-
     Returns:
         the state, with every bound and cam found on the way, and the last program with its
         solution and bound; no bound where the solver gave no usable point.
