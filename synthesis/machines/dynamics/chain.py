@@ -48,6 +48,10 @@ class Chain:
         """n."""
         return len(self.masses)
 
+    def contact_force(self, y: Array, speed: Array) -> Array:
+        """Force of the cam on the first link [N], at y and y' of the first mass."""
+        return np.asarray(self.preload - (self.springs[0] * y + self.dampers[0] * speed))
+
     @cached_property
     def links(self) -> Array:
         """(n, n): from y to the elongation of every link."""

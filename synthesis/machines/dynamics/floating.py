@@ -138,7 +138,7 @@ class _Simulation:
         begin = np.append(state, z) if flying else state
 
         def event(x: Array) -> Array:  # the gap y_1 − z or the force, positive until the phase ends
-            return np.asarray(x[0] - x[-1]) if flying else self._force(x)
+            return np.asarray(x[0] - x[-1]) if flying else self.chain.contact_force(x[0], x[n])
 
         def crossing(theta: float, x: Array) -> float:
             return float(event(x))
@@ -161,12 +161,6 @@ class _Simulation:
             solution.status == 1,
             peak,
         )
-
-    def _force(self, x: Array) -> Array:
-        """Contact force of states (2n,) or (2n, k)."""
-        chain = self.chain
-        link = chain.springs[0] * x[0] + chain.dampers[0] * x[chain.count]
-        return np.asarray(chain.preload - link)
 
     def _rates(self, flying: bool) -> Callable[[float, Array], Array]:
         """d/dθ of the state."""

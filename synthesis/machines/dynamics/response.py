@@ -21,6 +21,7 @@ from scipy.linalg import toeplitz
 
 from synthesis.catalogue.motion import Motion
 from synthesis.machines.dynamics.chain import Chain, Complex, Modes
+from synthesis.numerics.box_search import Boxes
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import FULL_TURN
 
@@ -78,24 +79,15 @@ class Steps:
     @classmethod
     def of(cls, motion: Motion, per_turn: int) -> Steps:
         """Steps of a motion, at least ``per_turn``, with its breaks among their ends."""
-        curve = motion.curve
-        width = np.diff(curve.breaks)
-        fastest = np.zeros(curve.count)
-        degree = curve.poly.shape[1] - 1
-        if curve.waves.shape[1]:
-            real = curve.waves[..., 0] != 0.0
-            fastest = np.max(np.abs(curve.waves[..., 1]) * real, axis=1)
-            degree = max(degree, SERIES)
+        curve, width = motion.curve, np.diff(motion.curve.breaks)
+        real = curve.waves[..., 0] != 0.0
+        fastest = np.max(np.abs(curve.waves[..., 1]) * real, axis=1, initial=0.0)
+        degree = max(curve.poly.shape[1] - 1, SERIES if curve.waves.shape[1] else 0)
         count = np.ceil(np.maximum(width * per_turn / FULL_TURN, fastest * width / WAVE))
         count = np.maximum(count, 1.0).astype(int)
-        ends = [
-            np.linspace(low, high, n + 1)[:-1]
-            for low, high, n in zip(curve.breaks[:-1], curve.breaks[1:], count, strict=True)
-        ]
-        start = np.concatenate(ends)
-        piece = np.repeat(np.arange(curve.count), count)
-        step = np.diff(np.append(start, curve.breaks[-1]))
-        taylor = curve.jet(start, piece, degree) * step ** np.arange(degree + 1)[:, None]
+        parts = Boxes.from_spans(np.arange(curve.count), curve.breaks[:-1], curve.breaks[1:], count)
+        start, step = parts.lo, np.diff(np.append(parts.lo, curve.breaks[-1]))
+        taylor = curve.jet(start, parts.piece, degree) * step ** np.arange(degree + 1)[:, None]
         # An impact is a step of length 0 before the first one of its piece.
         jumps = derivative_jumps(curve, 1, IMPACT)
         hits = (np.cumsum(count) - count)[jumps != 0.0]
@@ -152,9 +144,7 @@ class Response:
     @property
     def contact_force(self) -> Array:
         """(k+1,) contact force [N]; where it is negative the train would leave the cam."""
-        chain = self.chain
-        link = chain.springs[0] * self.deflection[0] + chain.dampers[0] * self.speed[0]
-        return np.asarray(chain.preload - link)
+        return self.chain.contact_force(self.deflection[0], self.speed[0])
 
     @property
     def output_acceleration(self) -> Array:

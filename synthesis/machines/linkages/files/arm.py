@@ -20,13 +20,26 @@ from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
-from synthesis.exporters.figures.parts import Box, display_scale, line_style, place_in_panel
+from synthesis.exporters.figures.parts import (
+    Box,
+    display_scale,
+    line_style,
+    place,
+    place_in_panel,
+)
 from synthesis.exporters.options import Options, PictureOptions
 from synthesis.machines.linkages.arm import PalletisingArm, geometry
-from synthesis.machines.linkages.arm.geometry import RIGHT_ANGLE, Arc, Arm, Corner, Region, Span
+from synthesis.machines.linkages.arm.geometry import RIGHT_ANGLE, Arc, Arm, Corner, Span
 from synthesis.machines.linkages.arm.report import ArmPose
 from synthesis.machines.linkages.files import linkage_file as links
-from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
+from synthesis.machines.linkages.files.linkage_file import (
+    CSV,
+    PIN,
+    SVG,
+    Drawing,
+    LinkageFile,
+    shifted,
+)
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -52,17 +65,15 @@ class Stage:
     """The arm as drawn from the side.
 
     Attributes:
-        arm: scaled for drawing. regions: its workspace, in the same scale.
-        singular: where the arms are in line within the limits. u: unit of shapes.
-        extent: left, bottom, right and top. by: scale factor.
+        arm: scaled ``by`` for drawing. u: unit of shapes. extent: bounding box.
+        ground: floor, axis 1, column, workspace, and arcs on which the arms are in line.
     """
 
     arm: Arm
-    regions: list[Region]
-    singular: list[Arc]
+    by: float
     u: float
     extent: Box
-    by: float
+    ground: list[str]
 
     @classmethod
     def of(cls, answer: PalletisingArm) -> Stage:
@@ -71,28 +82,24 @@ class Stage:
         by = display_scale(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
         reached = geometry.regions(arm, limits)
-        singular = [geometry.tool_arc(arm, *ends) for ends in limits.singular_segments()]
         points = [arc.point(share) for region in reached for arc in region.border
                   for share in np.linspace(0.0, 1.0, 33).tolist()]  # fmt: skip
         points += [complex(-0.1 * arm.upper, 0.0), complex(arm.shoulder, arm.height)]
-        return cls(arm, reached, singular, *links.unit_and_extent(np.array(points), 6.0), by)
-
-    def ground(self) -> list[str]:
-        """Floor, axis 1, column, workspace, and the singular arcs."""
-        left, bottom, right, top = self.extent
-        u, arm = self.u, self.arm
-        half = 3.0 * u
+        u, extent = links.unit_and_extent(np.array(points), 6.0)
+        (left, bottom, right, top), half = extent, 3.0 * u
         column = np.array([
             [-half, 0.0], [-half, 0.85 * arm.height], [arm.shoulder - half, arm.height],
             [arm.shoulder + half, arm.height], [half, 0.0],
         ])  # fmt: skip
-        return [
-            *(svg.path("outline body", f"{_arc_path(one.border)}Z") for one in self.regions),
-            *(svg.path("line limit", _arc_path([arc])) for arc in self.singular),
+        singular = (geometry.tool_arc(arm, *ends) for ends in limits.singular_segments())
+        ground = [
+            *(svg.path("outline body", f"{_arc_path(one.border)}Z") for one in reached),
+            *(svg.path("line limit", _arc_path([arc])) for arc in singular),
             *links.hatched(left + 2.0 * u, right - 2.0 * u, 0.0, u),
             svg.line("line centre", 0.0, bottom, 0.0, top),
             svg.path("outline rest", svg.steps(column[:, 0], column[:, 1], closed=True)),
         ]
+        return cls(arm, by, u, extent, ground)
 
     def moving(self, upper: Array, fore: Array) -> list[Moving]:
         """The parts that move, along arm angles (n,) [rad]."""
@@ -125,22 +132,18 @@ class Stage:
             *shifted(arm.shoulder, arm.height, group("upper", links.bar(arm.upper, 2.0 * u))),
             *group("elbow", [plate, *group("fore", links.bar(arm.fore, 1.6 * u)),
                              *shifted(0.0, beside, fore_rod)]),
-            *group("wrist", [hand, tool, links.pin(0.0, 0.0, u), mark]),
+            *group("wrist", [hand, tool, svg.circle(PIN, 0.0, 0.0, u), mark]),
         ]  # fmt: skip
 
 
 def _arc_path(arcs: Sequence[Arc]) -> str:
     """A chain of arcs as a path."""
-    steps = f"M{_place(arcs[0].point(0.0))}"
+    steps = f"M{place(arcs[0].point(0.0))}"
     for arc in arcs:
         radius = svg.num(arc.radius)
         flags = f"{int(abs(arc.sweep) > math.pi)} {int(arc.sweep > 0.0)}"
-        steps += f"A{radius} {radius} 0 {flags} {_place(arc.point(1.0))}"
+        steps += f"A{radius} {radius} 0 {flags} {place(arc.point(1.0))}"
     return steps
-
-
-def _place(point: complex) -> str:
-    return f"{svg.num(point.real)} {svg.num(point.imag)}"
 
 
 def plan_view(answer: PalletisingArm, by: float) -> tuple[Box, list[str]]:
@@ -174,7 +177,7 @@ def _ring(radii: Span, angles: Span) -> str:
     turn = np.linspace(angles[0], min(angles[1], angles[0] + FULL_TURN), 4)
     sides = []
     for radius, stops, sweep in ((radii[1], turn, 1), (radii[0], turn[::-1], 0)):
-        r, places = svg.num(radius), map(_place, (radius * np.exp(1j * stops)).tolist())
+        r, places = svg.num(radius), map(place, (radius * np.exp(1j * stops)).tolist())
         sides.append(f"A{r} {r} 0 0 {sweep} ".join(places))
     whole = angles[1] - angles[0] >= FULL_TURN
     return f"M{'ZM'.join(sides) if whole else 'L'.join(sides)}Z"
@@ -231,7 +234,7 @@ def _workspace(answer: PalletisingArm, options: PictureOptions) -> bytes:
     ]
     body = [
         *two_lines(name, _about(answer), EDGE, SHEET[0] - EDGE, 1.0),
-        *shifted(EDGE, TOP, place_in_panel([*stage.ground(), *arms], stage.extent, size)),
+        *shifted(EDGE, TOP, place_in_panel([*stage.ground, *arms], stage.extent, size)),
         svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
                  "the tool's point reaches what is shaded."),
     ]  # fmt: skip
@@ -262,14 +265,14 @@ def _pose_path(answer: PalletisingArm, share: Array) -> tuple[Array, Array]:
 def _scene(answer: PalletisingArm, count: int) -> Scene:
     stage, share = Stage.of(answer), np.linspace(0.0, 1.0, count + 1)
     upper, fore = _pose_path(answer, share)
-    tool, torques = (
-        answer.spec.arm.tool_point(upper, fore),
-        geometry.holding_torques(answer.spec.static_moments, upper, fore),
-    )
+    tool = answer.spec.arm.tool_point(upper, fore)
+    torques = geometry.holding_torques(answer.spec.static_moments, upper, fore)
     moving = stage.moving(upper, fore)
+    drawing = Drawing(
+        stage.by, stage.extent, moving, lambda tag: [*stage.ground, *stage.parts(tag, moving)]
+    )
     return links.linkage_scene(
-        answer, TITLE, _about(answer),
-        (stage.extent, moving, lambda tag: [*stage.ground(), *stage.parts(tag, moving)]),
+        answer, TITLE, _about(answer), drawing,
         [curve_plot(f"Torque at axis {axis}", "N·m", 360.0 * share, values)
          for axis, values in zip((2, 3), torques, strict=True)],
         (
@@ -291,7 +294,7 @@ def _data(answer: PalletisingArm, options: Options) -> bytes:
     stage = Stage.of(answer)
     plan_extent, plan = plan_view(answer, stage.by)
     return links.scene_json(
-        answer, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground()),
+        answer, FRAME, stage.by, stage.extent, shapes="\n".join(stage.ground),
         arm="\n".join(stage.parts(tag, stage.moving(np.zeros(1), np.zeros(1)))),
         poses=[_pose_data(stage, pose) for pose in answer.poses],
         plan={"extent": plan_extent, "shapes": "\n".join(plan)},

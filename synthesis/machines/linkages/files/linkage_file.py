@@ -22,12 +22,19 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.exporters.figures.machine import Moving
-from synthesis.exporters.figures.parts import Box, line_style, place_in_panel
+from synthesis.exporters.figures.parts import (
+    Box,
+    box_around,
+    line_style,
+    place_in_panel,
+    polygon,
+)
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
 SVG = "image/svg+xml"
 CSV = "text/csv; charset=utf-8; header=present"
+PIN = "outline metal"  # kind of a pin's circle
 DECIMALS = 4  # of coordinates, which are about as large as those of a sheet in mm
 ACROSS = 92.0  # units of line widths and symbols from side to side of a machine
 Reading = tuple[str, str, str, Array]  # key, title, unit and values over the turn
@@ -42,6 +49,20 @@ class LinkageFile(FileFormat[Any, Any]):
     """
 
     suits: Callable[[Any], bool] = lambda _: True
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A linkage seen from the side, in mm times ``by``.
+
+    Attributes:
+        extent: bounding box of its whole motion. moving: its parts that move. shapes: all of it.
+    """
+
+    by: float
+    extent: Box
+    moving: Sequence[Moving]
+    shapes: Body
 
 
 def scene_json(answer: Any, frame: str, scale: float, extent: Box, **parts: Any) -> bytes:
@@ -62,7 +83,7 @@ def linkage_scene(
     answer: Any,
     title: str,
     about: str,
-    machine: tuple[Box, Sequence[Moving], Body],
+    drawing: Drawing,
     plots: Sequence[Plot],
     readings: Sequence[Reading],
     grounds: Callable[[Frame], list[str]] = lambda _: [],
@@ -71,12 +92,10 @@ def linkage_scene(
     """A linkage in motion beside diagrams, on which points run.
 
     Args:
-        answer: the answer. title: name of a linkage that has none. about: it in a line.
-        machine: bounding box of the whole motion, the parts that move, and all shapes.
-        plots: the diagrams, with one abscissa. readings: numbers that follow the motion.
+        title: name of a linkage that has none. about: the answer in a line.
+        plots: with one abscissa. readings: numbers that follow the motion.
         grounds: background of a diagram. texts: other fields of the scene.
     """
-    extent, parts, shapes = machine
     values = [plot.curve.values for plot in plots]
     points, diagrams = traced_diagrams(
         plots, plots[0].curve.degrees, values, grounds, texts["shaft"]
@@ -87,15 +106,15 @@ def linkage_scene(
         about=about,
         key=answer.id,
         heading=two_lines(name, about, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
-        machine=lambda tag: place_in_panel(shapes(tag), extent, MACHINE),
+        machine=lambda tag: place_in_panel(drawing.shapes(tag), drawing.extent, MACHINE),
         diagrams=diagrams,
-        moving=[part for part in (*parts, *points) if part.moves],
+        moving=[part for part in (*drawing.moving, *points) if part.moves],
         readings=[
             reading(key, title, unit, values, float(np.max(np.abs(values))))
             for key, title, unit, values in readings
         ],
         decimals=DECIMALS,
-        rules=line_style(extent, MACHINE),
+        rules=line_style(drawing.extent, MACHINE),
         **texts,
     )
 
@@ -114,11 +133,9 @@ def unit_and_extent(points: Array, margin: float) -> tuple[float, Box]:
 
     Points x + i y, y upwards as in all shapes below.
     """
-    xs, ys = points.real, points.imag
-    left, bottom, right, top = (float(end) for end in (xs.min(), ys.min(), xs.max(), ys.max()))
+    left, bottom, right, top = box_around(points.tolist())
     u = max(right - left, top - bottom) / ACROSS
-    edge = margin * u
-    return u, (left - edge, bottom - edge, right + edge, top + edge)
+    return u, box_around(points.tolist(), margin * u)
 
 
 def shifted(x: float, y: float, body: Sequence[str]) -> list[str]:
@@ -130,21 +147,15 @@ def bar(length: float, half: float) -> list[str]:
     """A link along x from one pin to the other, round at its ends."""
     x, y = svg.num(length), svg.num(half)
     steps = f"M0 {y}H{x}A{y} {y} 0 0 0 {x} -{y}H0A{y} {y} 0 0 0 0 {y}Z"
-    pins = [pin(at, 0.0, 0.45 * half) for at in (0.0, length)]
+    pins = [svg.circle(PIN, at, 0.0, 0.45 * half) for at in (0.0, length)]
     return [svg.path("outline rest", steps), *pins]
-
-
-def pin(x: float, y: float, radius: float) -> str:
-    """A pin."""
-    return svg.circle("outline metal", x, y, radius)
 
 
 def bearing(x: float, y: float, u: float) -> list[str]:
     """A pivot on the ground."""
-    foot = [(x, y), (x - 3.0 * u, y - 4.6 * u), (x + 3.0 * u, y - 4.6 * u)]
-    steps = "L".join(f"{svg.num(a)} {svg.num(b)}" for a, b in foot)
+    foot = [(0.0, 0.0), (-4.6 * u, -3.0 * u), (-4.6 * u, 3.0 * u)]
     ground = hatched(x - 4.0 * u, x + 4.0 * u, y - 4.6 * u, u)
-    return [svg.path("outline rest", f"M{steps}Z"), *ground]
+    return [polygon("outline rest", complex(x, y), 1j, foot), *ground]
 
 
 def hatched(left: float, right: float, y: float, u: float) -> list[str]:
@@ -158,4 +169,4 @@ def hatched(left: float, right: float, y: float, u: float) -> list[str]:
 def block(width: float, height: float) -> list[str]:
     """A sliding block about its middle."""
     return [svg.box("outline metal", -0.5 * width, -0.5 * height, width, height),
-            pin(0.0, 0.0, 0.2 * height)]  # fmt: skip
+            svg.circle(PIN, 0.0, 0.0, 0.2 * height)]  # fmt: skip

@@ -18,13 +18,20 @@ from synthesis.exporters.diagrams.plot import Frame, Plot, curve_plot, diagram
 from synthesis.exporters.diagrams.sheet import FOOTER, GAP, HEIGHT, LEFT, RIGHT, WIDTH, angle_axis
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, two_lines
-from synthesis.exporters.figures.machine import Moving, Tag, moving_group
-from synthesis.exporters.figures.parts import Box, display_scale
+from synthesis.exporters.figures.machine import Tag, moving_group
+from synthesis.exporters.figures.parts import display_scale
 from synthesis.exporters.options import MotionOptions, Options, PictureOptions
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.linkages.files import linkage_file as links
-from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
+from synthesis.machines.linkages.files.linkage_file import (
+    CSV,
+    PIN,
+    SVG,
+    Drawing,
+    LinkageFile,
+    shifted,
+)
 from synthesis.machines.linkages.shaper import SixBarShaper
 from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, angle
 from synthesis.numerics.piecewise import Array
@@ -104,23 +111,13 @@ class SampledTurn:
             for name, unit, meaning, values in rows
         }
 
-    def values(self, name: str) -> Array:
-        """The values of one quantity, (n,), in its unit."""
-        return np.asarray(self.columns[name].values, dtype=float)
 
-
-def _motion_table(answer: SixBarShaper, options: MotionOptions) -> list[Column]:
+def _motion_columns(answer: SixBarShaper, options: MotionOptions) -> list[Column]:
     return [*SampledTurn.of(answer, max(MIN_ROWS, round(options.count))).columns.values()]
 
 
-def motion_csv(answer: SixBarShaper, options: MotionOptions) -> bytes:
-    """The motion, comma separated."""
-    return csv_table(_motion_table(answer, options))
-
-
-def motion_json(answer: SixBarShaper, options: MotionOptions) -> bytes:
-    """The motion with units and meanings."""
-    columns = _motion_table(answer, options)
+def _motion_json(answer: SixBarShaper, options: MotionOptions) -> bytes:
+    columns = _motion_columns(answer, options)
     return _json(
         {
             "kind": "shaper motion",
@@ -202,10 +199,10 @@ def _about(answer: SixBarShaper) -> str:
 
 def _plots(turn: SampledTurn) -> list[Plot]:
     """Diagrams of quantities over the turn."""
-    degrees = turn.values("crank_travel_deg")
+    degrees = turn.columns["crank_travel_deg"].values.astype(float)
     return [
-        curve_plot(title, turn.columns[name].unit.replace("deg", "°"), degrees, turn.values(name))
-        for name, title in PLOTS.items()
+        curve_plot(title, svg.unit(one.unit), degrees, one.values.astype(float))
+        for title, one in ((title, turn.columns[name]) for name, title in PLOTS.items())
     ]
 
 
@@ -239,82 +236,57 @@ def _motion(answer: SixBarShaper, options: PictureOptions) -> bytes:
     return svg.document(WIDTH, height, 1.0, title, text, body, theme=options.theme)
 
 
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """The shaper as drawn; lengths in mm times the scale ``by``.
+def _drawing(turn: SampledTurn) -> Drawing:
+    """Bearings, the crank's circle, the ram's ways, and the links; the guide's pivot is 0."""
+    shaper, motion = turn.shaper, turn.motion
+    r, a = shaper.crank, shaper.pivot_distance
+    by = display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
+    along, ram = motion.guide[0] + 1j * motion.guide[1], by * motion.ram[0]
+    places = {
+        "block": by * motion.slide[0] * along,
+        "coupler": by * shaper.guide * along,
+        "ram": ram + 1j * by * shaper.ram_line,
+    }
+    turns = {
+        "crank": turn.drive.phi(turn.travel),
+        "guide": angle(motion.guide),
+        "block-turn": angle(motion.guide),
+        "coupler-turn": angle(motion.coupler),
+    }
+    moving = links.moving_parts(places | turns)
+    circle = by * np.array([0.0, complex(-r, a - r), complex(r, a + r)])
+    u, extent = links.unit_and_extent(np.concatenate([circle, *places.values()]), 8.0)
+    lengths = (r, a, shaper.guide, shaper.coupler, shaper.ram_line, float(np.max(motion.slide[0])))
+    r, a, guide, coupler, level, slot = (by * length for length in lengths)
+    low, high = float(ram.min()) - 6.0 * u, float(ram.max()) + 6.0 * u
 
-    Attributes:
-        turn: its motion. by: scale factor. moving: every part that moves.
-        ram: (n,) abscissa of the ram's pin, scaled.
-        u: unit of line widths and symbols. extent: bounding box of the whole motion.
-    """
-
-    turn: SampledTurn
-    by: float
-    moving: list[Moving]
-    ram: Array
-    u: float
-    extent: Box
-
-    @classmethod
-    def of(cls, answer: SixBarShaper, count: int) -> Stage:
-        """The stage of an answer, at ``count`` + 1 angles of its crank."""
-        turn = SampledTurn.of(answer, count)
-        shaper, motion = turn.shaper, turn.motion
-        r, a = shaper.crank, shaper.pivot_distance
-        by = display_scale(max(shaper.guide, r + a, abs(shaper.ram_line)))
-        guide, ram = motion.guide[0] + 1j * motion.guide[1], by * motion.ram[0]
-        places = {
-            "block": by * motion.slide[0] * guide,
-            "coupler": by * shaper.guide * guide,
-            "ram": ram + 1j * by * shaper.ram_line,
-        }
-        turns = {
-            "crank": turn.drive.phi(turn.travel),
-            "guide": angle(motion.guide),
-            "block-turn": angle(motion.guide),
-            "coupler-turn": angle(motion.coupler),
-        }
-        circle = by * np.array([0.0, complex(-r, a - r), complex(r, a + r)])
-        points = np.concatenate([circle, *places.values()])
-        moving = links.moving_parts(places | turns)
-        return cls(turn, by, moving, ram, *links.unit_and_extent(points, 8.0))
-
-    def shapes(self, tag: Tag) -> list[str]:
-        """Bearings, the crank's circle, the ram's ways, and the shaper's elements."""
-        shaper, u = self.turn.shaper, self.u
-        r, a, guide, coupler, level = (
-            self.by * length
-            for length in (shaper.crank, shaper.pivot_distance, shaper.guide, shaper.coupler,
-                           shaper.ram_line)
-        )  # fmt: skip
-        slot = max(guide, self.by * float(np.max(self.turn.motion.slide[0])))
-        low, high = float(self.ram.min()) - 6.0 * u, float(self.ram.max()) + 6.0 * u
-
+    def shapes(tag: Tag) -> list[str]:
         def group(name: str, body: list[str]) -> list[str]:
-            return moving_group(name, tag, self.moving, body)
+            return moving_group(name, tag, moving, body)
 
+        swinging = [*links.bar(max(guide, slot), 2.0 * u), svg.circle(PIN, guide, 0.0, 0.9 * u)]
         return [
             *(svg.line("line axis", low, level + k * 3.0 * u, high, level + k * 3.0 * u)
               for k in (-1.0, 1.0)),
             svg.circle("line circle", 0.0, a, r),
             *links.bearing(0.0, 0.0, u),
             *links.bearing(0.0, a, u),
-            *group("guide", [*links.bar(slot, 2.0 * u), links.pin(guide, 0.0, 0.9 * u)]),
+            *group("guide", swinging),
             *group("ram", links.block(9.0 * u, 6.0 * u)),
             *group("coupler", group("coupler-turn", links.bar(coupler, 1.4 * u))),
             *shifted(0.0, a, group("crank", links.bar(r, 1.7 * u))),
             *group("block", group("block-turn", links.block(7.0 * u, 4.6 * u))),
         ]  # fmt: skip
 
+    return Drawing(by, extent, moving, shapes)
+
 
 def _scene(answer: SixBarShaper, count: int) -> Scene:
-    stage = Stage.of(answer, count)
-    turn = stage.turn
+    turn = SampledTurn.of(answer, count)
     return links.linkage_scene(
-        answer, TITLE, _about(answer), (stage.extent, stage.moving, stage.shapes),
+        answer, TITLE, _about(answer), _drawing(turn),
         _plots(turn)[:2],
-        [(*titles, turn.columns[name].unit, turn.values(name))
+        [(*titles, turn.columns[name].unit, turn.columns[name].values.astype(float))
          for name, titles in READINGS.items()],
         partial(_grounds, answer),
         shaft=SHAFT,
@@ -326,18 +298,18 @@ def _scene(answer: SixBarShaper, count: int) -> Scene:
 
 
 def _data(answer: SixBarShaper, options: Options) -> bytes:
-    stage = Stage.of(answer, FRAMES)
+    drawing = _drawing(SampledTurn.of(answer, FRAMES))
     return links.scene_json(
-        answer, FRAME, stage.by, stage.extent, shapes="\n".join(stage.shapes(data_tag)),
-        parts=[part.data(links.DECIMALS) for part in stage.moving if part.moves], mirror=1,
+        answer, FRAME, drawing.by, drawing.extent, shapes="\n".join(drawing.shapes(data_tag)),
+        parts=[part.data(links.DECIMALS) for part in drawing.moving if part.moves], mirror=1,
     )  # fmt: skip
 
 
 FILES = (
-    LinkageFile("motion.csv", "Table of the motion", CSV, ".csv", motion_csv,
-                MotionOptions),
+    LinkageFile("motion.csv", "Table of the motion", CSV, ".csv",
+                lambda answer, options: csv_table(_motion_columns(answer, options)), MotionOptions),
     LinkageFile("motion.json", "Table of the motion, with units and meanings", "application/json",
-                ".json", motion_json, MotionOptions),
+                ".json", _motion_json, MotionOptions),
     LinkageFile(
         "cam.json", "Question for a cam that moves its follower as the ram", "application/json",
         ".json", cam_spec, CamOptions,
