@@ -13,7 +13,7 @@ from pydantic import Field
 
 from synthesis.catalogue.fields import Speed
 from synthesis.catalogue.limits.motion import runs_between_dwells
-from synthesis.exporters.diagrams.plot import curve_plot, linear
+from synthesis.exporters.diagrams.plot import Frame, curve_plot, linear
 from synthesis.exporters.diagrams.sheet import sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import BOLD
@@ -30,7 +30,6 @@ from synthesis.machines.dynamics.response import (
     residual_spectrum,
     steady,
 )
-from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 
 MAX_TURNS, MAX_POINTS_PER_DEGREE = 20, 20.0  # so that a file takes seconds
@@ -161,37 +160,31 @@ def _spectrum_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     # Amplitudes on a logarithmic axis, down from the power of ten above the largest.
     hertz, wide = ratios * rad_per_s(speed) / FULL_TURN, WIDTH - LEFT - RIGHT
     top = int(np.ceil(np.log10(max((float(curve.max()) for curve in curves), default=1.0))))
-    across, bottom = linear(0.0, float(hertz[-1])), TOP + TALL
-
-    def x(value: float | Array) -> Array:
-        return np.asarray(LEFT + wide * np.asarray(value) / hertz[-1])
-
-    def y(value: float | Array) -> Array:
-        down = (top - np.log10(np.maximum(value, 1e-300))) / DECADES
-        return np.asarray(TOP + TALL * np.clip(down, 0.0, 1.0))
-
+    frame = Frame(LEFT, TOP, wide, TALL, top - DECADES, top, 0.0, float(hertz[-1]))
+    across, bottom, right = linear(0.0, frame.end), frame.bottom, frame.right
     name = answer.name.strip() or "Follower train"
     about = f"Residual spectrum at {svg.figure(speed)} rpm, damping ratio {svg.figure(damping)}"
     body = [
         svg.text("title", 8.0, 8.0, svg.shorten(name, WIDTH - 16.0, BOLD * svg.TITLE)),
         svg.text("quiet", 8.0, 13.5, f"{about}: amplitude where a dwell begins"),
     ]
-    for value, number in across.ticks:
-        body.append(svg.line("grid", float(x(value)), TOP, float(x(value)), bottom))
-        body.append(svg.text("tick", float(x(value)), bottom + 4.2, number, "middle"))
+    for at, number in ((frame.x(value), number) for value, number in across.ticks):
+        body += [svg.line("grid", at, TOP, at, bottom),
+                 svg.text("tick", at, bottom + 4.2, number, "middle")]  # fmt: skip
     for power in range(top - DECADES, top + 1):
-        level = float(y(10.0**power))
-        body.append(svg.line("grid", LEFT, level, WIDTH - RIGHT, level))
-        body.append(svg.text("tick", LEFT - 1.6, level + 0.9, svg.figure(10.0**power), "end"))
-    body += [svg.line("axis", LEFT, bottom, WIDTH - RIGHT, bottom),
+        level, number = frame.y(float(power)), svg.figure(10.0**power)
+        body += [svg.line("grid", LEFT, level, right, level),
+                 svg.text("tick", LEFT - 1.6, level + 0.9, number, "end")]  # fmt: skip
+    body += [svg.line("axis", LEFT, bottom, right, bottom),
              svg.line("axis", LEFT, TOP, LEFT, bottom)]  # fmt: skip
-    for mode in answer.modes:
-        if mode.natural_frequency_hz <= hertz[-1]:
-            at = float(x(mode.natural_frequency_hz))
-            body.append(svg.line("normal", at, TOP, at, bottom))
-            body.append(svg.text("tick halo", at + 1.0, TOP + 3.4, "mode"))
+    for at in (frame.x(mode.natural_frequency_hz) for mode in answer.modes):
+        if at <= right:
+            body += [svg.line("normal", at, TOP, at, bottom),
+                     svg.text("tick halo", at + 1.0, TOP + 3.4, "mode")]  # fmt: skip
     for k, (run, curve) in enumerate(zip(runs, curves, strict=True)):
-        body.append(svg.path(DASHES[k % len(DASHES)], svg.steps(x(hertz), y(curve), 3)))
+        powers = np.clip(np.log10(np.maximum(curve, 1e-300)), frame.low, top)
+        steps = svg.steps(frame.x(hertz), frame.y(powers), 3)
+        body.append(svg.path(DASHES[k % len(DASHES)], steps))
         if k < len(DASHES):  # the legend
             left, low = LEFT + 42.0 * k, bottom + 17.0
             body.append(svg.line(DASHES[k], left, low - 0.9, left + 9.0, low - 0.9))

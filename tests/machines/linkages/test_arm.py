@@ -69,7 +69,7 @@ def on_grid(arm: Arm, limits: Limits, elbow: str, box: tuple[float, ...], n: int
         for z in low + (high - low) * (np.arange(n) + 0.5) / n:
             for one in arm.postures(Place(abs(r), 0.0, z, 0.0)):
                 if one.elbow == elbow and (one.base == "front") == (r >= 0.0):
-                    joints = Joints(0.0, one.joints.upper, one.joints.fore, 0.0)
+                    joints = Joints(0.0, one.joints.upper_arm, one.joints.forearm, 0.0)
                     count += not limits.exceeded(next(limits.equivalent_angles(joints)))
     return count * cell
 

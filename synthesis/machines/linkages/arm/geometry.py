@@ -45,17 +45,17 @@ METRE: Final = 1e-3  # m per mm
 
 @dataclass(frozen=True)
 class Joints:
-    """The four driven angles [rad]: base, upper arm, forearm, tool."""
+    """The four driven angles [rad]."""
 
     base: float
-    upper: float
-    fore: float
+    upper_arm: float
+    forearm: float
     tool: float
 
     @property
     def opening(self) -> float:
         """q = θ2 − θ3: the arms are in line at ±90°."""
-        return self.upper - self.fore
+        return self.upper_arm - self.forearm
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,11 @@ class Place:
 
 @dataclass(frozen=True)
 class Posture:
-    """One posture that reaches a place.
+    """One posture that reaches a place; angles of base and tool in (−π, π].
 
     Attributes:
         base: `front`, the arm turned towards the place; `over`, turned away and reaching back.
         elbow: `up` while q lies between −90° and 90°, `down` beyond.
-        joints: the angles; those of the base and the tool in (−π, π].
     """
 
     base: Base
@@ -111,15 +110,15 @@ class Arm:
 
     def place(self, joints: Joints) -> Place:
         """Forward kinematics: the place of the tool."""
-        tool = self.tool_point(joints.upper, joints.fore)
+        tool = self.tool_point(joints.upper_arm, joints.forearm)
         level = cmath.rect(tool.real, joints.base)
-        yaw = wrap_angle(joints.base + joints.tool)
-        return Place(level.real, level.imag, float(tool.imag), yaw)
+        return Place(
+            level.real, level.imag, float(tool.imag), wrap_angle(joints.base + joints.tool)
+        )
 
     def postures(self, place: Place) -> Iterator[Posture]:
         """Inverse kinematics: every posture, limits aside; none where the place is out of reach."""
         distance, front = math.hypot(place.x, place.y), math.atan2(place.y, place.x)
-        # The base turned towards the place, or away from it with the arm reaching back.
         bases: tuple[tuple[Base, float, float], ...] = (
             ("front", front, distance), ("over", front + math.pi, -distance),
         )  # fmt: skip
@@ -174,17 +173,16 @@ class Limits:
     """Ranges of the joints and of q = θ2 − θ3 [rad]."""
 
     base: Span
-    upper: Span
-    fore: Span
+    upper_arm: Span
+    forearm: Span
     opening: Span
     tool: Span
 
     def exceeded(self, joints: Joints) -> list[tuple[Joint, float]]:
         """Names of the limits that joint angles exceed, and by how much [rad]."""
-        angles = (joints.base, joints.upper, joints.fore, joints.opening, joints.tool)
-        spans = (self.base, self.upper, self.fore, self.opening, self.tool)
-        excess = [max(low - x, x - high) for x, (low, high) in zip(angles, spans, strict=True)]
-        return [(name, by) for name, by in zip(JOINTS, excess, strict=True) if by > ROUNDING]
+        found = ((name, getattr(joints, name), getattr(self, name)) for name in JOINTS)
+        excess = [(name, max(low - x, x - high)) for name, x, (low, high) in found]
+        return [(name, by) for name, by in excess if by > ROUNDING]
 
     def equivalent_angles(self, joints: Joints) -> Iterator[Joints]:
         """The same posture with joints changed by whole turns, within the limits where possible.
@@ -192,7 +190,10 @@ class Limits:
         An angle that no whole turn brings inside stays as near to its range as possible. For base
         and tool, whose range may exceed 360°, every equivalent is given.
         """
-        upper, fore = _nearest(joints.upper, self.upper), _nearest(joints.fore, self.fore)
+        upper, fore = (
+            _nearest(joints.upper_arm, self.upper_arm),
+            _nearest(joints.forearm, self.forearm),
+        )
         for base in _equivalents(joints.base, self.base):
             for tool in _equivalents(joints.tool, self.tool):
                 yield Joints(base, upper, fore, tool)
@@ -202,14 +203,14 @@ class Limits:
 
         None where there are no such angles.
         """
-        (a, b), (c, d) = self.upper, self.fore
+        (a, b), (c, d) = self.upper_arm, self.forearm
         low, high = max(self.opening[0], least), min(self.opening[1], most)
         corners = _clip([(a, c), (b, c), (b, d), (a, d)], lambda at: at[0] - at[1] - low)
         return _clip(corners, lambda at: high - at[0] + at[1])
 
     def singular_segments(self) -> list[tuple[Corner, Corner]]:
         """Segments of allowed arm angles at which the arms are in line [rad]."""
-        (a, b), (c, d), (low, high) = self.upper, self.fore, self.opening
+        (a, b), (c, d), (low, high) = self.upper_arm, self.forearm, self.opening
         singular = [k * math.pi + RIGHT_ANGLE for k in range(-2, 2)]  # |q| ≤ 360°
         # θ2 on the line θ3 = θ2 − q within the rectangle of both ranges.
         spans = [(q, max(a, c + q), min(b, d + q)) for q in singular

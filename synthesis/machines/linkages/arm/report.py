@@ -14,10 +14,11 @@ from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
 from synthesis.machines.linkages.arm import geometry
 from synthesis.machines.linkages.arm.geometry import Base, Corner, Edge, Elbow, Joint, Region
-from synthesis.machines.linkages.arm.spec import ArmSpec, ArmTask
+from synthesis.machines.linkages.arm.spec import ArmSpec, Pose
 from synthesis.units import DEGREE, FULL_TURN
 
 KIND = "palletising arm"
+Axis = Literal["upper_arm", "forearm"]
 
 
 class BorderArc(AnswerModel):
@@ -67,7 +68,7 @@ class ArmsInLine(AnswerModel):
 class ArmTorque(AnswerModel):
     """The largest torque with which an axis holds the weights, within the limits."""
 
-    axis: Literal["upper_arm", "forearm"] = doc("Which axis.")
+    axis: Axis = doc("Which axis.")
     torque_nm: float = doc("Torque against the weights, positive in the direction of the angle.")
     angle_deg: float = doc("Angle of this axis there; that of the other has no influence.")
 
@@ -145,7 +146,7 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
     limits = spec.limits
     workspace = geometry.regions(spec.arm, limits)
     if not workspace:
-        openings = [upper - fore for upper in limits.upper for fore in limits.fore]
+        openings = [upper - fore for upper in limits.upper_arm for fore in limits.forearm]
         raise InputError(
             "/opening_deg", [angle / DEGREE for angle in limits.opening],
             "No arm angles are left: within upper_arm_deg and forearm_deg the difference runs from "
@@ -216,7 +217,8 @@ def _largest_torques(spec: ArmSpec, workspace: Sequence[Region]) -> list[ArmTorq
     """The largest |τ| of either axis: at a crest of its sine or cosine, or at an end."""
     corners = [end for each in workspace for arc in each.border for end in (arc.first, arc.last)]
     torques = []
-    for k, (axis, crest) in enumerate((("upper_arm", geometry.RIGHT_ANGLE), ("forearm", 0.0))):
+    axes: tuple[tuple[Axis, float], ...] = (("upper_arm", geometry.RIGHT_ANGLE), ("forearm", 0.0))
+    for k, (axis, crest) in enumerate(axes):
         angles = [corner[k] for corner in corners]
         low, high = min(angles), max(angles)
         crests = (crest + turn * math.pi for turn in (-1, 0, 1))
@@ -224,12 +226,11 @@ def _largest_torques(spec: ArmSpec, workspace: Sequence[Region]) -> list[ArmTorq
         shares = geometry.holding_torques((1.0, 1.0), places, places)[k]
         at = float(places[np.argmax(np.abs(shares))])
         torque = float(geometry.holding_torques(spec.static_moments, at, at)[k])
-        answer = {"axis": axis, "torque_nm": torque, "angle_deg": at / DEGREE}
-        torques.append(ArmTorque.model_validate(answer))
+        torques.append(ArmTorque(axis=axis, torque_nm=torque, angle_deg=at / DEGREE))
     return torques
 
 
-def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
+def _pose(spec: ArmSpec, task: Pose) -> ArmPose:
     place = task.place(spec.arm)
     solutions = [_solution(spec, one) for one in task.postures(spec.arm, spec.limits)]
     solutions.sort(key=lambda one: sum(each.excess_deg for each in one.beyond))
@@ -247,14 +248,11 @@ def _pose(spec: ArmSpec, task: ArmTask) -> ArmPose:
 
 def _solution(spec: ArmSpec, posture: geometry.Posture) -> ArmSolution:
     joints, exceeded = posture.joints, spec.limits.exceeded(posture.joints)
-    torques = geometry.holding_torques(spec.static_moments, joints.upper, joints.fore)
+    torques = geometry.holding_torques(spec.static_moments, joints.upper_arm, joints.forearm)
     return ArmSolution(
         base=posture.base,
         elbow=posture.elbow,
-        base_deg=joints.base / DEGREE,
-        upper_arm_deg=joints.upper / DEGREE,
-        forearm_deg=joints.fore / DEGREE,
-        tool_deg=joints.tool / DEGREE,
+        **{f"{name}_deg": angle / DEGREE for name, angle in vars(joints).items()},
         beyond=[BeyondLimit(joint=name, excess_deg=by / DEGREE) for name, by in exceeded],
         in_line=math.cos(joints.opening),
         torque_upper_nm=float(torques[0]),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
@@ -11,6 +10,7 @@ from pydantic import Field
 
 from synthesis.catalogue.fields import FiniteModel, Name, Range, ends
 from synthesis.machines.linkages.arm.geometry import (
+    JOINTS,
     Arm,
     Joints,
     Limits,
@@ -72,14 +72,6 @@ class ArmTask(FiniteModel):
 
     name: Name = Field("", description="Shown in reports and files.")
 
-    @abstractmethod
-    def place(self, arm: Arm) -> Place:
-        """The place of the tool."""
-
-    @abstractmethod
-    def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
-        """Postures that reach it, brought within the limits by whole turns where possible."""
-
 
 class JointPose(ArmTask):
     """Joint angles, for which the place of the tool is asked."""
@@ -97,11 +89,13 @@ class JointPose(ArmTask):
         return Joints(*(DEGREE * angle for angle in angles))
 
     def place(self, arm: Arm) -> Place:
+        """The place of the tool."""
         return arm.place(self._joints())
 
     def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
+        """The one posture with these angles."""
         joints = self._joints()
-        over = arm.tool_point(joints.upper, joints.fore).real < 0.0
+        over = arm.tool_point(joints.upper_arm, joints.forearm).real < 0.0
         down = math.cos(joints.opening) < 0.0
         yield Posture("over" if over else "front", "down" if down else "up", joints)
 
@@ -116,9 +110,11 @@ class PointPose(ArmTask):
     yaw_deg: Angle = Field(0.0, description="Angle of the tool about the vertical [deg].")
 
     def place(self, arm: Arm) -> Place:
+        """The place of the tool."""
         return Place(self.x_mm, self.y_mm, self.z_mm, self.yaw_deg * DEGREE)
 
     def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
+        """Postures that reach it, brought within the limits by whole turns where possible."""
         for posture in arm.postures(self.place(arm)):
             for joints in limits.equivalent_angles(posture.joints):
                 yield Posture(posture.base, posture.elbow, joints)
@@ -179,11 +175,8 @@ class ArmSpec(FiniteModel):
     @property
     def limits(self) -> Limits:
         """The joint limits; an open end is infinite."""
-        ranges = (
-            self.base_deg, self.upper_arm_deg, self.forearm_deg, self.opening_deg, self.tool_deg
-        )  # fmt: skip
-        low_high = ((DEGREE * low, DEGREE * high) for low, high in map(ends, ranges))
-        return Limits(*low_high)
+        ranges = (ends(getattr(self, f"{name}_deg")) for name in JOINTS)
+        return Limits(*((DEGREE * low, DEGREE * high) for low, high in ranges))
 
     @property
     def static_moments(self) -> tuple[float, float]:
