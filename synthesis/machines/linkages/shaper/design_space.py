@@ -17,17 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from synthesis.catalogue.fields import ends
-from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, identity
+from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, Value, identity
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
-Value = Any  # arrays, or models of the same
 Span = tuple[float, float]
 CLEARANCE: Final = 1e-9  # of a sine, from where links are in line, or upright, or do not move
 ROUNDING: Final = 1e-12  # relative: rounding of a number that is given by two fields
@@ -96,9 +95,7 @@ class DesignSpace:
     def of(cls, spec: ShaperSpec) -> DesignSpace:
         """Of a spec with a stroke and a quick-return ratio."""
         lengths, stroke = spec.length_ranges(), ends(spec.stroke_mm)
-        (r, R), (a, A), (guide, GUIDE) = (
-            lengths[name] for name in ("crank_mm", "pivot_distance_mm", "guide_mm")
-        )
+        (r, R), (guide, GUIDE), _, (a, A), _ = lengths.values()
         ratio = ends(spec.quick_return_ratio)
         sines = {
             "quick_return_ratio": (swing_sine(ratio[0]), swing_sine(ratio[1])),
@@ -121,7 +118,7 @@ class DesignSpace:
     def at(self, u: Sequence[Value] | Array) -> ShaperBatch:
         """The shapers at points of the unit box: five coordinates, (n,) or models."""
         k, stroke = self.largest_sine, self.stroke
-        (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = (self.lengths[name] for name in LENGTHS)
+        (r, R), (guide, GUIDE), (c, C), (a, A), (H0, H1) = self.lengths.values()
         s = _between(u[0], *self.sine_range())
         cosine, zero = np.sqrt(1.0 - s * s), 0.0 * s  # zero: numbers as arrays or models
         # The guide from the stroke, S = 2 L s; the pivot distance from the crank, r = a s.
@@ -197,16 +194,6 @@ class ShaperObjective:
         return np.asarray(np.max(self.over_turn(one), axis=(0, 2)))
 
 
-def _links(one: ShaperBatch, _: Value) -> list[Value]:
-    """Lengths; the crank is shorter than the pivot distance."""
-    return [one.guide, one.coupler, one.pivot_distance]
-
-
-def _coupler_sines(one: ShaperBatch, _: Value) -> list[Value]:
-    """|sin γ| at the middle and at the ends of the swing."""
-    return [one.middle_sine, -one.middle_sine, one.end_sine, -one.end_sine]
-
-
 def _least_coupler_sines(one: ShaperBatch, ram_line: Span) -> list[Value]:
     """|sin γ| with the ram's line midway between the guide's extreme heights, or as near."""
     low, (lowest, highest) = one.guide * one.cosine, ram_line
@@ -223,9 +210,14 @@ def _second_derivative(one: ShaperBatch, phi: Value) -> list[Value]:
 
 
 OBJECTIVES: Final = {
-    "longest_link": ShaperObjective("longest_link_mm", _links),
+    # The crank is shorter than the pivot distance.
+    "longest_link": ShaperObjective(
+        "longest_link_mm", lambda one, _: [one.guide, one.coupler, one.pivot_distance]
+    ),
+    # |sin γ| at the middle and at the ends of the swing.
     "transmission_angle": ShaperObjective(
-        "least_transmission_angle_deg", _coupler_sines,
+        "least_transmission_angle_deg",
+        lambda one, _: [one.middle_sine, -one.middle_sine, one.end_sine, -one.end_sine],
         lambda value, _: 90.0 - math.asin(min(max(value, 0.0), 1.0)) / DEGREE,
         floor=_least_coupler_sines,
     ),

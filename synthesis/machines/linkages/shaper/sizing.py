@@ -87,7 +87,13 @@ def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper
     space = DesignSpace.of(spec)
     low, high = space.sine_range()
     if low > high:
-        return report_infeasible(spec, _explain_closed_form(spec, space, deadline))
+        # Two fields have disjoint ranges of s = r/a.
+        lowest = max(space.sines, key=lambda name: space.sines[name][0])
+        highest = min(space.sines, key=lambda name: space.sines[name][1])
+        return report_infeasible(spec, Conflict(
+            limits=sorted({lowest, highest}), evidence=CLOSED,
+            relaxations=list(_closed_form_relaxations(spec, space, deadline)),
+        ))  # fmt: skip
     objective = OBJECTIVES[spec.objective.kind]
     result = global_minimum(space, objective, SHARE * spec.tolerance, deadline)
     lengths = None if result.u is None else space.lengths_at(result.u)
@@ -120,15 +126,6 @@ def _certified(answer: SixBarShaper, objective: ShaperObjective, bound: float) -
     if not all(limit.holds for limit in answer.limits):
         status = "infeasible"
     return answer.model_copy(update={"certificate": proof, "status": status})
-
-
-def _explain_closed_form(spec: ShaperSpec, space: DesignSpace, deadline: float | None) -> Conflict:
-    """Why stroke, ratio and lengths contradict each other; each relaxed alone."""
-    # The two fields whose ranges of s = r/a are disjoint.
-    lowest = max(space.sines, key=lambda name: space.sines[name][0])
-    highest = min(space.sines, key=lambda name: space.sines[name][1])
-    changes = list(_closed_form_relaxations(spec, space, deadline))
-    return Conflict(limits=sorted({lowest, highest}), relaxations=changes, evidence=CLOSED)
 
 
 def _closed_form_relaxations(
