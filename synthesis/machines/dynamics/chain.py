@@ -28,20 +28,14 @@ class StaticallyUnstable(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """n masses in a row, the first linked to the cam, each with or without a link to the ground.
+    """n masses in a row, the first linked to the cam, each with or without a link to the ground."""
 
-    Attributes:
-        masses: (n,) [N s²/mm]. springs, dampers: (n,) of the link before each mass [N/mm, N s/mm].
-        ground_springs, ground_dampers: (n,) between each mass and the ground.
-        preload: contact force of the train at rest at s = 0 [N].
-    """
-
-    masses: Array
-    springs: Array
-    dampers: Array
-    ground_springs: Array
+    masses: Array  # (n,) [N s²/mm]
+    springs: Array  # (n,) of the link before each mass [N/mm]
+    dampers: Array  # (n,) of that link [N s/mm]
+    ground_springs: Array  # (n,) between each mass and the ground
     ground_dampers: Array
-    preload: float = 0.0
+    preload: float = 0.0  # contact force of the train at rest at s = 0 [N]
 
     @property
     def count(self) -> int:
@@ -114,16 +108,12 @@ class Modes:
     """ξ' = λ ξ + by_acceleration s'' + by_velocity s' + by_displacement s, y = Re(shapes ξ).
 
     From energy coordinates, in which an undamped train's modes are orthogonal.
-
-    Attributes:
-        rates: (2n,) λ [1/s]. shapes, speeds: (n, 2n) of y and y'.
-        by_acceleration, by_velocity, by_displacement: (2n,).
     """
 
-    rates: Complex
-    shapes: Complex
-    speeds: Complex
-    by_acceleration: Complex
+    rates: Complex  # (2n,) λ [1/s]
+    shapes: Complex  # (n, 2n) of y
+    speeds: Complex  # (n, 2n) of y'
+    by_acceleration: Complex  # (2n,), as the two below
     by_velocity: Complex
     by_displacement: Complex
 

@@ -63,18 +63,12 @@ def phi(z: Complex, highest: int) -> Complex:
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """One turn cut into steps within pieces of the motion; a step of length 0 is an impact.
+    """One turn cut into steps within pieces of the motion; a step of length 0 is an impact."""
 
-    Attributes:
-        theta: (k+1,) cam angles at their ends [rad].
-        taylor: (d+1, k) s^(j) Δθ^j at their beginnings [mm].
-        jump: (k,) by how much s' jumps there [mm/rad]. s: (2, k+1) s and s' at the ends.
-    """
-
-    theta: Array
-    taylor: Array
-    jump: Array
-    s: Array
+    theta: Array  # (k+1,) cam angles at their ends [rad]
+    taylor: Array  # (d+1, k) s^(j) Δθ^j at their beginnings [mm]
+    jump: Array  # (k,) by how much s' jumps there [mm/rad]
+    s: Array  # (2, k+1) s and s' at the ends
 
     @classmethod
     def of(cls, motion: Motion, per_turn: int) -> Steps:
@@ -115,16 +109,12 @@ def derivative_jumps(curve: Piecewise, order: int, rounding: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A train's response over one turn.
-
-    Attributes:
-        chain, steps: of what. omega: ω [rad/s]. state: (2n, k+1) ξ at the ends of the steps.
-    """
+    """A train's response over one turn."""
 
     chain: Chain
     steps: Steps
-    omega: float
-    state: Complex
+    omega: float  # [rad/s]
+    state: Complex  # (2n, k+1) ξ at the ends of the steps
 
     @property
     def theta(self) -> Array:

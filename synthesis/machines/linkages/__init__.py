@@ -21,24 +21,16 @@ from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse
 
 @dataclass(frozen=True)
 class Linkage:
-    """A kind of linkage.
+    """A kind of linkage."""
 
-    Attributes:
-        name: plural, as in ``/v1/linkages/{name}``. noun: singular, for people.
-        title: what can be asked. purpose: what the answer holds.
-        spec, answer: request and response bodies.
-        solve: from a spec and a deadline [s, monotonic] to the answer.
-        summary: numbers of an answer that lists show, by names with units.
-    """
-
-    name: str
-    noun: str
-    title: str
-    purpose: str
-    spec: type[BaseModel]
-    answer: type[BaseModel]
-    solve: Callable[[Any, float | None], Any]
-    summary: Callable[[Any], dict[str, float]]
+    name: str  # plural, as in ``/v1/linkages/{name}``
+    noun: str  # singular, for people
+    title: str  # what can be asked
+    purpose: str  # what the answer holds
+    spec: type[BaseModel]  # the request body
+    answer: type[BaseModel]  # the response body
+    solve: Callable[[Any, float | None], Any]  # a spec by a deadline [s, monotonic]
+    summary: Callable[[Any], dict[str, float]]  # numbers that lists show, by names with units
 
 
 _KINDS = (

@@ -70,33 +70,23 @@ class Place:
 
 @dataclass(frozen=True)
 class Posture:
-    """One posture that reaches a place; angles of base and tool in (−π, π].
+    """One posture that reaches a place; angles of base and tool in (−π, π]."""
 
-    Attributes:
-        base: `front`, the arm turned towards the place; `over`, turned away and reaching back.
-        elbow: `up` while q lies between −90° and 90°, `down` beyond.
-    """
-
-    base: Base
-    elbow: Elbow
+    base: Base  # `front`, turned towards the place; `over`, turned away and reaching back
+    elbow: Elbow  # `up` while q lies between −90° and 90°, `down` beyond
     joints: Joints
 
 
 @dataclass(frozen=True)
 class Arm:
-    """Lengths of the arm [mm].
+    """Lengths of the arm [mm]."""
 
-    Attributes:
-        height: d1, of the shoulder. shoulder: a1, from axis 1. upper: a2. fore: a3.
-        wrist: a4, from the forearm's end to the tool's axis. tool: below it.
-    """
-
-    height: float
-    shoulder: float
-    upper: float
-    fore: float
-    wrist: float
-    tool: float
+    height: float  # d1, of the shoulder
+    shoulder: float  # a1, from axis 1
+    upper: float  # a2
+    fore: float  # a3
+    wrist: float  # a4, from the forearm's end to the tool's axis
+    tool: float  # below the forearm's end
 
     @property
     def origin(self) -> complex:
@@ -253,22 +243,15 @@ def _clip(corners: list[Corner], keep: Callable[[Corner], float]) -> list[Corner
 
 @dataclass(frozen=True)
 class Arc:
-    """An arc of a region's border.
+    """An arc of a region's border."""
 
-    Attributes:
-        keeps: the angle that is constant along it: upper_arm, forearm, or opening.
-        centre: r + i z [mm]. radius: [mm]. start: angle of its start at the centre [rad].
-        sweep: angle that it covers, counter-clockwise positive [rad].
-        first, last: arm angles at its ends [rad].
-    """
-
-    keeps: Edge
-    centre: complex
-    radius: float
-    start: float
-    sweep: float
-    first: Corner
-    last: Corner
+    keeps: Edge  # the angle that is constant along it
+    centre: complex  # r + i z [mm]
+    radius: float  # [mm]
+    start: float  # angle of its start at the centre [rad]
+    sweep: float  # angle that it covers, counter-clockwise positive [rad]
+    first: Corner  # arm angles at its start [rad]
+    last: Corner  # the same at its end
 
     def point(self, share: float) -> complex:
         """The point r + i z at a share of its length, from 0 to 1 [mm]."""
@@ -303,14 +286,10 @@ class Arc:
 
 @dataclass(frozen=True)
 class Region:
-    """The part of the workspace with the elbow on one side.
-
-    Attributes:
-        elbow: `up` or `down`. border: arcs, each beginning where the one before ends.
-    """
+    """The part of the workspace with the elbow on one side."""
 
     elbow: Elbow
-    border: tuple[Arc, ...]
+    border: tuple[Arc, ...]  # each beginning where the one before ends
 
     @property
     def area(self) -> float:

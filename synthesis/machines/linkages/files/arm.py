@@ -62,18 +62,13 @@ POSES = ("pose", "name", "x_mm", "y_mm", "z_mm", "yaw_deg", "base", "elbow", "ba
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The arm as drawn from the side.
+    """The arm as drawn from the side."""
 
-    Attributes:
-        arm: scaled ``by`` for drawing. u: unit of shapes. extent: bounding box.
-        ground: floor, axis 1, column, workspace, and arcs on which the arms are in line.
-    """
-
-    arm: Arm
-    by: float
-    u: float
+    arm: Arm  # scaled
+    by: float  # so many times
+    u: float  # unit of shapes
     extent: Box
-    ground: list[str]
+    ground: list[str]  # floor, axis 1, column, workspace, arcs on which the arms are in line
 
     @classmethod
     def of(cls, answer: PalletisingArm) -> Stage:

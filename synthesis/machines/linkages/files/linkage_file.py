@@ -42,25 +42,17 @@ Reading = tuple[str, str, str, Array]  # key, title, unit and values over the tu
 
 @dataclass(frozen=True)
 class LinkageFile(FileFormat[Any, Any]):
-    """A file made from the answer about a linkage; its name is the file name: ``motion.csv``.
+    """A file made from the answer about a linkage; its name is the file name: ``motion.csv``."""
 
-    Attributes:
-        suits: whether it can be made from an answer that has a linkage. Others as ``FileFormat``.
-    """
-
-    suits: Callable[[Any], bool] = lambda _: True
+    suits: Callable[[Any], bool] = lambda _: True  # can it be made of an answer with a linkage?
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A linkage seen from the side, in mm times ``by``.
-
-    Attributes:
-        extent: bounding box of its whole motion. moving: its parts that move. shapes: all of it.
-    """
+    """A linkage seen from the side, in mm times ``by``."""
 
     by: float
-    extent: Box
+    extent: Box  # of its whole motion
     moving: Sequence[Moving]
     shapes: Body
 

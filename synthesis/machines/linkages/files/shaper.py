@@ -58,16 +58,12 @@ READINGS = {"ram_mm": ("x", "Ram"), "ram_mm_per_s": ("v", "Velocity"),
 
 @dataclass(frozen=True, eq=False)
 class SampledTurn:
-    """A shaper at evenly spaced angles of a turn.
-
-    Attributes:
-        travel: (n,) angle turned by the crank since its start [rad]. motion: (n,) arrays.
-    """
+    """A shaper at evenly spaced angles of a turn."""
 
     shaper: Shaper
     drive: Drive
-    travel: Array
-    motion: Motion
+    travel: Array  # (n,) angle turned by the crank since its start [rad]
+    motion: Motion  # of arrays (n,)
 
     @classmethod
     def of(cls, answer: SixBarShaper, count: int, closed: bool = True) -> SampledTurn:

@@ -47,23 +47,16 @@ def quick_return_ratio_of(sine: float) -> float:
 
 @dataclass(frozen=True)
 class ShaperBatch:
-    """Shapers as arrays (n,) or affine models.
+    """Shapers as arrays (n,) or affine models; lengths in mm."""
 
-    Attributes:
-        s, cosine: sin β and cos β. guide, pivot_distance, coupler [mm].
-        middle_sine: sin γ at the middle of the swing, (H − L)/c.
-        deficit: length that the coupler lacks to reach everywhere [mm]; positive: infeasible.
-        narrow: narrows sin γ to its range, where it is a model.
-    """
-
-    s: Value
-    cosine: Value
+    s: Value  # sin β
+    cosine: Value  # cos β
     guide: Value
     pivot_distance: Value
     coupler: Value
-    middle_sine: Value
-    deficit: Value
-    narrow: Narrowing = identity
+    middle_sine: Value  # sin γ at the middle of the swing, (H − L)/c
+    deficit: Value  # length that the coupler lacks to reach everywhere; positive: infeasible
+    narrow: Narrowing = identity  # narrows sin γ to its range, where it is a model
 
     @property
     def ram_line(self) -> Value:
@@ -78,18 +71,12 @@ class ShaperBatch:
 
 @dataclass(frozen=True)
 class DesignSpace:
-    """The feasible shapers of a spec.
+    """The feasible shapers of a spec; lengths in mm."""
 
-    Attributes:
-        sines: range of s = sin β that each field allows, by field.
-        lengths: both ends of every length [mm]. stroke: both ends [mm].
-        largest_sine: k, the largest |sin γ|.
-    """
-
-    sines: dict[str, Span]
-    lengths: dict[str, Span]
+    sines: dict[str, Span]  # range of s = sin β that each field allows, by field
+    lengths: dict[str, Span]  # in the order of LENGTHS
     stroke: Span
-    largest_sine: float
+    largest_sine: float  # k, the largest |sin γ|
 
     @classmethod
     def of(cls, spec: ShaperSpec) -> DesignSpace:
@@ -160,21 +147,15 @@ def _between(u: Value, low: Value, high: Value) -> Value:
 
 @dataclass(frozen=True)
 class ShaperObjective:
-    """An objective: minimise the largest of a few functions.
+    """An objective: minimise the largest of a few functions, ``parts``."""
 
-    Attributes:
-        name: name of its value on the wire, with its unit.
-        parts: from shapers and a crank angle [rad] to the functions.
-        to_wire: from their largest value and the crank speed ω [rad/s] to the value on the wire.
-        angles: whether the functions depend on the crank angle.
-        floor: lower bounds of the parts, with the ram's line (range, mm) already minimised over;
-            used for the bound instead of parts.
-    """
-
-    name: str
-    parts: Callable[[ShaperBatch, Value], list[Value]]
+    name: str  # of its value on the wire, with its unit
+    parts: Callable[[ShaperBatch, Value], list[Value]]  # of shapers and a crank angle [rad]
+    # From their largest value and the crank speed ω [rad/s] to the value on the wire.
     to_wire: Callable[[float, float], float] = lambda value, _: value
-    angles: bool = False
+    angles: bool = False  # whether the parts depend on the crank angle
+    # Lower bounds of the parts, with the ram's line (range, mm) already minimised over: better ones
+    # than the parts themselves have.
     floor: Callable[[ShaperBatch, Span], list[Value]] | None = None
 
     def lower_bounds(self, one: ShaperBatch, phi: Sequence[float], ram_line: Span) -> list[Value]:

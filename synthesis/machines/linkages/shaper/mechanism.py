@@ -42,38 +42,26 @@ def identity(value: Value) -> Value:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Positions of the links and their derivatives by the crank angle [mm, rad].
+    """Positions of the links and their derivatives by the crank angle [mm, rad]."""
 
-    Attributes:
-        guide, coupler: cosine and sine of ψ and of γ.
-        slide: ρ, from the guide's pivot to the pin. ram: x.
-        guide_turn, coupler_turn: ψ', ψ'' and γ', γ''.
-    """
-
-    guide: tuple[Value, Value]
-    coupler: tuple[Value, Value]
-    slide: Rates
-    guide_turn: tuple[Value, Value]
-    coupler_turn: tuple[Value, Value]
-    ram: Rates
+    guide: tuple[Value, Value]  # cosine and sine of ψ
+    coupler: tuple[Value, Value]  # cosine and sine of γ
+    slide: Rates  # ρ, from the guide's pivot to the pin
+    guide_turn: tuple[Value, Value]  # ψ', ψ''
+    coupler_turn: tuple[Value, Value]  # γ', γ''
+    ram: Rates  # x
 
 
 @dataclass(frozen=True)
 class Shaper:
-    """A shaper with all its dimensions [mm].
+    """A shaper with all its dimensions [mm]."""
 
-    Attributes:
-        crank: r. guide: L, pivot to its end. coupler: c.
-        pivot_distance: a, of the crank's pivot above the guide's. ram_line: H, above it too.
-        side: assembly branch: side of the guide's end on which the ram's pin is.
-    """
-
-    crank: float
-    guide: float
-    coupler: float
-    pivot_distance: float
-    ram_line: float
-    side: Side = "right"
+    crank: float  # r
+    guide: float  # L, pivot to its end
+    coupler: float  # c
+    pivot_distance: float  # a, of the crank's pivot above the guide's
+    ram_line: float  # H, above the guide's pivot
+    side: Side = "right"  # assembly branch: side of the guide's end on which the ram's pin is
 
     @property
     def guide_rotates(self) -> bool:
@@ -142,17 +130,12 @@ class Drive:
     """The crank's motion over the analysed turn.
 
     Its methods take the travel: the angle turned since the start [rad], a number or a model.
-
-    Attributes:
-        start: φ at its start [rad]. sense: +1 counter-clockwise, −1 clockwise.
-        speed: angular speed ω there [rad/s], positive.
-        acceleration: α in the sense of rotation [rad/s²].
     """
 
-    start: float
-    sense: float
-    speed: float
-    acceleration: float = 0.0
+    start: float  # φ there [rad]
+    sense: float  # +1 counter-clockwise, −1 clockwise
+    speed: float  # ω at the start [rad/s], positive
+    acceleration: float = 0.0  # α in the sense of rotation [rad/s²]
 
     def __post_init__(self) -> None:
         if self.speed**2 + 2.0 * self.acceleration * FULL_TURN <= 0.0:

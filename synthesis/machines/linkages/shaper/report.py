@@ -141,16 +141,11 @@ class SixBarShaper(AnswerModel):
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity with extremes over the turn.
+    """A quantity with extremes over the turn."""
 
-    Attributes:
-        name, unit: on the wire.
-        of: from motion, drive and travel to the value in radians or mm.
-    """
-
-    name: str
+    name: str  # on the wire
     unit: str
-    of: Callable[[Motion, Drive, Value], Value]
+    of: Callable[[Motion, Drive, Value], Value]  # from motion, drive and travel, in mm or radians
 
     @property
     def per_unit(self) -> float:

@@ -203,16 +203,11 @@ def _explain_coupler(
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """The best point and the bound.
+    """The best point and the bound."""
 
-    Attributes:
-        u: the point, (5,); None: none was found. value: of the objective there.
-        bound: no feasible shaper has a smaller value; inf: there is no feasible shaper.
-    """
-
-    u: Array | None
-    value: float
-    bound: float
+    u: Array | None  # (5,); None: none was found
+    value: float  # of the objective there
+    bound: float  # no feasible shaper has a smaller value; inf: there is no feasible shaper
 
 
 def global_minimum(
