@@ -13,6 +13,7 @@ from synthesis.certify.motion_checks import DERIVATIVES, check_follower, check_m
 from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion
 from synthesis.certify.quantities import (
     MeasuredCam,
+    Subject,
     infinite_at_corner,
     infinite_by_jump,
     quantity_of,
@@ -41,10 +42,7 @@ def certify(
 ) -> list[Extreme]:
     """How far every limit is used on the finished cam, proven for every cam angle.
 
-    Args:
-        motion: the finished motion. machine: its follower, cam speed and load.
-        size: the follower's size variables [mm]. limits: the limits of the spec.
-        continuity: order up to which all derivatives of s must be continuous; None: not required.
+    ``size`` in mm; ``continuity``: order up to which all derivatives of s must be continuous.
 
     Returns:
         one line per claim of the limits, in their order; then what every cam must satisfy: a
@@ -75,36 +73,30 @@ def _check_claims(claims: Sequence[Claim], cam: MeasuredCam) -> tuple[list[Extre
     All quantities of the cam angle are enclosed together: they share their boxes.
     """
     # 1. one function for each quantity, path and flank that is claimed about
-    angular = [claim for claim in claims if not claim.vibration]
-    keys = [(claim.quantity, claim.path, claim.flank) for claim in angular]
-    distinct = list(dict.fromkeys(keys))
-    subjects = [(quantity_of(name, flank, cam), path) for name, path, flank in distinct]
-    which = [distinct.index(key) for key in keys]
-    # 2. claims that a discontinuity makes infinite need no enclosure
-    jumps = [
-        infinite_by_jump(subjects[k][0], cam.motion, claim.segments, claim.interval)
-        or infinite_at_corner(subjects[k][0], cam, claim)
-        for k, claim in zip(which, angular, strict=True)
-    ]
-    questions = [
-        _question(cam.motion, claim, k)
-        for k, claim, jump in zip(which, angular, jumps, strict=True)
-        if jump is None
-    ]
+    numbers, subjects = dict[tuple[str, str, str], int](), list[Subject]()
+    lines, questions = dict[int, Extreme](), dict[int, ExtremumQuery]()
+    for position, claim in enumerate(claims):
+        if claim.vibration:  # about the ends of runs, not about cam angles
+            lines[position] = _residual_vibration(claim, cam.motion)
+            continue
+        number = numbers.setdefault((claim.quantity, claim.path, claim.flank), len(subjects))
+        if number == len(subjects):
+            subjects.append((quantity_of(claim.quantity, claim.flank, cam), claim.path))
+        # 2. claims that a discontinuity makes infinite need no enclosure
+        quantity, _ = subjects[number]
+        jump = infinite_by_jump(quantity, cam.motion, claim.segments, claim.interval)
+        jump = jump or infinite_at_corner(quantity, cam, claim)
+        if jump is None:
+            questions[position] = _question(cam.motion, claim, number)
+        else:
+            lines[position] = _infinite(claim, jump, cam.machine)
     # 3. enclose the others, with the clearance of the traced curves' tangents from the axis
     smooth, clearances, clearance_subjects = roller_clearances(cam, len(subjects))
-    answers = cam.enclose([*subjects, *clearance_subjects], [*questions, *clearances])
-    each = iter(answers)
-    angular_lines = iter(
-        _line(claim, next(each)) if jump is None else _infinite(claim, jump, cam.machine)
-        for claim, jump in zip(angular, jumps, strict=True)
-    )
-    # 4. residual vibration is a claim about the ends of runs, not about cam angles
-    lines = [
-        _residual_vibration(claim, cam.motion) if claim.vibration else next(angular_lines)
-        for claim in claims
-    ]
-    return lines, clear_flanks(smooth, answers[len(questions) :])
+    answers = cam.enclose([*subjects, *clearance_subjects], [*questions.values(), *clearances])
+    for position, answer in zip(questions, answers, strict=False):
+        lines[position] = _line(claims[position], answer)
+    in_order = [lines[position] for position in range(len(claims))]
+    return in_order, clear_flanks(smooth, answers[len(questions) :])
 
 
 def _question(motion: PiecewiseMotion, claim: Claim, function: int) -> ExtremumQuery:

@@ -15,7 +15,7 @@ from synthesis.catalogue.followers.kinematics import Flank
 from synthesis.catalogue.forces.reduced import MILLI, ForceHistory, ReducedLoad, history
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
-from synthesis.certify.quantities import MeasuredCam, force_quantity, infinite_by_jump
+from synthesis.certify.quantities import BOUNDS, MeasuredCam, force_quantity, infinite_by_jump
 from synthesis.design.design import (
     FlankForces,
     FloatArc,
@@ -80,37 +80,29 @@ class _LoadedCam:
     @cached_property
     def _peaks(self) -> dict[tuple[str, str, int], ForcePeak]:
         """Finite extremes by quantity, flank and sense, all enclosed together."""
-        everywhere = segment_indices(self.cam.motion.segments)
-        pieces = self.cam.motion.pieces_of(everywhere)
-        follower = self.cam.machine.follower
-        each = {("contact_force", flank.name): flank for flank in follower.flanks}
-        for flank in follower.flanks if self.load.contact is not None else ():
-            if flank.roller > 0.0 or follower.always_convex:
-                each["pressure_square", flank.name] = flank
-        each["camshaft_torque", follower.flanks[0].name] = follower.flanks[0]
-        wanted = [
-            (*key, flank, side)
-            for key, flank in each.items()
-            for side in ((1,) if key[0] == "pressure_square" else (1, -1))
+        cam, flanks = self.cam, self.cam.machine.follower.flanks
+        everywhere, both = segment_indices(cam.motion.segments), (1, -1)
+        # 1. what is measured on which flank, and in which senses
+        convex, lined = cam.machine.follower.always_convex, self.load.contact is not None
+        measured = [
+            *(("contact_force", flank, both) for flank in flanks),
+            *(("pressure_square", f, (1,)) for f in flanks if lined and (f.roller > 0.0 or convex)),
+            ("camshaft_torque", flanks[0], both),
         ]
-        subjects = [
-            (force_quantity(name, flank, self.cam), flank.path) for (name, _), flank in each.items()
-        ]
-        if infinite_by_jump(subjects[0][0], self.cam.motion, everywhere):
+        subjects = [(force_quantity(name, flank, cam), flank.path) for name, flank, _ in measured]
+        if infinite_by_jump(subjects[0][0], cam.motion, everywhere):
             return {}
-        bounds, keys = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}, list(each)
-        questions = [
-            ExtremumQuery(pieces, *bounds[side], function=keys.index((name, label)))
-            for name, label, _, side in wanted
-        ]
+        # 2. enclose
+        wanted = [(k, side) for k, (_, _, sides) in enumerate(measured) for side in sides]
+        pieces = cam.motion.pieces_of(everywhere)
+        questions = [ExtremumQuery(pieces, *BOUNDS[side], function=k) for k, side in wanted]
         found = {}
-        answers = self.cam.enclose(subjects, questions)
-        for (name, label, flank, side), answer in zip(wanted, answers, strict=True):
-            peak = answer.enclosure
+        for (k, side), answer in zip(wanted, cam.enclose(subjects, questions), strict=True):
+            (name, flank, _), peak = measured[k], answer.enclosure
             # a contact force is reported as it presses its flank, whichever side that is on
             sign = flank.side if name == "contact_force" else 1
             if math.isfinite(peak.width):
-                found[name, label, side * sign] = ForcePeak(
+                found[name, flank.name, side * sign] = ForcePeak(
                     value=sign * peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
                 )
         return found
@@ -188,10 +180,15 @@ class _LoadedCam:
         """The drive, positive where it presses the follower on its cam [N]."""
         return self.load.side * self._history(theta).drive
 
+    @cached_property
+    def _samples(self) -> tuple[Array, Array]:
+        """All sampled cam angles, and the drive there."""
+        theta = self._grid.ravel()
+        return theta, self._pressing(theta)
+
     def _lift_off_arcs(self) -> Iterator[FloatArc]:
         """Arcs of cam angle on which the follower would lift off, from the signs of samples."""
-        theta = self._grid.ravel()
-        force = self._pressing(theta)
+        theta, force = self._samples
         off = force <= 0.0
         if not off.any():
             return
@@ -213,8 +210,7 @@ class _LoadedCam:
 
     def _flank_changes(self) -> list[float]:
         """Cam angles at which the drive changes its sign, and the follower its flank [deg]."""
-        theta = self._grid.ravel()
-        force = self._pressing(theta)
+        theta, force = self._samples
         sign = np.flatnonzero(np.sign(force[1:]) * np.sign(force[:-1]) < 0.0)
         return [self._zero(theta, force, k + 1) / DEGREE % 360.0 for k in sign.tolist()]
 

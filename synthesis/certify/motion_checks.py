@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cache
-from math import comb, floor
+from math import floor
 from typing import Final
 
 import numpy as np
+from scipy.linalg import pascal
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
@@ -45,9 +45,7 @@ def check_motion(
 ) -> list[Extreme]:
     """All checks that do not depend on the spec's limits.
 
-    Args:
-        motion: the finished motion. machine: gives the cam speed and the units.
-        continuity: order up to which all derivatives must be continuous; None: not required.
+    ``continuity``: order up to which all derivatives must be continuous; None: not required.
     """
     return [
         *_continuity(motion, machine, continuity),
@@ -140,7 +138,22 @@ def _promised_orders(motion: PiecewiseMotion) -> Array:
 def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
     """The required velocity, and the required acceleration, that is missed most at segment ends."""
     for order in (1, 2):
-        misses = list(_end_state_misses(motion, order))
+        # for every required s^(order): deviation, allowed deviation, cam angle, field of the spec
+        misses = list[tuple[float, float, float, str]]()
+        for segment in (segment for segment in motion.segments if segment.angle > 0.0):
+            pieces = motion.pieces_of([segment.index])
+            for end, state, side, angle in (
+                ("start", segment.start_state, 1, segment.start),
+                ("end", segment.end_state, 0, segment.end),
+            ):
+                wanted = state.known[order - 1]
+                if wanted is None:
+                    continue
+                junction = int(pieces[side - 1]) - side  # before the first piece, after the last
+                value = motion.one_sided_values(junction % motion.curve.count)[side][order]
+                scale = max(abs(segment.scale) / segment.angle**order, abs(wanted))
+                field = f"program/{segment.index}/{end}"
+                misses.append((abs(value - wanted), JUNCTION_TOLERANCE * scale, angle, field))
         if misses:
             miss, allowed, angle, field = max(misses, key=lambda each: each[0] / each[1])
             yield _deviation(
@@ -148,29 +161,6 @@ def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
                 f"one-sided values at {len(misses)} ends of segments; bound: 1e-9 of "
                 f"lift/β^{order}",
             )  # fmt: skip
-
-
-def _end_state_misses(
-    motion: PiecewiseMotion, order: int
-) -> Iterator[tuple[float, float, float, str]]:
-    """For every required s^(order): deviation, allowed deviation, cam angle, field of the spec."""
-    for segment in motion.segments:
-        required = segment.start_state.known[order - 1], segment.end_state.known[order - 1]
-        if segment.angle <= 0.0 or required == (None, None):
-            continue
-        pieces = motion.pieces_of([segment.index])
-        for end, wanted, junction, angle in (
-            ("start", required[0], int(pieces[0]) - 1, segment.start),
-            ("end", required[1], int(pieces[-1]), segment.end),
-        ):
-            if wanted is None:
-                continue
-            before, after = motion.one_sided_values(junction % motion.curve.count)
-            value = after[order] if end == "start" else before[order]
-            allowed = JUNCTION_TOLERANCE * max(
-                abs(segment.scale) / segment.angle**order, abs(wanted)
-            )
-            yield abs(value - wanted), allowed, angle, f"program/{segment.index}/{end}"
 
 
 # -- tables ----------------------------------------------------------------------------------
@@ -223,12 +213,10 @@ def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
 def backward_travel(motion: PiecewiseMotion, pieces: Indices) -> tuple[Array, Array, int]:
     """Enclose ∫ max(−v, 0) dθ over each segment, v the velocity in the segment's own sense [mm].
 
-    Args:
-        pieces: of spline laws: polynomials, without sinusoids.
+    The ``pieces`` are of spline laws: polynomials, without sinusoids.
 
     Returns:
-        lower and upper ends, one per segment of the motion (0 where no piece is given), and
-        the number of intervals examined.
+        lower and upper ends, one per segment of the motion, and the number of intervals examined.
     """
     search, breaks = _BackwardTravel(motion), motion.curve.breaks
     whole = np.ones(motion.curve.count, dtype=np.intp)
@@ -265,7 +253,8 @@ class _BackwardTravel(BoxSearch[Boxes]):
         factors = np.cumprod([np.ones_like(h), *(h / k for k in range(1, count))], axis=0)
         terms, rounding = derivatives[1 : count + 1] * factors, errors[1 : count + 1] * factors
         # 2. in Bernstein's basis
-        back = -self.forward[owner] * (_to_bernstein(count) @ terms)
+        binomials = pascal(count, kind="lower")
+        back = -self.forward[owner] * (binomials / binomials[-1] @ terms)
         blur = rounding.sum(axis=0) + COEFFICIENT_ROUNDING * np.abs(terms).sum(axis=0)
         # 3. both ends of the travel
         low = np.maximum(h * (back.mean(axis=0) - blur), 0.0)
@@ -285,15 +274,6 @@ class _BackwardTravel(BoxSearch[Boxes]):
 
     def split(self, boxes: Boxes, keep: Mask) -> Boxes:
         return boxes.take(np.flatnonzero(keep)).split(PARTS)
-
-
-@cache
-def _to_bernstein(count: int) -> Array:
-    """Matrix (count, count) from coefficients of powers to those of Bernstein polynomials."""
-    degree = count - 1
-    return np.array(
-        [[comb(k, j) / comb(degree, j) for j in range(count)] for k in range(count)], dtype=float
-    )
 
 
 # -- size ------------------------------------------------------------------------------------------
@@ -342,40 +322,30 @@ def certify_size(
 ) -> list[Extreme]:
     """Every dimension that the spec names, against its range.
 
-    Args:
-        spec: its ``base_radius_mm`` and the ranges of its follower's dimensions.
-        size: the follower's size variables [mm].
-        built: the follower as built, with values chosen after the size; None: the spec's own.
+    ``built``: the follower as built, with values chosen after the size; None: the spec's own.
     """
     dimensions = (built or spec.follower).dimensions(size)
     scales = {"mm": prime_radius(spec.follower, size), "deg": 180.0}
-    owners = [(one, type(one).model_fields) for one in (spec, spec.follower)]
+    # 1. what is limited: name, range, field of the spec, size to which rounding is relative
+    wanted = [
+        (name, ends(getattr(owner, name)), prefix + name, scales[name.rpartition("_")[2]])
+        for name in dimensions
+        for owner, prefix in ((spec, ""), (spec.follower, "follower/"))
+        if name in type(owner).model_fields
+    ]
+    for field, (name, limits) in spec.follower.active_closure.counter_dimensions().items():
+        wanted.append((name, ends(limits), f"follower/{field}", dimensions[name]))
+    # 2. the nearer end of each range; no line if both ends are open
     found = []
-    for name, value in dimensions.items():
-        for (owner, fields), prefix in zip(owners, ("", "follower/"), strict=True):
-            if name in fields:
-                rounding = DIMENSION_ROUNDING * scales[name.rpartition("_")[2]]
-                found += _in_range(name, value, ends(getattr(owner, name)), rounding, prefix + name)
-    for field, (name, wanted) in spec.follower.active_closure.counter_dimensions().items():
-        rounding = DIMENSION_ROUNDING * dimensions[name]
-        found += _in_range(name, dimensions[name], ends(wanted), rounding, f"follower/{field}")
+    for name, (low, high), field, scale in wanted:
+        value, rounding = dimensions[name], DIMENSION_ROUNDING * scale
+        limit, _, unit = name.rpartition("_")
+        margin, bound = min((value - low, low), (high - value, high))
+        if not math.isinf(bound):
+            found.append(Extreme(
+                limit=limit, value=value, unit=unit, angle_deg=0.0, bound=bound,
+                margin=margin, width=0.0, holds=margin >= -rounding,
+                evidence=f"computed from the size; allowance for rounding {rounding:.3g} {unit}",
+                field=field,
+            ))  # fmt: skip
     return found
-
-
-def _in_range(
-    name: str, value: float, limits: tuple[float, float], rounding: float, field: str
-) -> list[Extreme]:
-    """A dimension against the nearer end of its range; no line if both ends are open."""
-    low, high = limits
-    limit, _, unit = name.rpartition("_")
-    margin, bound = min((value - low, low), (high - value, high))
-    if math.isinf(bound):
-        return []
-    return [
-        Extreme(
-            limit=limit, value=value, unit=unit, angle_deg=0.0, bound=bound,
-            margin=margin, width=0.0, holds=margin >= -rounding,
-            evidence=f"computed from the size; allowance for rounding {rounding:.3g} {unit}",
-            field=field,
-        )
-    ]  # fmt: skip

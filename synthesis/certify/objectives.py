@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.quantities import (
+    BOUNDS,
     QUANTITIES,
     MeasuredCam,
     Quantity,
@@ -20,7 +22,7 @@ from synthesis.certify.quantities import (
     infinite_by_jump,
     quantity_of,
 )
-from synthesis.numerics.enclosure import Enclosure, ExtremumQuery
+from synthesis.numerics.enclosure import Enclosure
 from synthesis.numerics.piecewise import Piecewise, gauss_points
 from synthesis.numerics.taylor import Jets
 from synthesis.units import FULL_TURN
@@ -36,12 +38,7 @@ QUADRATURE_ROUNDING: Final = 1e-13  # relative, of nodes, weights and sums
 
 
 def measure_objective(quantity: str, motion: Motion, machine: Machine, size: Size) -> Enclosure:
-    """The value of an objective on the finished cam, in core units.
-
-    Args:
-        quantity: a key of ``OBJECTIVES``.
-        motion, machine, size: the finished cam.
-    """
+    """The value of an objective, a key of ``OBJECTIVES``, on the finished cam, in core units."""
     return OBJECTIVES[quantity](MeasuredCam.of(motion, machine, size))
 
 
@@ -49,18 +46,16 @@ def _prime_radius(cam: MeasuredCam) -> Enclosure:
     """The norm that stands for the prime radius, as its bounds do; the objective converts both."""
     follower = cam.machine.follower
     value = follower.norm_from_radius(prime_radius(follower, cam.size))
-    return Enclosure(
-        value, value * (1.0 - RADIUS_ROUNDING), value * (1.0 + RADIUS_ROUNDING), 0.0
-    )  # fmt: skip
+    low, high = value * (1.0 - RADIUS_ROUNDING), value * (1.0 + RADIUS_ROUNDING)
+    return Enclosure(value, low, high, 0.0)
 
 
 # -- peaks -----------------------------------------------------------------------------------
 
 
-def _peak(name: str) -> Objective:
+def _peak(cam: MeasuredCam, name: str) -> Enclosure:
     """The largest |s^(k)| over the turn."""
-    quantity = QUANTITIES[name]
-    return lambda cam: _peak_on(quantity, cam, segment_indices(cam.motion.segments))
+    return _peak_on(QUANTITIES[name], cam, segment_indices(cam.motion.segments))
 
 
 def _pressure_slope(cam: MeasuredCam) -> Enclosure:
@@ -86,8 +81,7 @@ def _drive_force(cam: MeasuredCam) -> Enclosure:
     load = cam.machine.load
     if load is None:
         return Enclosure(math.inf, math.inf, math.inf, 0.0)
-    pressing = (-math.inf, 0.0) if load.side > 0 else (0.0, math.inf)
-    bounds = (0.0, 0.0) if load.pushed_both_ways else pressing
+    bounds = (0.0, 0.0) if load.pushed_both_ways else BOUNDS[load.side]
     everywhere = segment_indices(cam.motion.segments)
     return _peak_on(quantity_of("drive_force", "", cam), cam, everywhere, bounds=bounds)
 
@@ -106,8 +100,7 @@ def _peak_on(
     jump = infinite_by_jump(quantity, cam.motion, segments)
     if jump is not None:
         return Enclosure(math.inf, math.inf, math.inf, jump.angle)
-    question = ExtremumQuery(cam.motion.pieces_of(segments), *bounds)
-    (answer,) = cam.enclose([(quantity, path)], [question])
+    answer = cam.extreme((quantity, path), segments, bounds)
     found = answer.enclosure
     if answer.side > 0:
         return found
@@ -117,17 +110,13 @@ def _peak_on(
 # -- root mean squares -----------------------------------------------------------------------
 
 
-def _rms(name: str) -> Objective:
+def _rms(cam: MeasuredCam, name: str) -> Enclosure:
     """√(1/2π ∫ (s^(k))² dθ) over the turn."""
-
-    def rms(cam: MeasuredCam) -> Enclosure:
-        quantity = QUANTITIES[name]
-        jump = infinite_by_jump(quantity, cam.motion, segment_indices(cam.motion.segments))
-        if jump is not None:
-            return Enclosure(math.inf, math.inf, math.inf, jump.angle)
-        return root_mean_square(cam.motion.jets, quantity.order)
-
-    return rms
+    quantity = QUANTITIES[name]
+    jump = infinite_by_jump(quantity, cam.motion, segment_indices(cam.motion.segments))
+    if jump is not None:
+        return Enclosure(math.inf, math.inf, math.inf, jump.angle)
+    return root_mean_square(cam.motion.jets, quantity.order)
 
 
 def root_mean_square(jets: Jets, order: int) -> Enclosure:
@@ -146,8 +135,8 @@ def root_mean_square(jets: Jets, order: int) -> Enclosure:
     error = float(weights.ravel() @ (rounding * (2.0 * np.abs(value) + rounding)))
     error += QUADRATURE_ROUNDING * total + _truncation(curve, order, count)
     low, high = max(total - error, 0.0), total + error
-    ends = [math.sqrt(part / FULL_TURN) for part in (total, low, high)]
-    return Enclosure(ends[0], ends[1], ends[2], 0.0)
+    value, lower, upper = (math.sqrt(part / FULL_TURN) for part in (total, low, high))
+    return Enclosure(value, lower, upper, 0.0)
 
 
 def _truncation(curve: Piecewise, order: int, count: int) -> float:
@@ -169,11 +158,9 @@ def _truncation(curve: Piecewise, order: int, count: int) -> float:
 
 OBJECTIVES: Final[dict[str, Objective]] = {
     "prime_radius": _prime_radius,
-    "velocity": _peak("velocity"),
-    "acceleration": _peak("acceleration"),
-    "jerk": _peak("jerk"),
-    "rms_acceleration": _rms("acceleration"),
-    "rms_jerk": _rms("jerk"),
+    **{name: partial(_peak, name=name) for name in ("velocity", "acceleration", "jerk")},
+    "rms_acceleration": partial(_rms, name="acceleration"),
+    "rms_jerk": partial(_rms, name="jerk"),
     "pressure_slope": _pressure_slope,
     "drive_force": _drive_force,
 }

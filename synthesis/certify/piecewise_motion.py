@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.numerics.box_search import Boxes
@@ -36,12 +37,10 @@ MOST_BOXES_PER_PIECE: Final = 1000.0
 
 @dataclass(frozen=True)
 class Jump:
-    """A discontinuity of a derivative at a junction.
+    """A discontinuity of a derivative, of the given order, at a junction at a cam angle [rad].
 
-    Attributes:
-        order: order of the derivative. junction: index of the junction. angle: cam angle [rad].
-        size: right value less left value [mm per rad^order].
-        allowed: largest difference that counts as continuous, in the same unit.
+    ``size``: right value less left value [mm per rad^order]; ``allowed``: largest difference that
+    counts as continuous.
     """
 
     order: int
@@ -57,7 +56,6 @@ class PiecewiseMotion:
     Junction i lies between piece i and the next piece; the last junction closes the turn.
 
     Attributes:
-        original: the motion. segments: its segments.
         curve: s(θ) on the pieces. segment_of_piece: (n,) index of the segment of each piece.
         stroke: highest less lowest displacement at the ends of the segments [mm].
     """
@@ -97,20 +95,15 @@ class PiecewiseMotion:
     def spans_of(
         self, segments: Sequence[int], part: tuple[float, float] | None
     ) -> tuple[Indices, Array]:
-        """Pieces that overlap a part of these segments, and the overlaps.
+        """Pieces (k,) that overlap a part of these segments, and (k, 2) the overlaps [rad].
 
-        Args:
-            segments: indices of segments.
-            part: first and last x in [0, 1] along each segment; None for all of it.
-
-        Returns:
-            (k,) pieces and (k, 2) the lower and upper end of each overlap [rad]. If the part is a
-            point, both pieces that meet there are returned; otherwise pieces that overlap by no
-            more than rounding are left out.
+        ``part``: first and last x in [0, 1] along each segment; None for all of it. If it is a
+        point, both pieces that meet there are returned; otherwise pieces that overlap by no more
+        than rounding are left out.
         """
         pieces = self.pieces_of(segments)
         if part is None:
-            return pieces, np.stack([self.curve.breaks[:-1], self.curve.breaks[1:]], 1)[pieces]
+            return pieces, sliding_window_view(self.curve.breaks, 2)[pieces]
         start = np.array([s.start for s in self.segments])
         angle = np.array([s.angle for s in self.segments])
         first, last = (  # of the part, on the segment of each piece
@@ -130,7 +123,7 @@ class PiecewiseMotion:
     @cached_property
     def _lengths(self) -> Array:
         """Lengths of the pieces (n,) [rad]."""
-        return self.curve.breaks[1:] - self.curve.breaks[:-1]
+        return np.diff(self.curve.breaks)
 
     @cached_property
     def initial_boxes(self) -> Indices:
@@ -150,9 +143,7 @@ class PiecewiseMotion:
     @cached_property
     def next_piece(self) -> Indices:
         """The piece that follows each piece round the turn (n,)."""
-        following: Indices = np.arange(1, self.curve.count + 1)
-        following[-1] = 0
-        return following
+        return np.roll(np.arange(self.curve.count), -1)
 
     @cached_property
     def _one_sided(self) -> tuple[Array, Array, Array]:
@@ -183,9 +174,8 @@ class PiecewiseMotion:
 
         Between two dwells the stroke takes the place of the lift.
         """
-        powers = np.ones((len(lengths), HIGHEST_ORDER + 1, self.curve.count))
-        for order in range(1, HIGHEST_ORDER + 1):
-            powers[:, order] = powers[:, order - 1] * lengths
+        factors = [np.ones_like(lengths), *[lengths] * HIGHEST_ORDER]
+        powers = np.cumprod(factors, axis=0).swapaxes(0, 1)
         sides = self._lift / powers
         scale = np.maximum(sides, sides.take(self.next_piece, axis=-1))
         dwell = self.stroke / np.minimum(powers, powers.take(self.next_piece, axis=-1))

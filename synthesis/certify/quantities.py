@@ -9,6 +9,7 @@ forces too, pressure angle and curvature come from the tangent and its turning.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,11 +38,8 @@ Size = tuple[float, ...]
 class TracedPoint:
     """A traced point and its tangent at given s, s', s'', s''' (numbers, arrays or Taylor models).
 
-    Terms that several quantities share are computed once.
-
-    Attributes:
-        piece: (n,) pieces of the motion that the n places lie on. process: P there [N]; both are
-            None where no force is measured.
+    Terms that several quantities share are computed once. ``piece``: (n,) pieces of the motion that
+    the n places lie on; ``process``: P there [N]; None where no force is measured.
     """
 
     trace: TracePoint
@@ -184,6 +182,8 @@ def tangent_clearance(depth: float) -> Quantity:
 
 
 Subject = tuple[Quantity, str]  # a quantity, and the name of the traced curve it is measured on
+# bounds of a question for the largest value, by side 1, and for the smallest, by side −1
+BOUNDS: Final = {1: (-math.inf, 0.0), -1: (0.0, math.inf)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +218,7 @@ class MeasuredCam:
     ) -> list[Any]:
         points = {
             path: TracedPoint(self.traces[path], self.size, s, piece, process)
-            for path in {path for _, path in subjects}
+            for _, path in subjects
         }
         return [quantity.formula(points[path]) for quantity, path in subjects]
 
@@ -242,32 +242,28 @@ class MeasuredCam:
             process = force.curve.at(x, owner[piece], 0)
         return self._evaluate(subjects, tuple(self.motion.curve.jet(x, piece, 3)), piece, process)
 
-    def one_sided(self, subject: Subject, junction: int) -> tuple[float, float]:
-        """Values of a quantity of the path alone on the left and on the right of a junction."""
-        quantity, path = subject
-        before, after = (
-            float(quantity.formula(TracedPoint(self.traces[path], self.size, s)))
-            for s in self.motion.one_sided_values(junction)
-        )
-        return before, after
+    def sides(self, path: str, junction: int) -> list[TracedPoint]:
+        """The traced point on the left and on the right of a junction."""
+        both = self.motion.one_sided_values(junction)
+        return [TracedPoint(self.traces[path], self.size, s) for s in both]
 
     def turning_at(self, path: str, junction: int) -> float:
         """Cross product of the traced curve's tangents at a junction: convex corners positive."""
-        before, after = (
-            TracedPoint(self.traces[path], self.size, s).tangent
-            for s in self.motion.one_sided_values(junction)
-        )
+        before, after = (point.tangent for point in self.sides(path, junction))
         return float(before[1] * after[0] - before[0] * after[1])
+
+    def extreme(
+        self, subject: Subject, segments: Sequence[int], bounds: tuple[float, float]
+    ) -> Extremum:
+        """The extreme of one quantity on segments that is nearest to its bounds."""
+        return self.enclose([subject], [ExtremumQuery(self.motion.pieces_of(segments), *bounds)])[0]
 
     def enclose(
         self, subjects: Sequence[Subject], questions: Sequence[ExtremumQuery]
     ) -> list[Extremum]:
         """Enclose extremes of quantities over the cam angle, one-sided at junctions.
 
-        Args:
-            subjects: the functions that the questions refer to.
-            questions: which extremes. The width that suffices is the larger of the question's own
-                and the quantity's.
+        The width that suffices is the larger of the question's own and the quantity's.
         """
         scale = prime_radius(self.machine.follower, self.size)
         return enclose(
@@ -288,7 +284,7 @@ def infinite_by_jump(
 ) -> Jump | None:
     """The jump of s, s', … of lowest order that makes the quantity infinite on these segments."""
     if motion.is_continuous_below(quantity.continuous_below):
-        return None
+        return None  # the others are not asked for: this is much cheaper
     junctions = motion.junctions_of(segments, part)
     for order in range(quantity.continuous_below):
         jumps = motion.discontinuities(order, junctions)
@@ -315,7 +311,12 @@ def infinite_at_corner(quantity: Quantity, cam: MeasuredCam, claim: Claim) -> Ju
 
 # -- forces ----------------------------------------------------------------------------------------
 
-FORCES: Final = ("drive_force", "contact_force", "camshaft_torque", "pressure_square")
+WITHOUT_CURVATURE: Final[Mapping[str, Callable[[ContactState], Any]]] = {
+    "drive_force": ContactState.drive,
+    "contact_force": ContactState.contact_force,
+    "camshaft_torque": ContactState.torque,
+}
+FORCES: Final = (*WITHOUT_CURVATURE, "pressure_square")
 NEGLIGIBLE: Final = 1e-11  # width of an enclosure that suffices, as a share of the largest sample
 SAMPLES: Final = (0.02, 0.5, 0.98)  # places on each piece where those samples are taken
 
@@ -347,13 +348,9 @@ def force_quantity(name: str, flank: Flank, cam: MeasuredCam) -> Quantity:
             (gx * ny - gy * nx) / length, (gx * nx + gy * ny) / length,
             at.trace.lever(at.s, at.size),
         )  # fmt: skip
-        if name == "drive_force":
-            return place.drive()
-        if name == "camshaft_torque":
-            return place.torque()
+        if name != "pressure_square":
+            return WITHOUT_CURVATURE[name](place)
         force = place.contact_force()
-        if name == "contact_force":
-            return force
         if cam.machine.follower.always_convex:
             return face_pressure_square(load, force, face_radius(at))
         return pressure_square(load, flank, force, pitch_curvature(at))

@@ -58,14 +58,11 @@ def deepest_interference(cam: MeasuredCam) -> tuple[Flank, NearestPair] | None:
         return None
     smooth, questions, subjects = roller_clearances(cam, 0)
     clear = clear_flanks(smooth, cam.enclose(subjects, questions))
-    pairs = [
-        (flank, _nearest_pair(cam, flank))
-        for flank in cam.machine.follower.flanks
-        if flank.distance > 0.0 and flank not in clear
-    ]
     cut = [
         (flank, pair)
-        for flank, pair in pairs
+        for flank in cam.machine.follower.flanks
+        if flank.distance > 0.0 and flank not in clear
+        for pair in (_nearest_pair(cam, flank),)
         if pair.distance < flank.distance and not pair.excludes_interference(flank.distance)
     ]
     return max(cut, key=lambda each: each[0].distance - each[1].distance, default=None)
@@ -95,9 +92,14 @@ def roller_clearances(
         for k in range(len(flanks))
     ]
     # the tangent must pass the axis at more than R where the profile lies inside the traced curve
-    depths = [max(flank.side * flank.distance, 0.0) for flank in flanks]
-    clearances = [tangent_clearance(depth) for depth in depths]
-    return flanks, questions, [(c, f.path) for c, f in zip(clearances, flanks, strict=True)]
+    return (
+        flanks,
+        questions,
+        [
+            (tangent_clearance(max(flank.side * flank.distance, 0.0)), flank.path)
+            for flank in flanks
+        ],
+    )
 
 
 def clear_flanks(flanks: Sequence[Flank], answers: Sequence[Extremum]) -> list[Flank]:
@@ -117,7 +119,7 @@ def _nearest_pair(cam: MeasuredCam, flank: Flank) -> NearestPair:
 
 def _no_interference(flank: Flank, pairs: int) -> Extreme:
     evidence = f"curvature, and {pairs} pairs of intervals: the roller reaches into no other part"
-    return _line(flank, 0.0, 0.0, 0.0, True, evidence)
+    return _line(flank, 0.0, evidence)
 
 
 def _check_roller(flank: Flank, pair: NearestPair) -> Extreme:
@@ -126,17 +128,16 @@ def _check_roller(flank: Flank, pair: NearestPair) -> Extreme:
         return _no_interference(flank, pair.pairs)
     if not math.isfinite(pair.distance):
         why = "the roller centre's path has no enclosed tangent here"
-        return _line(flank, None, pair.profile_angle, 0.0, False, why)
+        return _line(flank, None, why, pair.profile_angle)
     depth = flank.distance - pair.distance
     if depth <= 0.0:
         why = f"neither found nor excluded in {pair.pairs} pairs of intervals"
-        return _line(flank, None, pair.profile_angle, 0.0, False, why)
+        return _line(flank, None, why, pair.profile_angle)
     where = (
         f"at {pair.roller_angle / DEGREE:.6g}° the roller reaches into the profile of "
         f"{pair.profile_angle / DEGREE:.6g}°; {pair.pairs} pairs of intervals"
     )
-    width = pair.distance - pair.lower_bound
-    return _line(flank, depth, pair.profile_angle, width, False, where)
+    return _line(flank, depth, where, pair.profile_angle, pair.distance - pair.lower_bound)
 
 
 # -- knife edge ------------------------------------------------------------------------------
@@ -155,17 +156,17 @@ def _check_edge(cam: MeasuredCam, flank: Flank) -> Extreme:
     grows, falls = (np.nan_to_num(each, nan=-np.inf) for each in (outward, inward))
     if grows.min() > 0.0 or falls.min() > 0.0:
         proof = f"the edge's distance from the axis is monotone in s, on {len(intervals)} intervals"
-        return _line(flank, 0.0, 0.0, 0.0, True, proof)
+        return _line(flank, 0.0, proof)
     angle = float(intervals.lo[int(np.argmin(np.maximum(grows, falls)))])
-    why = "the edge's distance from the axis is not monotone in s"
-    return _line(flank, None, angle, 0.0, False, why)
+    return _line(flank, None, "the edge's distance from the axis is not monotone in s", angle)
 
 
 def _line(
-    flank: Flank, depth: float | None, angle: float, width: float, holds: bool, evidence: str
+    flank: Flank, depth: float | None, evidence: str, angle: float = 0.0, width: float = 0.0
 ) -> Extreme:
+    """A line of the certificate: it holds where no interference is left, a depth of 0."""
     return Extreme(
         limit=labelled(SELF_CROSSING, flank.name), value=depth, unit="mm",
         angle_deg=angle / DEGREE, bound=0.0, margin=None if depth is None else 0.0 - depth,
-        width=width, holds=holds, evidence=evidence, field="base_radius_mm",
+        width=width, holds=depth == 0.0, evidence=evidence, field="base_radius_mm",
     )  # fmt: skip

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 from flint import acb, arb
 
@@ -26,10 +26,8 @@ from synthesis.certify.second.exact_design import (
 )
 from synthesis.certify.second.exact_motion import LawPiece, Maximum, degree, jump
 from synthesis.certify.second.invariants import DERIVATIVES, JUMP_ROUNDING, junctions_at
-from synthesis.certify.second.quantities import FORCES
+from synthesis.certify.second.quantities import FORCES, ORDERS
 from synthesis.design.design import Extreme
-
-ORDERS: Final = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +92,7 @@ def _side(design: ExactDesign, claim: Claim, sign: int, bound: float) -> _Side |
         return None
     wanted = float(f"{wanted:.15g}")  # as the spec states it, without rounding of a conversion
     low, high = reached.min(beyond).lower(), reached.max(beyond).upper()
-    direction = -sign if _is_decreasing(design, claim) else sign
+    direction = -sign if _is_decreasing(to_wire) else sign
     # by how much rounding of the cam angle where a piece ends may change the value there
     near = [span for span in spans if span[0].segment == found.piece.segment]
     further = to_wire(found.lower * sign + design.slope(claim, near, found.x) * ANGLE_ROUNDING)
@@ -111,7 +109,8 @@ def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
     if claim.limit == "reach":
         return lambda moved: (_angle_at_rest(design) + moved) / degree()
     if claim.quantity == "travel":
-        piece, sense = design.motion.pieces_of(claim.segments)[0], _sense(design, claim)
+        piece = design.motion.pieces_of(claim.segments)[0]  # travel is gained, or lost
+        sense = -1 if design.design.curve.segments[claim.segments[0]].lift < 0.0 else 1
         return lambda moved: (moved - piece.level) * design.to_wire * sense
     if order is not None:
         return lambda rate: rate * design.rate(order)
@@ -120,7 +119,9 @@ def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
     if claim.to_wire is float:  # the core measures in the unit of the wire
         return lambda value: value
     if claim.quantity == "contact_force":
-        return lambda force: force * _flank_side(design, claim)
+        flanks = design.machine.follower.flanks
+        side = next(flank.side for flank in flanks if flank.name == claim.flank)
+        return lambda force: force * side
     if claim.quantity == "pressure_square":
         compliance = design.contact_compliance
         return lambda value: (value.max(arb(0)) / compliance).sqrt()
@@ -128,29 +129,12 @@ def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
     return lambda value: of_length(value)
 
 
-def _is_decreasing(design: ExactDesign, claim: Claim) -> bool:
-    """Whether the value on the wire decreases as the quantity increases."""
-    if claim.quantity == "travel":
-        return _sense(design, claim) < 0
-    if claim.quantity == "contact_force":
-        return _flank_side(design, claim) < 0
-    if claim.quantity != "pitch_curvature":
-        return False
-    # a radius has values on one side of zero curvature only
-    samples = [claim.to_wire(k) for k in (-2.0, -1.0, 1.0, 2.0)]
+def _is_decreasing(to_wire: Callable[[arb], arb | None]) -> bool:
+    """Whether the value on the wire, which is monotone, decreases as the quantity increases."""
+    # a radius has values on one side of zero curvature only, a root of positive numbers only
+    samples = [to_wire(arb(k)) for k in (-2, -1, 1, 2)]
     values = [value for value in samples if value is not None]
-    return values[1] < values[0]
-
-
-def _sense(design: ExactDesign, claim: Claim) -> int:
-    """+1 where travel is displacement gained, −1 where it is lost."""
-    return -1 if design.design.curve.segments[claim.segments[0]].lift < 0.0 else 1
-
-
-def _flank_side(design: ExactDesign, claim: Claim) -> int:
-    """The sign of the contact force that presses the flank of a claim."""
-    flanks = design.machine.follower.flanks
-    return next(flank.side for flank in flanks if flank.name == claim.flank)
+    return bool(values[-1] < values[-2])
 
 
 def _angle_at_rest(design: ExactDesign) -> arb:

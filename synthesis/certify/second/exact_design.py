@@ -22,7 +22,7 @@ from synthesis.certify.second.exact_motion import (
     enclose_maximum,
     hull,
 )
-from synthesis.certify.second.quantities import FORCES, QUANTITIES, ExactLoad, LinkState
+from synthesis.certify.second.quantities import FORCES, QUANTITIES, ExactLoad, LinkState, contact
 from synthesis.design.design import Design, Extreme
 
 VALUE_ROUNDING: Final = 16.0 * 2.0**-53  # relative, of a certificate's value in wire units
@@ -32,13 +32,10 @@ DIGITS: Final = 25  # of a reported value
 
 @dataclass(frozen=True)
 class Measurement:
-    """The second measurement of one line, in the wire's unit.
+    """The second measurement of one line, in the wire's unit: an enclosure [low, high].
 
-    Attributes:
-        low, high: ends of the enclosure; None if there is no finite value.
-        holds: whether the bound is satisfied; None if undecided.
-        agrees: whether the certificate is right; None if not measured. how: method.
-        angle: cam angle [deg]; None if the line is not about one.
+    ``holds``: whether the bound is satisfied; ``agrees``: whether the certificate is right;
+    ``how``: method; ``angle``: cam angle [deg]. None is what is not known, or does not exist.
     """
 
     low: arb | None
@@ -54,11 +51,7 @@ NOT_MEASURED: Final = Measurement(None, None, None, None, "not covered by the se
 
 @dataclass(frozen=True, eq=False)
 class ExactDesign:
-    """A design to be measured again.
-
-    Attributes:
-        link: its output link in balls. motion: its motion.
-    """
+    """A design to be measured again, with its output link in balls and its motion."""
 
     design: Design
     link: Link
@@ -133,7 +126,7 @@ class ExactDesign:
     def _series(self, claim: Claim) -> Callable[[MotionPiece, arb], arb_series]:
         """The claim's quantity as a function of a piece and x."""
         formula = FORCES.get(claim.quantity) or QUANTITIES[claim.quantity]
-        return lambda piece, x: formula(self._state(claim, piece, x), claim.path)
+        return lambda piece, x: formula(contact(self._state(claim, piece, x), claim.path))
 
     def _state(self, claim: Claim, piece: MotionPiece, x: arb) -> LinkState:
         """The link at x of a piece, with its drive where a force is measured."""
@@ -147,8 +140,8 @@ class ExactDesign:
 
     def value_at_rest(self, quantity: str, path: str, displacement: arb) -> arb:
         """A quantity while the follower is at rest."""
-        found = QUANTITIES[quantity](LinkState(self.link, arb_series([displacement])), path)
-        return coefficient(found, 0)
+        touching = contact(LinkState(self.link, arb_series([displacement])), path)
+        return coefficient(QUANTITIES[quantity](touching), 0)
 
 
 def compare(

@@ -50,14 +50,13 @@ class MotionPiece:
     """One piece of the motion; x runs from 0 to 1 over its segment.
 
     Attributes:
-        segment: index of the segment. law: its piece of the law.
         start, angle: of the whole segment [rad].
         level, unit: displacement at its start, and factor of the law; mm or rad.
         process: cam angle, value and slope of the process force; None where no force is measured.
     """
 
-    segment: int
     law: LawPiece
+    segment: int  # its index
     start: arb
     angle: arb
     level: arb
@@ -88,17 +87,11 @@ class ExactMotion:
     @cached_property
     def pieces(self) -> tuple[MotionPiece, ...]:
         """All pieces; segments of no extent have none."""
-        return tuple(self._all_pieces())
-
-    def _all_pieces(self) -> Iterator[MotionPiece]:
-        unit = degree() if self.in_degrees else arb(1)
-        program = self.design.resolved_spec.program
-        turn = sum((arb(segment.degrees) for segment in program), arb(0))
-        before = arb(0)  # degrees of the segments before
-        for index, (placed, segment) in enumerate(
-            zip(self.design.curve.segments, self.design.motion, strict=True)
-        ):
-            width = arb(program[index].degrees)
+        found, unit = list[MotionPiece](), degree() if self.in_degrees else arb(1)
+        widths = [arb(segment.degrees) for segment in self.design.resolved_spec.program]
+        turn, before = sum(widths, arb(0)), arb(0)  # degrees in all, and of the segments before
+        each = zip(self.design.curve.segments, self.design.motion, widths, strict=True)
+        for index, (placed, segment, width) in enumerate(each):
             start, angle = 2 * arb.pi() * before / turn, 2 * arb.pi() * width / turn
             before += width
             if placed.angle <= 0.0:
@@ -112,8 +105,9 @@ class ExactMotion:
             else:
                 assert placed.law is not None
                 laws = table_pieces(placed.law)
-            for law in laws:
-                yield MotionPiece(index, law, start, angle, low * unit, scale * unit)
+            placing = index, start, angle, low * unit, scale * unit
+            found += [MotionPiece(law, *placing) for law in laws]
+        return tuple(found)
 
     @property
     def in_degrees(self) -> bool:
@@ -145,16 +139,15 @@ def jump(before: MotionPiece, after: MotionPiece, order: int) -> arb:
 
 def table_pieces(law: Piecewise) -> list[LawPiece]:
     """A named law from its table, whose numbers are taken as exact."""
+    tables = (law.breaks, law.breaks[1:], law.origins, law.poly, law.waves)
+    rows = zip(*(table.tolist() for table in tables), strict=False)
     return [
         LawPiece(
-            arb(float(law.breaks[i])),
-            arb(float(law.breaks[i + 1])),
-            arb(float(law.origins[i])),
-            tuple(arb(float(c)) for c in law.poly[i]),
-            tuple((arb(float(a)), arb(float(w)), arb(float(p))) for a, w, p in law.waves[i]),
+            arb(low), arb(high), arb(origin), tuple(map(arb, poly)),
+            tuple((arb(a), arb(w), arb(p)) for a, w, p in waves),
         )
-        for i in range(law.count)
-    ]
+        for low, high, origin, poly, waves in rows
+    ]  # fmt: skip
 
 
 def spline_pieces(spline: SplineCurve) -> list[LawPiece]:
@@ -170,8 +163,7 @@ def spline_pieces(spline: SplineCurve) -> list[LawPiece]:
                 low, high = knots[j + k - p], knots[j + 1 + k - r]
                 share = arb_poly([(left - low) / (high - low), 1 / (high - low)])
                 row[j] = share * row[j] + (1 - share) * row[j - 1]
-        poly = [row[p][j] for j in range(p + 1)]
-        found.append(LawPiece(left, breaks[i + 1], left, tuple(poly)))
+        found.append(LawPiece(left, breaks[i + 1], left, tuple(row[p][j] for j in range(p + 1))))
     return found
 
 
@@ -197,6 +189,11 @@ def ball_precision() -> Iterator[None]:
 def degree() -> arb:
     """π/180."""
     return arb.pi() / 180
+
+
+def middle_of(low: arb, high: arb) -> arb:
+    """The middle of two exact numbers, exact itself."""
+    return ((low + high) / 2).mid()
 
 
 def hull(low: arb, high: arb) -> arb:
@@ -238,7 +235,7 @@ def enclose_maximum(function: Function, spans: Sequence[Span], sign: int = 1) ->
     search = _Search(function, sign)
 
     def entry(piece: MotionPiece, low: arb, high: arb) -> tuple[arb, int, MotionPiece, arb, arb]:
-        """An interval for the queue: the one with the largest bound comes first, then the older."""
+        # the interval with the largest bound comes first, then the older
         return -search.bound(piece, low, high), search.intervals, piece, low, high
 
     queue = [entry(*span) for span in spans]
@@ -247,7 +244,7 @@ def enclose_maximum(function: Function, spans: Sequence[Span], sign: int = 1) ->
         if -queue[0][0] - search.incumbent <= SUFFICIENT_WIDTH * search.scale:
             break
         _, _, piece, low, high = heapq.heappop(queue)
-        middle = ((low + high) / 2).mid()
+        middle = middle_of(low, high)
         heapq.heappush(queue, entry(piece, low, middle))
         heapq.heappush(queue, entry(piece, middle, high))
     assert search.piece is not None
@@ -267,7 +264,7 @@ class _Search:
     def bound(self, piece: MotionPiece, low: arb, high: arb) -> arb:
         """Upper bound on an interval; its middle and likely best point are tried as incumbents."""
         self.intervals += 1
-        middle = ((low + high) / 2).mid()
+        middle = middle_of(low, high)
         at_middle = self._series(piece, middle, highest_only=False)
         self._try(piece, middle, at_middle)
         if high <= low:  # a single point

@@ -15,7 +15,14 @@ from synthesis.certify.second.exact_design import (
     Measurement,
     satisfies,
 )
-from synthesis.certify.second.exact_motion import MotionPiece, coefficient, degree, hull, jump
+from synthesis.certify.second.exact_motion import (
+    MotionPiece,
+    coefficient,
+    degree,
+    hull,
+    jump,
+    middle_of,
+)
 from synthesis.design.design import Extreme
 from synthesis.units import DEGREE
 
@@ -39,11 +46,8 @@ def measure_invariant(design: ExactDesign, extreme: Extreme) -> Measurement:
     if name == "base_radius_positive":
         base, allowed = _base_radius(design), SIZE_ROUNDING * _cam_size(design)
         return _beside(extreme, base, AT_REST, allowed, holds=bool(base > 0))
-    measure = {
-        "table_deviation": _table_deviation,
-        "overshoot": _overshoot,
-    }.get(name, _dimension)
-    return measure(design, extreme)
+    along = {"table_deviation": _table_deviation, "overshoot": _overshoot}
+    return along.get(name, _dimension)(design, extreme)
 
 
 def _beside(
@@ -179,10 +183,8 @@ def _overshoot(design: ExactDesign, extreme: Extreme) -> Measurement:
     """Backward travel along the segment that the certificate names."""
     index = int(extreme.field.split("/")[1])
     forward = 1 if design.design.curve.segments[index].lift > 0.0 else -1
-    least = most = arb(0)
-    for piece in design.motion.pieces_of([index]):
-        low, high = _backward_travel(piece, forward)
-        least, most = least + low, most + high
+    each = [_backward_travel(piece, forward) for piece in design.motion.pieces_of([index])]
+    least, most = (sum(ends, arb(0)) for ends in zip(*each, strict=True))
     travel = hull(least.lower(), most.upper()) * design.to_wire
     return _beside(extreme, travel, "velocity enclosed in ball arithmetic")
 
@@ -208,14 +210,14 @@ def _backward_travel(piece: MotionPiece, forward: int) -> tuple[arb, arb]:
             least += loss.lower()
             most += loss.upper() if velocity.upper() <= 0 else (-velocity.lower() * width).upper()
             continue
-        middle = ((low + high) / 2).mid()
+        middle = middle_of(low, high)
         open_parts += [(low, middle), (middle, high)]
     return least, most
 
 
 def _velocity(piece: MotionPiece, low: arb, high: arb) -> arb:
     """Velocity per radian over a part of a piece, from its Taylor series about the middle."""
-    middle = ((low + high) / 2).mid()
+    middle = middle_of(low, high)
     here, over = piece.displacement(middle), piece.displacement(hull(low, high))
     reach = arb(0, ((high - low) * piece.angle / 2).upper())
     bend = 2 * coefficient(here, 2) + 3 * reach * coefficient(over, 3)

@@ -13,11 +13,11 @@ the derivative of the displacement.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 from flint import arb, arb_series
 
@@ -89,18 +89,16 @@ class TipContact:
     tip: Tip
 
     @cached_property
-    def _position(self) -> SeriesVector:
+    def curve(self) -> SeriesVector:
         return self.state.position_of(self.tip.at)
 
-    def curve(self) -> SeriesVector:
-        return self._position
-
+    @cached_property
     def normal(self) -> SeriesVector:
-        x, y = cam_rate(self._position)
+        x, y = cam_rate(self.curve)
         return -y, x
 
     def drive(self) -> SeriesVector:
-        x, y = self.state.motion_at(self._position)
+        x, y = self.state.motion_at(self.curve)
         return x * self.tip.outward, y * self.tip.outward
 
 
@@ -112,37 +110,35 @@ class FaceContact:
     face: Face
 
     @cached_property
-    def _line(self) -> tuple[SeriesVector, arb_series, arb_series]:
-        """N, h, and the rate dχ/dθ at which N turns on the cam, counter-clockwise."""
-        normal = self.state.direction_of(self.face.normal)
-        place = self.state.position_of(self.face.at)
-        return normal, dot(place, normal), cross(normal, cam_rate(normal))
+    def normal(self) -> SeriesVector:
+        return self.state.direction_of(self.face.normal)
 
     @cached_property
-    def _offset(self) -> arb_series:
-        """dh/dχ: from the foot of the perpendicular on the axis to the contact, along the face."""
-        _, h, turning = self._line
-        return h.derivative() / turning
+    def _support(self) -> tuple[arb_series, arb_series, arb_series]:
+        """h, the rate dχ/dθ at which N turns on the cam, counter-clockwise, and dh/dχ.
 
+        The last is the way along the face from the foot of the perpendicular on the axis.
+        """
+        h = dot(self.state.position_of(self.face.at), self.normal)
+        turning = cross(self.normal, cam_rate(self.normal))
+        return h, turning, h.derivative() / turning
+
+    @cached_property
     def curve(self) -> SeriesVector:
-        (nx, ny), h, _ = self._line
-        return nx * h - ny * self._offset, ny * h + nx * self._offset
-
-    def normal(self) -> SeriesVector:
-        return self._line[0]
+        (nx, ny), (h, _, offset) = self.normal, self._support
+        return nx * h - ny * offset, ny * h + nx * offset
 
     def drive(self) -> SeriesVector:
-        return self.state.motion_at(self.curve())
+        return self.state.motion_at(self.curve)
 
     def radius(self) -> arb_series:
         """ρ = h + d²h/dχ², the radius of curvature of an envelope with support function h."""
-        _, h, turning = self._line
-        return h + self._offset.derivative() / turning
+        h, turning, offset = self._support
+        return h + offset.derivative() / turning
 
     def reach(self) -> arb_series:
         """Position of the contact along the face, from the face's reference point."""
-        x, y = self.curve()
-        fx, fy = self.state.position_of(self.face.at)
+        (x, y), (fx, fy) = self.curve, self.state.position_of(self.face.at)
         return dot((x - fx, y - fy), self.state.direction_of(self.face.along))
 
 
@@ -170,14 +166,13 @@ def cross(a: SeriesVector, b: SeriesVector) -> arb_series:
     return a[0] * b[1] - a[1] * b[0]
 
 
-def _pressure_angle(state: LinkState, path: str) -> arb_series:
+def _pressure_angle(touching: Any) -> Any:
     """α from the outward normal to the drive.
 
     The arc tangent is taken of the constant term only; the rest is the integral of dα/dθ, which is
     a rational function.
     """
-    touching = contact(state, path)
-    n, g = touching.normal(), touching.drive()
+    n, g = touching.normal, touching.drive()
     along, across = dot(g, n), cross(g, n)
     turning = (along * across.derivative() - across * along.derivative()) / (
         along * along + across * across
@@ -185,55 +180,41 @@ def _pressure_angle(state: LinkState, path: str) -> arb_series:
     return turning.integral() + arb.atan2(coefficient(across, 0), coefficient(along, 0))
 
 
-def curvature(state: LinkState, path: str) -> arb_series:
+def curvature(touching: Any) -> arb_series:
     """κ of the traced curve, which runs clockwise: convex positive."""
-    tangent = cam_rate(contact(state, path).curve())
+    tangent = cam_rate(touching.curve)
     square = dot(tangent, tangent)
     return cross(cam_rate(tangent), tangent) / (square * square.sqrt())
 
 
-def _radius(state: LinkState, path: str) -> arb_series:
-    """Distance of the traced curve from the axis."""
-    curve = contact(state, path).curve()
-    return dot(curve, curve).sqrt()
+def _derivative(touching: Any, order: int) -> Any:
+    found = touching.state.displacement
+    for _ in range(order):
+        found = found.derivative()
+    return found
 
 
-def _derivative(order: int) -> Callable[[LinkState, str], arb_series]:
-    def derivative(state: LinkState, path: str) -> arb_series:
-        found = state.displacement
-        for _ in range(order):
-            found = found.derivative()
-        return found
-
-    return derivative
-
-
-QUANTITIES: dict[str, Callable[[LinkState, str], arb_series]] = {
-    "travel": _derivative(0),
-    "displacement": _derivative(0),
-    "velocity": _derivative(1),
-    "acceleration": _derivative(2),
-    "jerk": _derivative(3),
+ORDERS: Final = {"travel": 0, "displacement": 0, "velocity": 1, "acceleration": 2, "jerk": 3}
+# of what touches the cam, by the names that claims use
+QUANTITIES: Final[Mapping[str, Callable[[Any], arb_series]]] = {
+    **{name: partial(_derivative, order=order) for name, order in ORDERS.items()},
     "pressure_angle": _pressure_angle,
     "pitch_curvature": curvature,
-    "pitch_radius": _radius,
-    "face_radius": lambda state, path: contact(state, path).radius(),
-    "contact": lambda state, path: contact(state, path).reach(),
-    "contact_left": lambda state, path: -contact(state, path).reach(),
-    "contact_right": lambda state, path: contact(state, path).reach(),
+    "pitch_radius": lambda touching: dot(touching.curve, touching.curve).sqrt(),
+    "face_radius": FaceContact.radius,
+    "contact": FaceContact.reach,
+    "contact_left": lambda touching: -touching.reach(),
+    "contact_right": FaceContact.reach,
 }
-"""By the names that claims use."""
 
 # -- forces ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
 class ExactLoad:
-    """The load of the follower, as exact numbers.
+    """The load of the follower as the spec states it, at ω [rad/s].
 
-    Attributes:
-        stated: the load as the spec states it. omega: ω [rad/s].
-        side: sign of the spring force. has_friction: whether guide friction acts.
+    ``side``: sign of the spring force; ``has_friction``: whether guide friction acts.
     """
 
     stated: WireLoad
@@ -277,43 +258,37 @@ class ExactLoad:
         return inertia + damping + displacement * arb(stated.rate) + process + constant
 
 
-def contact_force(state: LinkState, path: str) -> arb_series:
+def contact_force(touching: Any) -> arb_series:
     """N, positive along the outward normal [N]."""
-    assert state.drive is not None
-    touching = contact(state, path)
-    n, w = touching.normal(), state.motion_at(touching.curve())
+    state = touching.state
+    n, w = touching.normal, state.motion_at(touching.curve)
     metre = 1 if state.link.pivot is None else 1000  # N m over mm
     found: arb_series = state.drive * metre * dot(n, n).sqrt() / dot(n, w)
     return found
 
 
-def camshaft_torque(state: LinkState, path: str) -> arb_series:
+def camshaft_torque(touching: Any) -> arb_series:
     """T [N m]."""
-    assert state.drive is not None
+    state = touching.state
     work: arb_series = state.drive * state.displacement.derivative()
     return work if state.link.pivot is not None else work / 1000
 
 
-def pressure_square(state: LinkState, path: str) -> arb_series:
+def pressure_square(touching: Any) -> Any:
     """Square of the Hertzian pressure times the compliance of the line contact [N/mm].
 
     It is the contact force times the sum of both curvatures.
     """
-    flank, touching = state.flank, contact(state, path)
-    assert flank is not None
-    force = contact_force(state, path) * flank.side
-    bend = curvature(state, path) * flank.side
-    found: arb_series = (
-        force / touching.radius()
-        if state.link.face is not None
-        else force * (bend / (1 - bend * arb(flank.distance)) + 1 / arb(flank.roller))
-    )
-    return found
+    flank = touching.state.flank
+    force = contact_force(touching) * flank.side
+    if touching.state.link.face is not None:
+        return force / touching.radius()
+    bend = curvature(touching) * flank.side
+    return force * (bend / (1 - bend * arb(flank.distance)) + 1 / arb(flank.roller))
 
 
-FORCES: dict[str, Callable[[LinkState, str], arb_series]] = {
+FORCES: Final[Mapping[str, Callable[[Any], arb_series]]] = {
     "contact_force": contact_force,
     "camshaft_torque": camshaft_torque,
     "pressure_square": pressure_square,
 }
-"""By the names that claims use."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,13 @@ from flint import arb, arb_series
 
 from synthesis.catalogue.followers.kinematics import Flank, Tip
 from synthesis.certify.second.exact_design import NOT_MEASURED, ExactDesign, Measurement
-from synthesis.certify.second.exact_motion import MotionPiece, SeriesVector, coefficient, hull
+from synthesis.certify.second.exact_motion import (
+    MotionPiece,
+    SeriesVector,
+    coefficient,
+    hull,
+    middle_of,
+)
 from synthesis.certify.second.quantities import LinkState, TipContact, cam_rate, cross, dot
 from synthesis.design.design import Extreme
 from synthesis.numerics.box_search import BoxSearch, Budget
@@ -117,8 +124,8 @@ class _FlankSearch(BoxSearch[Pairs]):
         for k, (a, b) in enumerate(boxes):
             if not self._is_apart(a.flank, b.centre):
                 found[k] = 1.0
-                (x, y), (u, v) = self._middle(a).flank, self._middle(b).centre
-                if (x - u) ** 2 + (y - v) ** 2 < self.least * self.least:
+                square = _squared_distance(self._middle(a).flank, self._middle(b).centre)
+                if square < self.least * self.least:
                     self.interferes = True
                     break
         return found
@@ -138,17 +145,15 @@ class _FlankSearch(BoxSearch[Pairs]):
 
     def _is_apart(self, flank: Point, centre: Point) -> bool:
         """Whether a part of the flank keeps its distance from the roller's centre."""
-        dx, dy = flank[0] - centre[0], flank[1] - centre[1]
-        square = dx * dx + dy * dy
-        return bool(square.lower() >= self.least * self.least)
+        return bool(_squared_distance(flank, centre).lower() >= self.least * self.least)
 
     def _middle(self, box: _Box) -> _Box:
-        middle = ((box.low + box.high) / 2).mid()
+        middle = middle_of(box.low, box.high)
         return self._box(box.piece, middle, middle)
 
     def _halves(self, box: _Box) -> tuple[_Box, _Box]:
         if box not in self.halves:
-            middle = ((box.low + box.high) / 2).mid()
+            middle = middle_of(box.low, box.high)
             one = self._box(box.piece, box.low, middle)
             self.halves[box] = one, self._box(box.piece, middle, box.high)
         return self.halves[box]
@@ -160,26 +165,21 @@ class _FlankSearch(BoxSearch[Pairs]):
         width = float((piece.law.high - piece.law.low) * piece.angle)
         count = max(math.ceil(width / WIDEST), 1)
         step = (piece.law.high - piece.law.low) / count
-        open_parts = [
-            (
-                (piece.law.low + k * step).mid(),
-                piece.law.high if k + 1 == count else (piece.law.low + (k + 1) * step).mid(),
-            )
-            for k in reversed(range(count))
-        ]
+        ends = [piece.law.low.mid(), *((piece.law.low + k * step).mid() for k in range(1, count))]
+        open_parts = list(pairwise([*ends, piece.law.high]))[::-1]
         while open_parts:
             low, high = open_parts.pop()
             box = self._box(piece, low, high)
             if box.turning <= LARGEST_TURNING or float(high - low) < NARROWEST:
                 yield box
                 continue
-            middle = ((low + high) / 2).mid()
+            middle = middle_of(low, high)
             open_parts += [(middle, high), (low, middle)]
 
     def _box(self, piece: MotionPiece, low: arb, high: arb) -> _Box:
         x = hull(low, high)
         contact = self._contact(piece, x)
-        tangent = cam_rate(contact.curve())
+        tangent = cam_rate(contact.curve)
         square = dot(tangent, tangent)
         # over too wide a box the tangent might vanish, or the bound be no number
         if not coefficient(square.sqrt(), 0).lower() > 0:
@@ -200,7 +200,7 @@ class _FlankSearch(BoxSearch[Pairs]):
 
         In floating point: a ball across the cut of the arc tangent could be anywhere.
         """
-        tx, ty = cam_rate(self._contact(piece, x).curve())
+        tx, ty = cam_rate(self._contact(piece, x).curve)
         heading = math.atan2(float(coefficient(ty, 0)), float(coefficient(tx, 0)))
         return heading - float(piece.angle_at(x))
 
@@ -221,10 +221,13 @@ class _FlankSearch(BoxSearch[Pairs]):
 
     def _both(self, contact: TipContact) -> tuple[SeriesVector, SeriesVector]:
         """P and O = P − D n in the machine frame."""
-        x, y = contact.curve()
-        nx, ny = contact.normal()
-        length = dot((nx, ny), (nx, ny)).sqrt()
-        return (x, y), (x - nx / length * self.distance, y - ny / length * self.distance)
+        (x, y), (nx, ny) = contact.curve, contact.normal
+        length = dot(contact.normal, contact.normal).sqrt()
+        return contact.curve, (x - nx / length * self.distance, y - ny / length * self.distance)
+
+
+def _squared_distance(one: Point, other: Point) -> arb:
+    return sum(((a - b) ** 2 for a, b in zip(one, other, strict=True)), arb(0))
 
 
 def _on_cam(vector: Point, angle: arb) -> Point:
@@ -236,11 +239,9 @@ def _on_cam(vector: Point, angle: arb) -> Point:
 def _far_pairs(boxes: Sequence[_Box]) -> Iterator[tuple[int, int]]:
     """Pairs of boxes along both arcs between which the tangent may turn by π or more."""
     # range of the heading on every box, continued over two turns so that every arc is contiguous
-    count = len(boxes)
-    low, high, at = np.zeros(2 * count), np.zeros(2 * count), 0.0
-    last = boxes[-1].heading[1]
-    for k in range(2 * count):
-        box = boxes[k % count]
+    count, at, last = len(boxes), 0.0, boxes[-1].heading[1]
+    low, high = np.zeros((2, 2 * count))
+    for k, box in enumerate([*boxes, *boxes]):
         at += _turn(last, box.heading[0])  # at corners only
         end = at + _turn(*box.heading)
         low[k] = min(at, end) - box.turning - HEADING_ROUNDING
