@@ -7,8 +7,8 @@ end faces.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Literal
@@ -99,10 +99,14 @@ class SpatialCam:
         """Contacts of a wall at θ (n,) [rad] and places on the roller's axis (m,) [mm]."""
         return self.swept.contacts(self.place(wall.seat, theta), rho, wall.side)
 
+    def along_axis(self, point: Array) -> Array:
+        """Positions along the cam's axis of points (3, …) of the machine's frame [mm]."""
+        shape = (3,) + (1,) * (point.ndim - 1)
+        return dot(self.swept.axis.reshape(shape), point - self.swept.centre.reshape(shape))
+
     def between_faces(self, point: Array) -> Array:
         """Which points (3, …) of the machine's frame lie between the end faces."""
-        shape = (3,) + (1,) * (point.ndim - 1)
-        along = dot(self.swept.axis.reshape(shape), point - self.swept.centre.reshape(shape))
+        along = self.along_axis(point)
         return np.asarray((along >= self.faces[0]) & (along <= self.faces[1]))
 
     @cached_property
@@ -131,77 +135,65 @@ class SpatialCam:
 
 def build_cam(spec: SpatialCamSpec, sizes: Mapping[str, float], motion: Motion) -> SpatialCam:
     """The cam with these dimensions [mm] and this motion."""
-    machine, faces = spec.machine, spec.machine.end_faces()
+    machine, walls = spec.machine, []
     swept, mesh = machine.swept_roller(sizes, spec.rotation_sign), machine.mesh_range(sizes)
-    walls = []
+    cam = SpatialCam(swept, motion, (), sizes, machine.end_faces(), machine.period)
     for seat in machine.seats():
-        met = mesh_intervals(motion, seat, mesh, machine.period)
-        for side in seat.sides if met else ():
-            spans = tuple(
-                part for span in met
-                for part in intervals_between_faces(swept, motion, seat, side, span, faces)
-            )  # fmt: skip
+        met = _mesh_intervals(cam, seat, mesh)
+        for side in seat.sides:
+            spans = [
+                part for span in met for part in _intervals_between_faces(cam, seat, side, span)
+            ]
             if spans:
-                walls.append(Wall(seat, side, spans))
-    return SpatialCam(swept, motion, tuple(walls), sizes, faces, machine.period)
+                walls.append(Wall(seat, side, tuple(spans)))
+    return replace(cam, walls=tuple(walls))
 
 
-def mesh_intervals(motion: Motion, seat: Seat, mesh: Span, period: float) -> tuple[Span, ...]:
-    """Intervals of cam angle in one turn in which a roller meets the blank [rad].
-
-    Args:
-        mesh: range of q in mesh [rad or mm]. period: of q, after which a roller is back at its
-            place; may be infinite.
-    """
-    places = seat.start + motion.curve(np.linspace(0.0, FULL_TURN, SAMPLES * motion.curve.count))
+def _mesh_intervals(cam: SpatialCam, seat: Seat, mesh: Span) -> list[Span]:
+    """Intervals of cam angle in one turn in which a roller meets the blank, q within its mesh."""
+    curve = cam.motion.curve
     around = [0.0]
-    if math.isfinite(period):  # the periods by which the mesh may be met between these places
-        first = math.floor((float(places.min()) - mesh[1]) / period)
-        last = math.ceil((float(places.max()) - mesh[0]) / period)
-        around = [period * k for k in range(first, last + 1)]
+    if math.isfinite(cam.period):  # the periods by which the mesh may be met between these places
+        q = cam.place(seat, np.linspace(0.0, FULL_TURN, SAMPLES * curve.count)).q
+        first = math.floor((float(q.min()) - mesh[1]) / cam.period)
+        last = math.ceil((float(q.max()) - mesh[0]) / cam.period)
+        around = [cam.period * k for k in range(first, last + 1)]
 
     def within(theta: Array) -> Inside:
-        q = seat.start + motion.derivatives(theta, 0)[0]
-        rounds = np.array(around)[:, None]
-        return np.asarray(((q > mesh[0] + rounds) & (q < mesh[1] + rounds)).any(axis=0))
+        q = cam.place(seat, theta).q - np.array(around)[:, None]
+        return np.asarray(((q > mesh[0]) & (q < mesh[1])).any(axis=0))
 
     def crossing(level: float) -> Callable[[Array], Array]:
-        return lambda theta: motion.curve(theta) - level
+        return lambda theta: curve(theta) - level
 
-    ends = [0.0, *(segment.end for segment in motion.segments)]
+    ends = [0.0, *(segment.end for segment in cam.motion.segments)]
     levels = [crossing(q - seat.start + shift) for q in mesh for shift in around]
-    return _intervals(ends, motion.curve.breaks.tolist(), levels, within)
+    return _intervals(ends, curve.breaks, levels, within)
 
 
-def intervals_between_faces(
-    swept: SweptRoller, motion: Motion, seat: Seat, side: int, span: Span, faces: Span
-) -> tuple[Span, ...]:
-    """The parts of an interval in which some contact of a wall lies between the end faces.
-
-    Args:
-        faces: their positions along the cam's axis from its centre [mm].
-    """
-    if all(math.isinf(face) for face in faces):
-        return (span,)
-    rho = swept.roller.places(PLACES)
+def _intervals_between_faces(cam: SpatialCam, seat: Seat, side: int, span: Span) -> list[Span]:
+    """The parts of an interval in which some contact of a wall lies between the end faces."""
+    if np.all(np.isinf(cam.faces)):
+        return [span]
+    rho = cam.swept.roller.places(PLACES)
 
     def beyond(theta: Array) -> Array:
         """Distance of the nearest contact beyond the end faces, negative between them, (n,)."""
-        q, q1, q2 = motion.derivatives(theta, 2)
-        point, _ = swept.contact_points(FollowerState(seat.start + q, q1, q2), rho, side)
-        along = dot(swept.axis.reshape(3, 1, 1), point - swept.centre.reshape(3, 1, 1))
-        return np.asarray(np.maximum(faces[0] - along, along - faces[1]).min(axis=1))
+        point, _ = cam.swept.contact_points(cam.place(seat, theta), rho, side)
+        along = cam.along_axis(point)
+        return np.asarray(np.maximum(cam.faces[0] - along, along - cam.faces[1]).min(axis=1))
 
-    inner = [float(b) for b in motion.curve.breaks if span[0] < b < span[1]]
+    breaks = cam.motion.curve.breaks
+    inner = breaks[(breaks > span[0]) & (breaks < span[1])]
     return _intervals(span, [span[0], *inner, span[1]], [beyond], lambda t: beyond(t) < 0.0)
 
 
 def _intervals(
     ends: Sequence[float],
-    breaks: Sequence[float],
+    breaks: Iterable[float],
     functions: Sequence[Callable[[Array], Array]],
     within: Callable[[Array], Inside],
-) -> tuple[Span, ...]:
+) -> list[Span]:
     """Intervals between ends and roots of functions, merged where they meet.
 
     Args:
@@ -223,4 +215,4 @@ def _intervals(
             spans[-1] = (spans[-1][0], b)
         elif counts:
             spans.append((a, b))
-    return tuple(spans)
+    return spans

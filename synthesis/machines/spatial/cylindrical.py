@@ -275,8 +275,9 @@ class CylindricalOscillating(CylindricalFollower):
     def pressure_angle_curves(
         self, sizes: Mapping[str, float], slope: float, rotation: int
     ) -> tuple[SizeConstraint, ...]:
-        starts, place = tuple(seat.start for seat in self.seats()), (self.roller_width_mm, slope)
-        return (ArmPressureAngle("pressure_angle", self._lengths[0], starts, rotation, (place,)),)
+        starts, inner = tuple(seat.start for seat in self.seats()), self.roller_width_mm
+        arm = self._lengths[0]
+        return (ArmPressureAngle("pressure_angle", arm, starts, rotation, inner, slope),)
 
 
 class CylindricalIndexer(TurretMachine, CylindricalMachine):

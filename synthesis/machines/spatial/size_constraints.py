@@ -172,11 +172,8 @@ class TurretPressureAngle(SizeConstraint):
         """
         near = self._nearest(s)
         next_one = near - self.spacing * np.where(near > 0.0, 1.0, -1.0)
-        lines = []
-        for psi in (near, next_one):
-            slope = -np.sin(psi)
-            lines.append((np.cos(psi) - slope * s / self.length, slope))
-        return lines
+        return [(np.cos(psi) + np.sin(psi) * s / self.length, -np.sin(psi))
+                for psi in (near, next_one)]  # fmt: skip
 
     def _chord(self, box: MotionSizeBox) -> tuple[Array, Array]:
         """The best line below the nearest roller's cosine over a box."""
@@ -217,23 +214,30 @@ class ArmPressureAngle(SizeConstraint):
 
     Attributes:
         length: l, of the arm [mm]. starts: ψ of the rollers at s = 0 [rad]. hand: χ.
-        places: (depth below the cylinder [mm], t left there).
+        depth: of the rollers' inner ends below the cylinder [mm]. slope: t.
     """
 
     starts: tuple[float, ...]
     hand: int
-    places: tuple[tuple[float, float], ...]
+    depth: float
+    slope: float
+
+    def _levers(self, s: Array, sense: float) -> Array:
+        """t cos ψ ± χ sin ψ of every roller at displacements s (n,): (rollers, n)."""
+        psi = np.array(self.starts)[:, None] + s / self.length
+        return np.asarray(self.slope * np.cos(psi) + sense * self.hand * np.sin(psi))
 
     def max_speed(self, s: Array, size: float, sense: float) -> Array:
-        psi = self._angles(s)
-        least = np.full(len(s), np.inf)
-        for depth, left in self.places:
-            speed = (size - depth) * (left * np.cos(psi) + sense * self.hand * np.sin(psi))
-            least = np.minimum(least, np.min(speed, axis=0))
-        return least
+        return np.asarray(np.min((size - self.depth) * self._levers(s, sense), axis=0))
 
     def least_size(self, s: Array) -> Array:
-        return np.asarray(np.max([self._least_at(s, *place) for place in self.places], axis=0))
+        least = np.zeros(s.shape[1])
+        for sense in (1.0, -1.0):
+            levers = self._levers(s[0], sense)
+            needed = sense * s[1] / np.maximum(levers, LEAST_LEVER)
+            needed = np.where(levers > LEAST_LEVER, needed, UNREACHABLE * self.length)
+            least = np.maximum(least, np.max(needed, axis=0))
+        return np.asarray(self.depth + least)
 
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
@@ -241,24 +245,6 @@ class ArmPressureAngle(SizeConstraint):
         if about is None:
             return ()
         return (_linear_approximation(self.least_size, about[0], [ARM_STEP * self.length] * 2),)
-
-    def _angles(self, s: Array) -> Array:
-        """ψ of every roller at displacements s (n,): (rollers, n)."""
-        return np.asarray(np.array(self.starts)[:, None] + s / self.length)
-
-    def _least_at(self, s: Array, depth: float, left: float) -> Array:
-        """The least R that one place asks for, over all rollers and both walls."""
-        psi = self._angles(s[0])
-        least = np.zeros(s.shape[1])
-        for sign in (1.0, -1.0):
-            lever = left * np.cos(psi) + sign * self.hand * np.sin(psi)
-            needed = np.where(
-                lever > LEAST_LEVER,
-                sign * s[1] / np.maximum(lever, LEAST_LEVER),
-                UNREACHABLE * self.length,
-            )
-            least = np.maximum(least, np.max(needed, axis=0))
-        return np.asarray(depth + least)
 
 
 @dataclass(frozen=True)

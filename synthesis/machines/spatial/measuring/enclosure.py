@@ -21,6 +21,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from operator import neg
 from typing import Any
 
 import numpy as np
@@ -209,32 +210,36 @@ def undercut(radius: float) -> Enclosed:
 
 def prove_pressure_angle(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The largest pressure angle [rad], enclosed as tan²α."""
-    goal = None if allowed is None else math.tan(allowed) ** 2
-    most = _prove_maximum(models, pressure, math.tan(sampled.value) ** 2, goal)
-    if not math.isfinite(most):
-        return sampled
-    return replace(sampled, limit=math.atan(math.sqrt(most)), evidence=EVIDENCE)
+    return _prove_maximum(models, sampled, allowed, pressure,
+                          lambda angle: math.tan(angle) ** 2,
+                          lambda square: math.atan(math.sqrt(square)))  # fmt: skip
 
 
 def prove_regular(models: Models, sampled: Extremum, allowed: float | None) -> Extremum:
     """The least ratio of areas, wall to swept surface."""
-    goal = None if allowed is None else -allowed
-    most = _prove_maximum(models, undercut(models.cam.swept.roller.radius), -sampled.value, goal)
-    return replace(sampled, limit=-most, evidence=EVIDENCE) if math.isfinite(most) else sampled
+    of = undercut(models.cam.swept.roller.radius)
+    return _prove_maximum(models, sampled, allowed, of, neg, neg)
 
 
-def _prove_maximum(models: Models, of: Enclosed, best: float, allowed: float | None) -> float:
-    """A proven upper bound of a quantity, not below ``best``, which is reached by samples.
+def _prove_maximum(
+    models: Models, sampled: Extremum, allowed: float | None,
+    of: Enclosed, rising: Callable[[float], float], inverse: Callable[[float], float],
+) -> Extremum:  # fmt: skip
+    """What was found by samples with a proven limit, if that succeeds.
 
     Args:
-        allowed: bound of the quantity. Where the quantity is nearly constant along an arc, a proof
-            that it keeps the bound needs far fewer boxes than one that it stays at what was found.
+        allowed: bound. Where a quantity is nearly constant along an arc, a proof that it keeps the
+            bound needs far fewer boxes than one that it stays at what was found.
+        of: what is enclosed, to be maximised. rising: from the measured value to it; inverse: back.
     """
+    best = rising(sampled.value)
     enough = best + RELATIVE * max(abs(best), 1e-3)
     most = upper_bound(models, of, enough)
-    if allowed is not None and most > allowed:
-        most = upper_bound(models, of, max(enough, best + NEAR * (allowed - best)), SPARING)
-    return max(most, best)
+    if allowed is not None and most > (goal := rising(allowed)):
+        most = upper_bound(models, of, max(enough, best + NEAR * (goal - best)), SPARING)
+    if not math.isfinite(most):
+        return sampled
+    return replace(sampled, limit=inverse(max(most, best)), evidence=EVIDENCE)
 
 
 def upper_bound(models: Models, of: Enclosed, enough: float, splits: Splits = QUICK) -> float:

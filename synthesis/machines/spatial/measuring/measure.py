@@ -72,31 +72,23 @@ def measure(spec: SpatialCamSpec, cam: SpatialCam) -> list[SpatialExtreme]:
 def to_wire(quantity: Quantity, extremum: Extremum, bounds: Bounds) -> SpatialExtreme:
     """An extremum on the wire, against its bound."""
     value, limit = quantity.to_wire(extremum.value), quantity.to_wire(extremum.limit)
-    finite = math.isfinite(value)
-    width = abs(limit - value) if finite and math.isfinite(limit) else 0.0
-    bound = bounds.get(quantity.name, quantity.required)
-    margin = None
-    if bound is not None and finite:
+    width = abs(limit - value) if math.isfinite(value) and math.isfinite(limit) else 0.0
+    bound, margin = bounds.get(quantity.name, quantity.required), math.inf
+    if bound is not None:  # the minimum of nothing is +∞ and keeps every bound, the maximum −∞
         margin = bound.value - value if quantity.largest else value - bound.value
-    if bound is None:
-        holds = True
-    elif margin is None:  # the minimum of nothing is +∞ and keeps every bound, the maximum −∞
-        holds = value == (-math.inf if quantity.largest else math.inf)
-    else:
-        holds = margin >= width
     wall = extremum.wall
     return SpatialExtreme(
         quantity=quantity.name,
-        value=value if finite else None,
+        value=value if math.isfinite(value) else None,
         unit=quantity.unit,
         angle_deg=None if extremum.theta is None else extremum.theta / DEGREE,
         roller=None if wall is None else wall.seat.number,
         side=None if wall is None else wall.letter,
         rho_mm=extremum.rho,
         bound=None if bound is None else bound.value,
-        margin=margin,
+        margin=margin if math.isfinite(margin) else None,
         width=width,
-        holds=holds,
+        holds=margin >= width,
         evidence=extremum.evidence,
         field="" if bound is None else bound.field,
     )
@@ -123,24 +115,20 @@ def contact_counts(cam: SpatialCam) -> Iterator[tuple[Quantity, Extremum]]:
 
     A form-closed follower needs one contact on each side at every cam angle.
     """
-    marks = np.unique([0.0, FULL_TURN, *(t for w in cam.walls for span in w.spans for t in span)])
-    middles = 0.5 * (marks[1:] + marks[:-1])
-    wide = np.diff(marks)
-    counted = wide > SHORT
-    counts = {
-        side: sum(
-            ((middles > a) & (middles < b)).astype(int)
-            for wall in cam.walls if wall.side == side for a, b in wall.spans
-        ) + np.zeros(len(middles), dtype=int)
-        for side in (LEFT, RIGHT)
-    }  # fmt: skip
+    spans = [(wall.side, *span) for wall in cam.walls for span in wall.spans]
+    marks = np.unique([0.0, FULL_TURN, *(end for _, *both in spans for end in both)])
+    middles, wide = 0.5 * (marks[1:] + marks[:-1]), np.diff(marks)
     evidence = "counted between the angles where walls begin and end"
+    total = np.zeros(len(middles))
     for name, side in (("contacts_left", LEFT), ("contacts_right", RIGHT)):
-        least = int(np.argmin(np.where(counted, counts[side], 1 << 30)))
-        value = float(counts[side][least])
+        met = [(middles > a) & (middles < b) for each, a, b in spans if each == side]
+        count = np.sum([0.0 * wide, *met], axis=0)
+        total += count
+        least = int(np.argmin(np.where(wide > SHORT, count, np.inf)))
+        value = float(count[least])
         quantity = Quantity(name, "1", largest=False, required=Bound(1.0))
         yield quantity, Extremum(value, value, evidence, float(middles[least]))
-    mean = float(((counts[LEFT] + counts[RIGHT]) * wide).sum() / FULL_TURN)
+    mean = float((total * wide).sum() / FULL_TURN)
     yield Quantity("contacts_mean", "1", largest=False), Extremum(mean, mean, evidence)
 
 
