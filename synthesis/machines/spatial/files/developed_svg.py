@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
+from synthesis.exporters.diagrams.plot import Frame
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import ratio, shown_at
 from synthesis.exporters.exporter import FileContent, FileFormat
@@ -41,61 +43,27 @@ class DrawnOptions(DevelopedOptions):
     theme: Colours = "auto"
 
 
-@dataclass(frozen=True)
-class _Plane:
-    """Position of the unrolled cylinder on the sheet.
-
-    Attributes:
-        radius: of the cylinder [mm]. low, high: z at the lower and upper edge [mm].
-        hand: +1 where the cam turns about its axis, −1 against it. u: the sheet's unit [mm].
-    """
-
-    radius: float
-    low: float
-    high: float
-    hand: int
-    u: float
-
-    @property
-    def width(self) -> float:
-        """Of the plane [mm]."""
-        return FULL_TURN * self.radius
-
-    @property
-    def height(self) -> float:
-        """Of the plane [mm]."""
-        return self.high - self.low
-
-    def x(self, phi: Array) -> Array:
-        """Abscissae of places round the cylinder [rad]: to the right as seen from outside."""
-        arc = self.radius * phi
-        return np.asarray(LEFT * self.u + (self.width - arc if self.hand > 0 else arc))
-
-    def y(self, z: Array) -> Array:
-        """Ordinates of places along the axis [mm]."""
-        return np.asarray(HEADER * self.u + self.high - z)
-
-
 def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
     unrolled = develop(design, options)
-    levels = np.concatenate([line.z for line in unrolled.curves])
-    room = MARGIN * float(np.ptp(levels))
-    u = FULL_TURN * unrolled.radius / (SHEET - LEFT - RIGHT)
+    lines, around = unrolled.curves, FULL_TURN * unrolled.radius
+    levels = np.concatenate([line.z for line in lines])
+    room, u = MARGIN * float(np.ptp(levels)), around / (SHEET - LEFT - RIGHT)
     low, high = float(levels.min()) - room, float(levels.max()) + room
-    plane = _Plane(unrolled.radius, low, high, design.cam.swept.hand, u)
-    width, height = SHEET * u, (HEADER + FOOTER) * u + plane.height
+    # Seen from outside, angles run to the left where the cam turns about its axis.
+    turn = (FULL_TURN, 0.0) if design.cam.swept.hand > 0 else (0.0, FULL_TURN)
+    frame = Frame(LEFT * u, HEADER * u, around, high - low, low, high, *turn)
+    width, height = SHEET * u, (HEADER + FOOTER) * u + frame.height
     scale = shown_at(width)
-    lines = unrolled.curves
     curves = (
         path
         for line in lines
-        for path in _paths(plane, f"line {'outline' if line.side else 'pitch'}", line.phi, line.z)
+        for path in _paths(frame, f"line {'outline' if line.side else 'pitch'}", line.phi, line.z)
     )
     body = [
         *above(design, LEFT * u, width - RIGHT * u, u),
-        *_clipped(plane, [*_grooves(plane, lines), *curves]),
-        *_axes(plane),
-        *_legend(plane, unrolled, scale),
+        *_clipped(frame, [*_grooves(frame, lines), *curves]),
+        *_axes(frame, u),
+        *_legend(frame, unrolled, scale, u),
     ]
     title = f"Unrolled walls of {design.name or design.id}"
     shown = (
@@ -105,49 +73,43 @@ def _svg(design: SpatialDesign, options: DrawnOptions) -> FileContent:
     return unrolled.file(svg.document(width, height, u, title, shown, body, scale, options.theme))
 
 
-def _clipped(plane: _Plane, body: list[str]) -> list[str]:
+def _clipped(frame: Frame, body: list[str]) -> list[str]:
     """An inner SVG that clips its content."""
-    x, y = LEFT * plane.u, HEADER * plane.u
-    box = " ".join(svg.num(value) for value in (x, y, plane.width, plane.height))
-    place = f'x="{svg.num(x)}" y="{svg.num(y)}" width="{svg.num(plane.width)}"'
-    inner = f'<svg {place} height="{svg.num(plane.height)}" viewBox="{box}" overflow="hidden">'
-    return [inner, *body, "</svg>"]
+    x, y, width, height = map(svg.num, (frame.left, frame.top, frame.width, frame.height))
+    place = f'x="{x}" y="{y}" width="{width}" height="{height}"'
+    box = f'viewBox="{x} {y} {width} {height}" overflow="hidden"'
+    return [f"<svg {place} {box}>", *body, "</svg>"]
 
 
-def _paths(
-    plane: _Plane, kind: str, phi: Array, z: Array, *, closed: bool = False
-) -> Iterator[str]:
+def _paths(frame: Frame, kind: str, phi: Array, z: Array, *, closed: bool = False) -> Iterator[str]:
     """A curve, shifted by whole turns so that every part of it is shown once."""
     first = math.floor(float(phi.min()) / FULL_TURN + INVISIBLE)
     last = math.floor(float(phi.max()) / FULL_TURN - INVISIBLE)
     for k in range(first, last + 1):
-        x, y = plane.x(phi - k * FULL_TURN), plane.y(z)
-        yield svg.path(kind, svg.steps(x, y, 3, closed=closed))
+        points = frame.x(phi - k * FULL_TURN), frame.y(z)
+        yield svg.path(kind, svg.steps(*points, 3, closed=closed))
 
 
-def _grooves(plane: _Plane, lines: list[WallCurve]) -> Iterator[str]:
+def _grooves(frame: Frame, lines: list[WallCurve]) -> Iterator[str]:
     """Grooves and ribs: the areas between two walls over the same cam angles."""
-    for one in (line for line in lines if line.side > 0):
-        for other in (line for line in lines if line.side < 0):
-            alike = one.seat == other.seat or len(one.seat.sides) == 1  # a groove, or a rib
-            if alike and np.array_equal(one.theta, other.theta):
-                phi = np.concatenate([one.phi, other.phi[::-1]])
-                z = np.concatenate([one.z, other.z[::-1]])
-                kind = "rest" if one.seat == other.seat else "body"
-                yield from _paths(plane, kind, phi, z, closed=True)
+    for one, other in product(lines, lines):
+        alike = one.seat == other.seat or len(one.seat.sides) == 1  # a groove, or a rib
+        if one.side > 0 > other.side and alike and np.array_equal(one.theta, other.theta):
+            phi = np.concatenate([one.phi, other.phi[::-1]])
+            z = np.concatenate([one.z, other.z[::-1]])
+            kind = "rest" if one.seat == other.seat else "body"
+            yield from _paths(frame, kind, phi, z, closed=True)
 
 
-def _axes(plane: _Plane) -> list[str]:
-    u = plane.u
-    left, right = LEFT * u, LEFT * u + plane.width
-    top, bottom = HEADER * u, HEADER * u + plane.height
+def _axes(frame: Frame, u: float) -> list[str]:
+    left, right, top, bottom = frame.left, frame.right, frame.top, frame.bottom
     body = []
     for degrees in range(0, 361, EVERY):
-        x = float(plane.x(np.array(math.radians(degrees))))
+        x = frame.x(math.radians(degrees))
         body.append(svg.line("grid", x, top, x, bottom))
         body.append(svg.text("tick", x, bottom + 4.0 * u, f"{degrees}°", "middle"))
-    for value in svg.ticks(plane.low, plane.high, 6):
-        y = float(plane.y(np.array(value)))
+    for value in svg.ticks(frame.low, frame.high, 6):
+        y = frame.y(value)
         body.append(svg.line("axis" if value == 0.0 else "grid", left, y, right, y))
         body.append(svg.text("tick", left - 1.6 * u, y + 0.9 * u, svg.figure(value), "end"))
     body += [svg.line("axis", left, y, right, y) for y in (top, bottom)]
@@ -157,30 +119,25 @@ def _axes(plane: _Plane) -> list[str]:
     return [*body, svg.text("label", left - 1.6 * u, top - 1.4 * u, "z, mm", "end")]
 
 
-def _legend(plane: _Plane, unrolled: Development, scale: float) -> list[str]:
-    u = plane.u
-    top, left = HEADER * u + plane.height + 13.0 * u, LEFT * u
-    middle = left + 0.5 * plane.width
+def _legend(frame: Frame, unrolled: Development, scale: float, u: float) -> list[str]:
+    left, half = frame.left, 0.5 * frame.width
     walls = ", ".join(dict.fromkeys(line.name for line in unrolled.curves if line.side))
-    lines = [
-        ("line outline", f"walls {walls}"),
-        ("line pitch", "path of the roller's axis"),
-    ]
-    body = []
-    for k, (kind, meaning) in enumerate(lines):
-        y = top + 5.0 * k * u
-        body.append(svg.line(kind, left, y, left + 11.0 * u, y))
-        name = svg.shorten(meaning, middle - left - 15.0 * u, svg.LABEL * u)
-        body.append(svg.text("label", left + 13.0 * u, y + u, name))
     worst = unrolled.error
-    remarks = [
-        f"radius {svg.figure(plane.radius, 6)} mm, seen from outside, {ratio(scale)}",
-        "" if worst is None else f"offset drawn in the plane: error {svg.figure(worst, 3)} mm",
-    ]
-    for k, remark in enumerate(remarks):
-        line = svg.shorten(remark, left + plane.width - middle - 4.0 * u, svg.LABEL * u)
-        body.append(svg.text("label", middle + 4.0 * u, top + (5.0 * k + 1.0) * u, line))
-    return body
+    rows = (
+        ("line outline", f"walls {walls}",
+         f"radius {svg.figure(unrolled.radius, 6)} mm, seen from outside, {ratio(scale)}"),
+        ("line pitch", "path of the roller's axis",
+         "" if worst is None else f"offset drawn in the plane: error {svg.figure(worst, 3)} mm"),
+    )  # fmt: skip
+    meanings, remarks = [], []
+    for k, (kind, meaning, remark) in enumerate(rows):
+        y = frame.bottom + (13.0 + 5.0 * k) * u
+        name = svg.shorten(meaning, half - 15.0 * u, svg.LABEL * u)
+        meanings.append(svg.line(kind, left, y, left + 11.0 * u, y))
+        meanings.append(svg.text("label", left + 13.0 * u, y + u, name))
+        line = svg.shorten(remark, half - 4.0 * u, svg.LABEL * u)
+        remarks.append(svg.text("label", left + half + 4.0 * u, y + u, line))
+    return [*meanings, *remarks]
 
 
 SVG = FileFormat(
