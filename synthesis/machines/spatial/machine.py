@@ -1,6 +1,4 @@
-"""SpatialMachine and TurretMachine: what every machine around a spatial cam answers.
-
-Specs, measurement, sizing and files ask it.
+"""SpatialMachine and TurretMachine: what specs, measurement, sizing and files ask of a machine.
 
 Symbols: q the follower's position [rad or mm], θ the cam angle, ρ the place on a roller's axis, α
 the pressure angle. ``sizes`` maps names of dimension fields to numbers in mm throughout.
@@ -138,7 +136,7 @@ class SpatialMachine(BaseModel, ABC):
 
     @abstractmethod
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
-        """Kinematics of the roller against the cam, for given dimensions.
+        """Kinematics of the roller against the cam.
 
         Args:
             sizes: a number for each name in ``sizes()`` [mm].
@@ -216,11 +214,7 @@ class SpatialMachine(BaseModel, ABC):
     def pressure_angle_curves(
         self, sizes: Mapping[str, float], slope: float, rotation: int
     ) -> tuple[SizeConstraint, ...]:
-        """The same where it is not linear; the motion is ``length_scale`` times q.
-
-        Args:
-            rotation: +1 where the cam turns ccw, −1 where it turns cw.
-        """
+        """The same where it is not linear; the motion is ``length_scale`` times q."""
         return ()
 
     def wall_radius_curves(

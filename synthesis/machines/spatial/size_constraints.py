@@ -1,11 +1,9 @@
 """Pressure angle and wall radius as constraints on the motion and the machine's size together.
 
-Every constraint here has the form z ≥ least size(s, s'), with z the minimised dimension, and is not
-linear in the motion. Each gives two kinds of rows:
-
-* outer rows, about no motion, hold for every motion that keeps it (a relaxation, for dual bounds);
-* inner rows, about a given motion, exclude every motion that breaks it (a restriction, for cams);
-  where the constraint is not concave in the motion they are its linear approximation.
+Every constraint here is z ≥ least size(s, s'), with z the minimised dimension, not linear in the
+motion. Outer rows, about no motion, hold for every motion that keeps it (a relaxation, for dual
+bounds). Inner rows, about a given motion, exclude every motion that breaks it (a restriction, for
+cams); where it is not concave in the motion they are its linear approximation.
 
 Turret: C centre distance; ρ place on a roller, from the turret's axis; ψ a roller's angle from the
 common perpendicular, ψ' its derivative by the cam angle; t = tan α_max. The normal of a cylindrical
@@ -100,8 +98,7 @@ class SizeConstraint(NonconvexConstraint):
     def max_speed(self, s: Array, size: float, sense: float) -> Array:
         """The largest |s'| allowed at displacements s (n,) and a size [mm]: (n,) [mm/rad].
 
-        Args:
-            sense: +1 for motion towards growing s, −1 for the other direction.
+        ``sense`` is +1 for motion towards growing s, −1 for the other direction.
         """
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
@@ -129,8 +126,7 @@ class TurretPressureAngle(SizeConstraint):
 
     def _nearest(self, s: Array) -> Array:
         """ψ of the roller nearest to the common perpendicular at displacements s [mm]."""
-        psi = self.first + s / self.length
-        return np.asarray(psi - self.spacing * np.round(psi / self.spacing))
+        return _nearest(self.first + s / self.length, self.spacing)
 
     def max_speed(self, s: Array, size: float, sense: float) -> Array:
         cosine = np.cos(self._nearest(s))
@@ -294,14 +290,11 @@ class TurretWallRadius(SizeConstraint):
         A roller outside its mesh is taken at the end of it.
         """
         q, q1, q2 = s[0] / self.length, s[1] / self.length, s[2] / self.length
-        psi = self.first + q
-        psi = psi - self.spacing * np.round(psi / self.spacing)
         count = max(ceil(self.mesh / self.spacing - 0.5), 0)
-        others = np.arange(-count, count + 1)[:, None] * self.spacing + psi
-        others = np.clip(others, -self.mesh, self.mesh)
+        others = np.arange(-count, count + 1)[:, None] * self.spacing
+        psi = np.clip(others + _nearest(self.first + q, self.spacing), -self.mesh, self.mesh)
         rho = np.repeat(self.places, len(others))[:, None]
-        psi = np.tile(others, (len(self.places), 1))
-        return np.array(np.broadcast_arrays(rho, psi, q1, q2))
+        return np.array(np.broadcast_arrays(rho, np.tile(psi, (len(self.places), 1)), q1, q2))
 
     def _regularity(self, states: Array, size: Array) -> Array:
         """1 − 2|H| r + K r²."""
@@ -330,13 +323,17 @@ class TurretWallRadius(SizeConstraint):
         return np.asarray(high)
 
 
+def _nearest(psi: Array, spacing: float) -> Array:
+    """ψ of the roller nearest to the common perpendicular, of one roller's ψ [rad]."""
+    return np.asarray(psi - spacing * np.round(psi / spacing))
+
+
 def _linear_approximation(
     least: Callable[[Array], Array], s: Array, steps: Sequence[float]
 ) -> PointInequalities:
     """z ≥ least size to first order about s (orders, n), as inner rows.
 
-    Args:
-        steps: of forward differences in s, s', …, as far as the least size depends on them.
+    ``steps`` of forward differences: in s, s', …, as far as the least size depends on them.
     """
     value, slopes = least(s), np.zeros((4, s.shape[1]))
     for order, step in enumerate(steps):

@@ -263,9 +263,9 @@ class SpatialCamSpec(BaseModel):
 
     def placed_segments(self) -> tuple[PlacedSegment, ...]:
         """The segments placed on the cam; q is 0 at the start of the program [rad or mm]."""
-        gains = [segment.gain(self._motion_units) for segment in self.program]
-        levels = list(accumulate(gains, initial=0.0))[:-1]
-        return placed(self.program, angles_of(self.program), levels, self._motion_units)
+        units = self._motion_units
+        *levels, _ = accumulate((segment.gain(units) for segment in self.program), initial=0.0)
+        return placed(self.program, angles_of(self.program), levels, units)
 
     def left_free(self) -> Iterator[tuple[str, Any]]:
         """JSON pointer and value of each number of the program that is left free."""

@@ -9,8 +9,8 @@ in the turning cam: a ruled surface, P_ρ = u. With V = P_θ and n the normal, a
     W² = V² − (u·V)²,  F = u·V,  M = n·u_θ,  N = n·P_θθ,
     K = −M²/W²,  H = (N − 2FM)/(2W²),   (1 − Rr κ1)(1 − Rr κ2) = 1 − 2 Rr H + Rr² K,
 
-so that the samples (``numerics.geometry.swept_roller``) and this proof share definitions but no
-formulas. Derivatives are relative to the cam, in the machine's frame: with p' = dp/dq, J = χ e ×,
+so that samples (``numerics.geometry.swept_roller``) and proof share definitions but no formulas.
+Derivatives are relative to the cam, in the machine's frame: with p' = dp/dq, J = χ e ×,
 
     P_θ = q'p' − J(p − c),   P_θθ = q''p' + q'²p'' − 2q'Jp' + JJ(p − c),   u_θ = q'u' − Ju.
 """
@@ -20,8 +20,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
-from operator import neg
+from functools import cached_property, partial, reduce
+from operator import add, neg
 from typing import Any
 
 import numpy as np
@@ -63,8 +63,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 def _sum(*terms: tuple[Any, Vector]) -> Vector:
     """Σ factor · vector."""
-    x, y, z = (sum((f * v[i] for f, v in terms[1:]), start=terms[0][0] * terms[0][1][i])
-               for i in range(3))  # fmt: skip
+    x, y, z = (reduce(add, (factor * v[i] for factor, v in terms)) for i in range(3))
     return x, y, z
 
 
@@ -113,8 +112,8 @@ class Models:
         contact is the same at every angle relative to the cam: one box.
         """
         parts, roller = self.parts, self.cam.swept.roller
-        ends = [(part.low, part.high, roller.inner, roller.outer) for part in parts]
-        whole = np.vstack([np.arange(len(parts)), np.array(ends).T])
+        whole = np.array([(i, part.low, part.high, roller.inner, roller.outer)
+                          for i, part in enumerate(parts)]).T  # fmt: skip
         rests = np.array([part.rests for part in parts])
         angles = max(1, ANGLES * len({part.wall for part in parts}) // len(parts))
         still, moving = _split(whole, rests, (1, PLACES)), _split(whole, ~rests, (angles, PLACES))
@@ -261,14 +260,11 @@ class _WallSearch(BoxSearch[Array]):
         self.models, self.of, self.enough, self.splits = models, of, enough, splits
         self.level = 0
 
-    @property
-    def children(self) -> int:  # type: ignore[override]
-        return math.prod(self.splits[(self.level - 1) % len(self.splits)])
-
     def bound(self, boxes: Array) -> Array:
         # The first level is the same for all quantities, and its models are made once.
         swept = self.models.first[1] if self.level == 0 else SweptAxis(self.models, boxes)
-        self.level += 1
+        self.parts = self.splits[self.level % len(self.splits)]
+        self.children, self.level = math.prod(self.parts), self.level + 1
         high, _ = _range(self.of(swept))
         cam = self.models.cam
         if all(math.isinf(face) for face in cam.faces):
@@ -281,7 +277,7 @@ class _WallSearch(BoxSearch[Array]):
         return self.enough
 
     def split(self, boxes: Array, keep: Mask) -> Array:
-        return _split(boxes, keep, self.splits[(self.level - 1) % len(self.splits)])
+        return _split(boxes, keep, self.parts)
 
 
 def _range(model: Taylor) -> tuple[Array, Array]:

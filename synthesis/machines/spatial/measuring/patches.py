@@ -1,9 +1,8 @@
 """Quantities and extrema; patches of walls, their contacts, and the search for an extremum on them.
 
 A patch is a part of a wall on one piece of the motion, where every quantity is smooth. All patches
-of a wall are sampled in one vectorised call, as laws may have a hundred pieces. Around the best
-samples ever finer grids follow. What the last of them gained, doubled, is the width of the result:
-a measurement of how far the true extremum may be away, not a proof.
+of a wall are sampled in one call. Around the best samples ever finer grids follow. What the last of
+them gained, doubled, is the width of the result: measured, not proven.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +21,8 @@ from synthesis.numerics.geometry.swept_roller import Contacts, FollowerState
 from synthesis.numerics.piecewise import Array
 
 
-@dataclass(frozen=True)
-class Bound:
-    """An allowed value.
-
-    Attributes:
-        value: in the quantity's unit on the wire. field: of the spec, that sets it; "": none.
-    """
+class Bound(NamedTuple):
+    """An allowed value in the unit on the wire, and the field of the spec that sets it."""
 
     value: float
     field: str = ""
@@ -63,8 +57,7 @@ class Extremum:
         value: infinite where there is none.
         limit: the true extreme does not lie beyond it, as far as the evidence goes.
         evidence: how that is known.
-        theta: where [rad]. wall, rho: on which wall, and where on the roller's axis [mm]; None: the
-            quantity does not belong to a wall.
+        theta, wall, rho: where: cam angle [rad], wall, and place on the roller's axis [mm].
     """
 
     value: float
@@ -82,11 +75,7 @@ def rounded(value: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A part of a wall on one piece of the motion.
-
-    Attributes:
-        piece: number of the piece. low, high: ends [rad].
-    """
+    """A part of a wall, from ``low`` to ``high`` [rad], on one piece of the motion, a number."""
 
     cam: SpatialCam
     wall: Wall

@@ -1,7 +1,6 @@
 """Extrema over all contacts of all walls, and the thinnest rib between two of them.
 
-Every quantity is sampled on each patch and refined around the best samples (``patches``).
-``enclosure`` proves pressure angle, undercut and radii where rollers are cylindrical.
+``enclosure`` proves what samples (``patches``) find where rollers are cylindrical.
 
 A rib stands between two consecutive rollers. At a point of the wall that one of them envelops, the
 rib is as thick as the least distance to the other roller over half a turn to either side. Where the

@@ -32,9 +32,7 @@ FOUND = "a cam was found with this value; that it is the least is not proven"
 def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: float) -> Conflict:
     """Which numbers of the spec are in the way, and what each alone would have to be.
 
-    Args:
-        spec, tables: the question. result: what sizing came to.
-        stop: ``clock.now()`` after which nothing more is tried.
+    ``stop`` is the ``clock.now()`` after which nothing more is tried.
     """
     until = min(stop, clock.now() + DIAGNOSIS_S)
     coarse = spec.model_copy(update={"tolerance": max(spec.tolerance, COARSE_TOLERANCE)})
@@ -45,19 +43,14 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
         changed = relaxed(coarse, number, value)
         return size_cam(changed, tables, until, existence_only=existence_only).sizes
 
-    numbers = list(_numbers(spec))
-    relaxations = [
-        _relax(number, far, sizes_with, spec.machine.size_field, until) for number, far in numbers
-    ]
-    binding = [
-        str(number)
-        for (number, _), each in zip(numbers, relaxations, strict=True)
-        if each.needed is not None
-    ]
+    minimised = spec.machine.size_field
+    tried = [(str(number), _relax(number, far, sizes_with, minimised, until))
+             for number, far in _numbers(spec)]  # fmt: skip
+    binding = [name for name, each in tried if each.needed is not None]
     known = "proven" if result.proven else "that there is none is not proven"
     return Conflict(
-        limits=binding or [str(number) for number, _ in numbers],
-        relaxations=relaxations,
+        limits=binding or [name for name, _ in tried],
+        relaxations=[each for _, each in tried],
         evidence=f"{result.why}; {known}"
         + ("; changing any one of those named would do" if binding else ""),
     )

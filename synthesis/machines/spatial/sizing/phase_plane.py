@@ -47,12 +47,12 @@ TUBE_MARGIN = 1e-4  # of the lift: far above the error of linear interpolation i
 
 @dataclass(frozen=True, eq=False)
 class SpeedProfile:
-    """Speeds that no law exceeds, by position, and the least cam angles that follow.
+    """Speeds that no law exceeds, by position, and the least cam angles that follow, (n,) each.
 
     Attributes:
-        p: (n,) distance from the start, in the direction of the segment [mm].
-        speed: (n,) maximum speed [mm/rad].
-        from_start: (n,) least cam angle from the start to p [rad]. to_end: (n,) from p to the end.
+        p: distance from the start, in the direction of the segment [mm].
+        speed: maximum speed [mm/rad].
+        from_start: least cam angle from the start to p [rad]. to_end: from p to the end.
     """
 
     p: Array
@@ -133,10 +133,7 @@ class PhasePlane:
         return SpeedProfile(p, speed, from_start, _angles(last_angles, cells[::-1])[::-1])
 
     def _ramp(self, end: int, p: Array, limit: Array) -> tuple[Array, Array]:
-        """The profile integrated from one end, at p = 0, until it meets the speed limit.
-
-        Args:
-            end: 0 the start, 1 the end. p: (n,) distances from it. limit: (n,) of the speed there.
+        """The profile integrated from one end (0 or 1), at p = 0, until it meets the speed limit.
 
         Returns:
             (n,) maximum speed at every p, infinite beyond the ramp, and (n,) the cam angle needed
@@ -151,8 +148,7 @@ class PhasePlane:
         at, fast, x = _integrate(state, self.caps, p.tolist(), limit.tolist(), peak.tolist())
         inside = p <= at[-1]
         # Speeds rise along the ramp: that at the end of a step bounds all positions within it.
-        ahead = np.minimum(np.searchsorted(at, p[inside], "left"), len(at) - 1)
-        speed[inside] = fast[ahead]
+        speed[inside] = fast[np.searchsorted(at, p[inside], "left")]
         angle[inside] = np.interp(p[inside], at, x)
         return speed, angle
 
@@ -181,8 +177,8 @@ def _integrate(
     if h == 0.0:
         return np.zeros(1), np.full(1, inf), np.zeros(1)
     q, v, x = 0.0, max(v0, 0.0), 0.0
-    at, fast, angles = [q], [v], [x]
-    while q < lift and len(at) < MAX_STEPS:
+    steps = [(q, v, x)]
+    while q < lift and len(steps) < MAX_STEPS:
         node = min(bisect_right(p, q) - 1, len(p) - 2)
         most = peak[node]
         gain = A * h
@@ -196,30 +192,26 @@ def _integrate(
         # Trapezoidal rule; as |s'''| ≤ J its error is at most J h³/12.
         q += h * (v + 0.5 * gain) + (J * h**3 / 12.0 if jerk_capped else 0.0)
         v, x = v + gain, x + h
-        at.append(q)
-        fast.append(v)
-        angles.append(x)
+        steps.append((q, v, x))
         if v >= max(limit[node], limit[node + 1]):
             break
-    return np.array(at), np.array(fast), np.array(angles)
+    at, fast, angles = np.array(steps).T
+    return at, fast, angles
 
 
 def _angles(ramp: Array, cells: Array) -> Array:
     """Angles to all nodes, from those along a ramp (NaN beyond it) and those of the cells."""
-    known = np.isfinite(ramp)
-    last = int(np.count_nonzero(known)) - 1
-    total = np.concatenate([[0.0], np.cumsum(cells)])
-    if last < 0:
+    known, total = np.isfinite(ramp), np.concatenate([[0.0], np.cumsum(cells)])
+    if not known.any():
         return total
+    last = int(np.count_nonzero(known)) - 1
     return np.where(known, ramp, ramp[last] + total - total[last])
 
 
 def least_size(plane: PhasePlane, start: float, largest: float) -> float:
     """The size below which no law passes the segment in its cam angle [mm]; 0: none is too small.
 
-    Args:
-        plane: of the segment.
-        start: a size to try first [mm]. largest: the largest size of interest [mm].
+    ``start`` is a size to try first, ``largest`` the largest of interest [mm].
     """
 
     def excess(size: float) -> float:

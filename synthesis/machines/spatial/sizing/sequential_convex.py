@@ -9,13 +9,10 @@ Dual: the phase plane bounds the size over all laws. Where it leaves a gap above
 finer knots gain little, outer rows are written as chords over the tubes of laws that could be
 better than the best cam; the multipliers of that convex program give another bound by weak duality.
 
-This is not the loop of ``optimise.driver``, which takes convex programs as relaxations of
-limits that are nearly convex and reads bounds and cams off the same program. A turret's limit is
-concave in the motion: its valid rows (chords) are so weak without tubes that such a program yields
-neither a cam nor a useful bound. Grids, programs, dual bounds and recovery are those of
-``optimise``.
-
-A spatial cam is a problem of the optimiser with one size variable, and its motion is a length.
+The loop of ``optimise.driver`` reads bounds and cams off one relaxation of limits that are nearly
+convex. A turret's limit is concave in the motion: its valid rows (chords) are so weak without tubes
+that such a program yields neither. Grids, programs, dual bounds and recovery are those of
+``optimise``, to which a spatial cam is a problem with one size variable; its motion is a length.
 """
 
 from __future__ import annotations
@@ -70,8 +67,8 @@ FARTHEST = 1e4  # largest strokes and roller paths: stands for an open upper end
 class SpatialFollower:
     """A spatial machine as the optimiser's follower: all dimensions given but the size z.
 
-    It has the members of ``catalogue.followers.Follower`` that the optimiser and limits on the
-    motion use for a problem without curved profiles, and no others.
+    It has those members of ``catalogue.followers.Follower`` that are used for a problem without
+    curved profiles.
 
     Attributes:
         machine: the machine. sizes: its other dimensions [mm].
@@ -137,7 +134,7 @@ def formulate_problem(
 
     Args:
         spec: machine, speed and rotation. segments: the program placed on the cam [rad or mm].
-        limits: limits on motion and size. sizes: the other dimensions, by field [mm].
+        limits: on motion and size. sizes: the other dimensions, by field [mm].
     """
     machine = spec.machine
     scale = machine.length_scale(sizes)
@@ -169,10 +166,9 @@ def _as_length(segment: PlacedSegment, scale: float) -> PlacedSegment:
 def minimise_size(
     problem: Problem, tolerance: float, deadline: float, tighten: float
 ) -> SolveState:
-    """The smallest cam to a relative gap, or as near as the rounds come.
+    """The smallest cam, of a problem with free laws, to a relative gap or as near as rounds come.
 
     Args:
-        problem: with free laws. tolerance: relative gap that suffices.
         deadline: ``clock.now()`` at which to stop.
         tighten: relative amount by which rows are tightened against the solver's tolerance.
     """
@@ -241,9 +237,6 @@ def _relinearise(
     state: SolveState, last: Candidate | None, number: int
 ) -> tuple[SolveState, Candidate | None, Bound | None, list[Array]]:
     """Convex programs with inner rows about one law after the other, until they gain no more.
-
-    Args:
-        last: the cam to start about, if there is one.
 
     Returns:
         the state; the last cam; the bound from the last program's multipliers, which holds for

@@ -101,7 +101,7 @@ def size_cam(
     """Choose what a spec leaves free.
 
     Args:
-        spec: the spec. tables: its program with tables smoothed.
+        tables: the program with tables smoothed.
         deadline: ``clock.now()`` at which to stop with the best so far.
         tighten: relative amount by which rows are tightened against the solver's tolerance.
         ribs: whether the cam is enlarged for ribs in motion, which take a while to measure.
@@ -211,8 +211,7 @@ def strictest_minimum(limits: Sequence[AnySpatialLimit], quantity: str) -> float
 def smallest_rollers(machine: SpatialMachine, ranges: Ranges, rib: float) -> Sizes | None:
     """The smallest rollers nearest to the turret's axis; None where ribs at rest are too thin.
 
-    Args:
-        ranges: of the dimensions, by field [mm]. rib: least thickness [mm].
+    ``rib`` is their least thickness [mm].
     """
     rollers = {
         name: low if low > 0.0 else SMALLEST
