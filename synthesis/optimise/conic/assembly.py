@@ -178,15 +178,9 @@ class MatrixBuilder:
 
     def vibration_cone(self, vibration: VibrationTerm, tighten: float) -> ConeBlock:
         """Residual vibration ≤ its radius."""
-        return ConeBlock(
-            *self._vibration_rows(vibration),
-            None,
-            vibration.radius,
-            None,
-            tighten,
-            vibration.source,
-            vibration,
-        )
+        matrix, shift = self._vibration_rows(vibration)
+        radius, source = vibration.radius, vibration.source
+        return ConeBlock(matrix, shift, None, radius, None, tighten, source, vibration)
 
     def _vibration_rows(self, vibration: VibrationTerm) -> tuple[Array, Array]:
         """The two rows of a residual vibration in the unknowns, and their known part."""

@@ -50,20 +50,18 @@ def law_controls(model: ConicModel) -> list[Control] | None:
 def _control(
     model: ConicModel, capping: Sequence[LinearBlock], position: int, order: int
 ) -> Control | None:
-    caps, rates = {1: inf, -1: inf}, {1: inf, -1: inf}
+    caps, rates = np.full((2, 2), inf)  # of negative factors, and of positive ones
     for block in capping:
         # one that holds on a part of the law caps nothing
-        if block.segment != position or block.alpha.ndim > 1 or block.spans is not None:
-            continue
-        if block.orders != (order,):
-            continue
-        factor = float(block.alpha[order])
-        sign, scale = (1 if factor > 0.0 else -1), abs(factor)
-        if block.level == 0.0:
-            caps[sign] = min(caps[sign], float(block.rhs[0]) / scale)
-        else:
-            rates[sign] = min(rates[sign], -block.level / scale)
-    cap, rate = max(caps.values()), max(rates.values())
+        whole = block.alpha.ndim == 1 and block.spans is None
+        if block.segment == position and whole and block.orders == (order,):
+            factor = float(block.alpha[order])
+            side, scale = int(factor > 0.0), abs(factor)
+            if block.level == 0.0:
+                caps[side] = min(caps[side], block.rhs[0] / scale)
+            else:
+                rates[side] = min(rates[side], -block.level / scale)
+    cap, rate = float(max(caps)), float(max(rates))
     weight = 0.0
     if model.energy is not None and model.energy.order == order:
         weight = float(model.energy.weights[position]) / model.energy.unit

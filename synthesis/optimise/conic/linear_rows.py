@@ -208,57 +208,48 @@ def _row_on_window(
     """A row of one derivative that holds on a part of the law alone, or at a point of it."""
     alpha, rhs = in_normalised_law(row, segment)
     order, space = row.orders[0], grid.space
-    table, x, spans = rows_on_window(space, order, part, grid.points, exact=row.equality)
-    factors, bound = round_mantissa(alpha / scale), np.full(len(table), round_mantissa(rhs / scale))
+    x, spans = _window_points(space, order, part, grid.points, exact=row.equality)
+    factors, bound = round_mantissa(alpha / scale), np.full(len(x), round_mantissa(rhs / scale))
     tighten = min(
         tightening.every_row + tightening.sampled_rows * is_sampled(row, space),
         ROOM * row.range_width / scale,
     )
-    laws = table * factors[order]
+    laws = space.basis(x, order) * factors[order]
     return LinearBlock(
         "point", position, laws, np.clip(x, *part), factors, np.zeros(0), 0.0, bound, row.source,
         tighten, spans, row.equality,
     )  # fmt: skip
 
 
-def rows_on_window(
+def _window_points(
     space: SplineSpace, order: int, part: tuple[float, float], points: Array, *, exact: bool
-) -> tuple[Array, Array, Array]:
-    """Rows that hold one derivative of a spline on a part of it, or at a point.
+) -> tuple[Array, Array]:
+    """Where rows hold one derivative of a spline on a part of it (r,), and what part each speaks
+    for (r, 2).
 
     Of an inequality at the points given, but where the derivative is at most linear between
     knots; of an equality as many as determine the derivative on the knot intervals it touches.
-
-    Returns:
-        (r, n) rows over all coefficients, (r,) where they stand, (r, 2) what part of the law
-        each speaks for.
     """
     low, high = part
     if low == high:
-        x = np.array([low])
-        return space.basis(x, order), x, np.array([part])
+        return np.array([low]), np.array([part])
     breaks, degree = space.breaks, space.degree - order
     first = int(np.searchsorted(breaks, low + CLOSE, side="right")) - 1
     last = int(np.searchsorted(breaks, high - CLOSE, side="left"))
     inner = breaks[first + 1 : last]
     ends = np.concatenate([[low], inner, [high]])
     if degree == 0:
-        x = 0.5 * (ends[:-1] + ends[1:])
-        return space.basis(x, order), x, np.stack([ends[:-1], ends[1:]], axis=1)
+        return 0.5 * (ends[:-1] + ends[1:]), np.stack([ends[:-1], ends[1:]], axis=1)
     if exact:
-        touched = np.concatenate([breaks[first : first + 1], inner, breaks[last : last + 1]])
-        x = (
-            touched[0]
-            + (touched[-1] - touched[0])
-            * SplineSpace(degree, (touched - touched[0]) / (touched[-1] - touched[0])).greville
-        )
+        touched = breaks[first : last + 1]
+        start, width = touched[0], touched[-1] - touched[0]
+        x = start + width * SplineSpace(degree, (touched - start) / width).greville
     elif degree == 1:
         x = ends
     else:
         x = np.union1d(points[(points > low) & (points < high)], ends)
     middle = np.clip(0.5 * (x[1:] + x[:-1]), low, high)
-    spans = np.stack([np.append(low, middle), np.append(middle, high)], axis=1)
-    return space.basis(x, order), x, spans
+    return x, np.stack([np.append(low, middle), np.append(middle, high)], axis=1)
 
 
 def applies_at(row: LinearInequality, x: Array) -> NDArray[np.bool_]:

@@ -41,6 +41,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.costates import (
     best_costates,
     boundary_multipliers,
@@ -48,13 +49,6 @@ from synthesis.optimise.dual_bound.costates import (
     project_costates,
 )
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
-from synthesis.optimise.dual_bound.row_functionals import (
-    cone_rows,
-    energy_tangents,
-    fixed_size_rows,
-    row_functionals,
-    vibration_terms,
-)
 from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
 from synthesis.optimise.recovery.closed_form import inverse_matrix
 
@@ -115,18 +109,18 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
         costates = boundary_multipliers(model, solution, order, z)
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     lagrangian = Lagrangian(model, order)
-    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
-    for rows, mass in (*energy_tangents(model, solution, order), *vibrations):
+    vibrations, lagrangian.psi_error = terms.vibration_terms(model, order, z)
+    for rows, mass in (*terms.energy_tangents(model, solution, order), *vibrations):
         lagrangian.add_rows(rows, mass)
     # Rows act at their points, or as densities between these.
-    for one in row_functionals(model, order, z):
+    for one in terms.row_functionals(model, order, z):
         points, hats = one.distribute(z[one.first_row : one.first_row + one.count])
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
         if hats is not None:
             nonzero = hats != 0.0
             lagrangian.add_rows(one.hat_rows(nonzero), hats[nonzero])
-    for rows, mass in (*fixed_size_rows(model, z), *cone_rows(model, z)):
+    for rows, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
         lagrangian.add_rows(rows, mass)
     # End conditions are equalities, so that costates are free: those that make the bound largest.
     add_costates(lagrangian, controls, costates)

@@ -23,18 +23,10 @@ from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import stationarity_conditions
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, shared_derivatives
-from synthesis.optimise.dual_bound.row_functionals import (
-    Terms,
-    WeightedRows,
-    cone_rows,
-    energy_tangents,
-    fixed_size_rows,
-    row_functionals,
-    vibration_terms,
-)
 from synthesis.optimise.problem.grid import SplineLaw
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
@@ -91,8 +83,8 @@ class _DualProgram:
     model: ConicModel
     solution: ConeSolution
     controls: Sequence[Control]
-    groups: tuple[WeightedRows, ...]
-    fixed: Terms
+    groups: tuple[terms.WeightedRows, ...]
+    fixed: terms.Terms
     psi_error: Array
 
     @classmethod
@@ -104,23 +96,27 @@ class _DualProgram:
         groups = []
         # Rows that bind, or nearly: by complementary slackness the others have no multiplier. Where
         # two neighbours bind, a density between them (hat functions) may carry the limit.
-        for one in row_functionals(model, order):
+        for one in terms.row_functionals(model, order):
             close = slack[one.first_row : one.first_row + one.count] <= BINDING
             close |= one.block.exact
             groups.append(one.point_rows(close))
             if one.uniform:
                 groups.append(one.hat_rows(np.tile(close[:-1] & close[1:], 2)))
         z = solution.multipliers
-        groups += [rows for rows, _ in (*fixed_size_rows(model, z), *cone_rows(model, z))]
+        groups += [
+            rows for rows, _ in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z))
+        ]
         for position, boundary in enumerate(model.boundary_states):
             # g to g^(m−1) at the end of a law, with costates of either sign
             rhs, known = np.zeros(order), boundary.end[:order]
             rhs[: len(known)] = known
             sizes = np.zeros((order, len(model.problem.sizing.bounds)))
-            ends = WeightedRows(position, np.ones(order), np.eye(order), rhs, sizes, signed=True)
+            ends = terms.WeightedRows(
+                position, np.ones(order), np.eye(order), rhs, sizes, signed=True
+            )
             groups.append(ends)
-        vibrations, psi_error = vibration_terms(model, order, z)
-        fixed = [*energy_tangents(model, solution, order), *vibrations]
+        vibrations, psi_error = terms.vibration_terms(model, order, z)
+        fixed = [*terms.energy_tangents(model, solution, order), *vibrations]
         return cls(model, solution, controls, tuple(groups), fixed, psi_error)
 
     @property
@@ -213,7 +209,7 @@ class _DualProgram:
             np.concatenate(rhs), sum(counts[:2]), sum(counts[2:-1]), (counts[-1],),
         )  # fmt: skip
 
-    def _effect(self, act: Callable[[WeightedRows, int], Array]) -> tuple[Array, Array]:
+    def _effect(self, act: Callable[[terms.WeightedRows, int], Array]) -> tuple[Array, Array]:
         """What rows do to the laws, law below law: (r, n) a unit of each, (r,) the fixed ones.
 
         ``act``: what a unit of each of some rows does to their law, at its position.
@@ -232,7 +228,7 @@ class _DualProgram:
 
 
 def _quadrature(
-    groups: Sequence[WeightedRows], sign_changes: Array, breaks: Array
+    groups: Sequence[terms.WeightedRows], sign_changes: Array, breaks: Array
 ) -> tuple[Array, Array]:
     """Points of cells between all that acts on a law, and their shares of it: Gauss points.
 

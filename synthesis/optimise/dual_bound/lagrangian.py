@@ -13,7 +13,6 @@ each of q sets of multipliers: one for the bound of an objective, hundreds for b
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from synthesis.optimise.dual_bound.switching import Switching, switching_pieces
 from synthesis.optimise.problem.boundary import junction_rows
 
 
-@dataclass(eq=False)
 class Lagrangian:
     """q Lagrangians, to which terms are added one after the other; complete after ``reduce``.
 
@@ -38,28 +36,15 @@ class Lagrangian:
         psi_error: (laws,) bound of |true ψ − its polynomials|, from residual vibration.
     """
 
-    model: ConicModel
-    order: int
-    count: int = 1
-    constant: Array = field(init=False)
-    magnitude: Array = field(init=False)
-    initial_costates: Array = field(init=False)
-    size: Array = field(init=False)
-    size_magnitude: Array = field(init=False)
-    level: Array = field(init=False)
-    psi_magnitude: Array = field(init=False)
-    psi_error: Array = field(init=False)
-    _functionals: list[list[tuple[Array, Array]]] = field(init=False)
-    _densities: list[list[tuple[Array, Array]]] = field(init=False)
-    _reduced: list[int] = field(init=False)
-
-    def __post_init__(self) -> None:
-        q, laws = self.count, len(self.model.grids)
-        self.constant, self.magnitude, self.level = np.zeros((3, q))
-        self.size, self.size_magnitude = np.zeros((2, q, len(self.model.problem.sizing.bounds)))
-        self.initial_costates = np.zeros((q, laws, self.order))
-        self.psi_magnitude, self.psi_error = np.zeros((q, laws)), np.zeros(laws)
-        self._functionals, self._densities = [[] for _ in range(laws)], [[] for _ in range(laws)]
+    def __init__(self, model: ConicModel, order: int, count: int = 1) -> None:
+        self.model, self.order, self.count = model, order, count
+        laws, sizes = len(model.grids), len(model.problem.sizing.bounds)
+        self.constant, self.magnitude, self.level = np.zeros((3, count))
+        self.size, self.size_magnitude = np.zeros((2, count, sizes))
+        self.initial_costates = np.zeros((count, laws, order))
+        self.psi_magnitude, self.psi_error = np.zeros((count, laws)), np.zeros(laws)
+        self._functionals: list[list[tuple[Array, Array]]] = [[] for _ in range(laws)]
+        self._densities: list[list[tuple[Array, Array]]] = [[] for _ in range(laws)]
         self._reduced = [0] * laws
 
     def add_constant(self, amount: float | Array, magnitude: float | Array | None = None) -> None:

@@ -15,7 +15,7 @@ point is solved in full: that no other is better is not proven.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, log
@@ -225,30 +225,23 @@ def _closer(
     return more
 
 
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Knots of every free law that follow the windows while angles change.
+Mesh = Callable[[Problem], list[Grid]]
+"""Grids of a problem whose knots follow the windows while angles change."""
 
-    Attributes:
-        breaks: per free law. needed: per free law, those of its windows and points.
-    """
 
-    breaks: tuple[Array, ...]
-    needed: tuple[Array, ...]
+def mesh_like(problem: Problem, grids: Sequence[Grid]) -> Mesh:
+    """The mesh of these grids: between the knots needed, all others keep their shares."""
+    breaks, before = [grid.space.breaks for grid in grids], list(_needed(problem))
 
-    @classmethod
-    def of(cls, problem: Problem, grids: Sequence[Grid]) -> Mesh:
-        """The mesh of these grids."""
-        return cls(tuple(grid.space.breaks for grid in grids), tuple(_needed(problem)))
-
-    def grids(self, problem: Problem) -> list[Grid]:
-        """On another problem: between the knots needed, all others keep their shares."""
+    def follow(other: Problem) -> list[Grid]:
         return [
-            grid_through(segment, np.interp(breaks, before, after))
-            for segment, breaks, before, after in zip(
-                problem.free, self.breaks, self.needed, _needed(problem), strict=True
+            grid_through(segment, np.interp(own, was, now))
+            for segment, own, was, now in zip(
+                other.free, breaks, before, _needed(other), strict=True
             )
         ]
+
+    return follow
 
 
 def _needed(problem: Problem) -> Iterator[Array]:
@@ -281,15 +274,14 @@ class ValueFunction:
         """Equal intervals, by the windows as they are at u."""
         problem = self.problem(u)
         if problem is None:
-            return Mesh((), ())
-        return Mesh.of(problem, [uniform_grid(s, intervals) for s in problem.free])
+            return lambda _: []
+        return mesh_like(problem, [uniform_grid(s, intervals) for s in problem.free])
 
     def refined(self, u: Array) -> Mesh:
         """The knots that the full search comes to at u."""
         problem = self.problem(u)
         assert problem is not None
-        grids = optimise(problem, self.spec.tolerance, self.deadline).grids
-        return Mesh.of(problem, grids)
+        return mesh_like(problem, optimise(problem, self.spec.tolerance, self.deadline).grids)
 
     def on(self, mesh: Mesh) -> Function:
         """The value on a mesh; None where nothing fits, or time is up."""
@@ -300,7 +292,7 @@ class ValueFunction:
             self.calls += 1
             if problem is None:
                 return None
-            result = estimate(problem, mesh.grids(problem), self.level, self.deadline)
+            result = estimate(problem, mesh(problem), self.level, self.deadline)
             if result is None:
                 return None
             self.level = result or self.level
@@ -333,7 +325,7 @@ class ValueFunction:
             if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
-            result = least_excess(problem, mesh.grids(problem), INSIDE)
+            result = least_excess(problem, mesh(problem), INSIDE)
             return None if result is None else result + problem.vibration_excess
 
         return value

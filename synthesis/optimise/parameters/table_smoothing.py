@@ -85,15 +85,19 @@ def smooth_tables(segments: Sequence[PlacedSegment], deadline: float = inf) -> T
     splines, stages = {}, []
     turning = [i for i, segment in enumerate(result) if segment.angle > 0.0]
     for place, i in enumerate(turning):
-        free = result[i].free
-        if result[i].table is None or free is None:
+        segment = result[i]
+        free, table, unit = segment.free, segment.table, segment.scale
+        if table is None or free is None:
             continue
         started = time.perf_counter()
         left, right = result[turning[place - 1]], result[turning[(place + 1) % len(turning)]]
-        rows = _rows(result[i], left, right)
-        left_s = max(deadline - clock.now(), 1e-3)
-        fit = smooth_table(rows, free.smoothness + 1, left_s)
-        result[i] = result[i].with_law(fit.space.curve(fit.coefficients))
+        rows = Rows(
+            table.x, (table.s - segment.s_start) / unit, table.tolerance / unit,
+            _known(segment, left, at_start=True), _known(segment, right, at_start=False),
+            free.smoothness if left is segment else 0,
+        )  # fmt: skip
+        fit = smooth_table(rows, free.smoothness + 1, max(deadline - clock.now(), 1e-3))
+        result[i] = segment.with_law(fit.space.curve(fit.coefficients))
         splines[i] = (fit.space, fit.coefficients)
         intervals = len(fit.space.breaks) - 1
         stages.append(
@@ -103,21 +107,6 @@ def smooth_tables(segments: Sequence[PlacedSegment], deadline: float = inf) -> T
             )
         )  # fmt: skip
     return Tables(tuple(result), splines, tuple(stages))
-
-
-def _rows(segment: PlacedSegment, left: PlacedSegment, right: PlacedSegment) -> Rows:
-    readings, unit = segment.table, segment.scale
-    assert readings is not None
-    assert segment.free is not None
-    alone = left is segment
-    return Rows(
-        readings.x,
-        (readings.s - segment.s_start) / unit,
-        readings.tolerance / unit,
-        _known(segment, left, at_start=True),
-        _known(segment, right, at_start=False),
-        segment.free.smoothness if alone else 0,
-    )
 
 
 def _known(segment: PlacedSegment, neighbour: PlacedSegment, *, at_start: bool) -> Array:

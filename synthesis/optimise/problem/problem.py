@@ -125,16 +125,16 @@ class Problem:
         A limit says them of a place in the program, whatever the law there: they are made once.
         """
         if segment not in self._rows:
-            self._rows[segment] = tuple(self._limit_rows(segment))
-        return self._rows[segment]
-
-    def _limit_rows(self, segment: PlacedSegment) -> Iterator[LinearInequality]:
-        for limit in self.limits:
-            yield from (row for row in limit.rows(segment, self.machine) if not row.is_constant)
-        for earlier in self.objective_caps:
-            for row in earlier.objective.rows(segment, self.machine, earlier.value):
+            every = (row for limit in self.limits for row in limit.rows(segment, self.machine))
+            rows = [row for row in every if not row.is_constant]
+            for earlier in self.objective_caps:
                 value = 0.0 if earlier.objective.quasiconvex else earlier.value
-                yield replace(row, upper=row.upper - row.level * value, level=0.0)
+                rows += [
+                    replace(row, upper=row.upper - row.level * value, level=0.0)
+                    for row in earlier.objective.rows(segment, self.machine, earlier.value)
+                ]
+            self._rows[segment] = tuple(rows)
+        return self._rows[segment]
 
     def curved_limits_on(self, segment: PlacedSegment) -> tuple[NonconvexConstraint, ...]:
         """What limits say on one segment that no fixed row does: made once, as their rows."""
@@ -266,20 +266,14 @@ def with_smoother_laws(problem: Problem) -> Problem:
     """
     first = problem.objective_caps[0].objective if problem.objective_caps else problem.objective
     order = first.energy_order()
-    if order is None or any(_is_rough(problem, segment, order) for segment in problem.free):
+    bent = any(segment.free is not None and segment.free.knots for segment in problem.free)
+    if order is None or bent:
         return problem
+    for segment in problem.free:
+        rows = (row for limit in problem.limits for row in limit.rows(segment, problem.machine))
+        if any(row.coefficients[order] != 0.0 for row in rows):
+            return problem
     return replace(problem, segments=tuple(_smoother(s, order) for s in problem.segments))
-
-
-def _is_rough(problem: Problem, segment: PlacedSegment, order: int) -> bool:
-    """Whether something makes a free law's derivative of this order jump."""
-    assert segment.free is not None
-    capped = any(
-        row.coefficients[order] != 0.0
-        for limit in problem.limits
-        for row in limit.rows(segment, problem.machine)
-    )
-    return capped or bool(segment.free.knots)
 
 
 def _smoother(segment: PlacedSegment, order: int) -> PlacedSegment:

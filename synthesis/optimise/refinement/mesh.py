@@ -113,14 +113,10 @@ def _where_it_pays(
     counts = np.bincount(inside, minlength=len(costly))
     single = costly & (counts == 1)
     halved = _halved(breaks, costly & ~single)
-    wanted = np.concatenate([_beside(needed), ramp_knots(switches[single[inside]], softer)])
-    return merge_knots(halved, wanted, needed)
-
-
-def _beside(needed: Sequence[float]) -> Array:
-    """As close as knots may lie: where a window ends, even an ideal law has much to settle."""
-    step = 1.01 * CLOSEST_KNOTS
-    return np.concatenate([np.array(needed) - step, np.array(needed) + step])
+    # as close as knots may lie: where a window ends, even an ideal law has much to settle
+    ends, step = np.array(needed), 1.01 * CLOSEST_KNOTS
+    ramps = ramp_knots(switches[single[inside]], softer)
+    return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), needed)
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:

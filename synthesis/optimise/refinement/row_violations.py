@@ -30,7 +30,7 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
     Returns:
         points x in [0, 1] of every free law, and the largest excess relative to its row.
     """
-    worst, points = -inf, []
+    worst, points = _excess_of_earlier_objectives(state, cam), []
     laws = {segment.index: segment for segment in cam.problem.segments}
     for free, grid in zip(state.problem.free, state.grids, strict=True):
         violated = [np.zeros(0)]
@@ -39,7 +39,7 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
             if refinable:
                 violated.append(x[excess > ALLOWED])
         points.append(sorted_unique(np.concatenate(violated)))
-    return points, max(worst, _excess_of_earlier_objectives(state, cam))
+    return points, worst
 
 
 def _excesses(
@@ -77,10 +77,7 @@ def _can_be_violated(row: LinearInequality, grid: Grid, cam: Candidate) -> bool:
 
 def _excess_of_earlier_objectives(state: SolveState, cam: Candidate) -> float:
     """How far the cam exceeds the radius that an earlier objective holds it to, relative."""
-    worst = -inf
-    for earlier in state.problem.objective_caps:
-        norm = earlier.objective.norm(state.problem.machine)
-        if norm is not None:
-            ratio = norm.value(cam.size) / earlier.value
-            worst = max(worst, ratio - 1.0 - 0.01 * state.tolerance)
-    return worst
+    caps = state.problem.objective_caps
+    norms = ((cap.objective.norm(state.problem.machine), cap.value) for cap in caps)
+    ratios = (norm.value(cam.size) / value for norm, value in norms if norm is not None)
+    return max((ratio - 1.0 - 0.01 * state.tolerance for ratio in ratios), default=-inf)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthesis.optimise.driver import estimate
-from synthesis.optimise.parameters.search import Mesh
+from synthesis.optimise.parameters.search import mesh_like
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.spec.design_spec import DesignSpec
@@ -37,13 +37,13 @@ def asked(up: float, objective: str = "peak_jerk", **more: Any) -> Problem:
 
 def test_knots_follow_the_windows() -> None:
     here, there = asked(83.0), asked(101.0)
-    mesh = Mesh.of(here, [uniform_grid(segment, 17) for segment in here.free])
-    first, second = mesh.grids(there)
+    mesh = mesh_like(here, [uniform_grid(segment, 17) for segment in here.free])
+    first, second = mesh(there)
     for degrees in (21.7, 36.3, 51.9):
         assert np.min(np.abs(first.space.breaks - degrees / 101.0)) < 1e-15
     own = uniform_grid(here.free[1], 17).space.breaks
     np.testing.assert_allclose(second.space.breaks, own, atol=1e-15)
-    assert len(first.space.breaks) == len(mesh.grids(here)[0].space.breaks)
+    assert len(first.space.breaks) == len(mesh(here)[0].space.breaks)
 
 
 @pytest.mark.parametrize("objective", ["peak_jerk", "rms_jerk", "peak_pressure_angle"])
@@ -53,11 +53,11 @@ def test_the_estimate_is_smooth_in_the_angles(objective: str) -> None:
     if objective == "peak_pressure_angle":
         more["limits"] = [{"kind": "jerk", "max_mm_per_s3": 2.0e6}]
     here = asked(97.1, objective, **more)
-    mesh = Mesh.of(here, [uniform_grid(segment, 17) for segment in here.free])
+    mesh = mesh_like(here, [uniform_grid(segment, 17) for segment in here.free])
 
     def value(up: float) -> float:
         problem = asked(up, objective, **more)
-        found = estimate(problem, mesh.grids(problem))
+        found = estimate(problem, mesh(problem))
         assert found is not None
         return found
 
