@@ -29,9 +29,6 @@ Ends = tuple[float, float]
 """Lower and upper end of a range, infinite where it is open."""
 
 
-# -- linear ----------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class LinearInequality:
     """coefficients · (s, s', s'', s''') + size · z + level · P ≤ upper at every cam angle.
@@ -39,19 +36,16 @@ class LinearInequality:
     It holds all along one segment, or on a part of it: one semi-infinite row of the problem.
 
     Attributes:
-        coefficients: four numbers, for s to s'''.
-        size: one number per size variable; empty stands for zeros.
-        upper: right-hand side.
-        level: coefficient of P; only objectives use it.
+        coefficients: four. size: one number per size variable; empty stands for zeros.
+        level: only objectives use it.
         source: the objective, or the claim of a limit, that states it.
         interval: first and last x, in [0, 1], of the part of the segment where it holds, equal for
             a point; None: the whole segment.
         equality: = upper in place of ≤ upper.
-        range_width: distance from ``upper`` to the bound of the opposite inequality, if there is
-            one.
+        range_width: from ``upper`` to the bound of the opposite inequality, if there is one.
     """
 
-    coefficients: tuple[float, float, float, float]
+    coefficients: Vector
     size: Vector
     upper: float
     level: float = 0.0
@@ -71,28 +65,21 @@ class LinearInequality:
         return not (any(self.coefficients) or any(self.size) or self.level)
 
 
-def derivative(order: int, factor: float) -> tuple[float, float, float, float]:
+def derivative(order: int, factor: float) -> Vector:
     """Coefficients of ``factor`` times the ``order``-th derivative alone."""
-    s, v, a, j = (factor if k == order else 0.0 for k in range(4))
-    return s, v, a, j
+    return tuple(factor if k == order else 0.0 for k in range(4))
 
 
 @dataclass(frozen=True, eq=False)
 class PointInequalities:
     """Linear inequalities at n points: coefficients · (s, s', s'', s''') + size · z ≤ upper.
 
-    Unlike in a ``LinearInequality`` the coefficients differ from point to point.
-
-    Attributes:
-        coefficients: (4, n). size: (n_size, n). upper: (n,).
+    Unlike in a ``LinearInequality`` they differ from point to point: (4, n), (n_size, n) and (n,).
     """
 
     coefficients: Array
     size: Array
     upper: Array
-
-
-# -- of the size alone -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -111,10 +98,21 @@ class AffineNorm:
         """The norm at given size variables."""
         return math.hypot(*self.image(z))
 
+    def growth(self, z: Vector, radius: float) -> float:
+        """How far the last variable has to grow from z until the norm is ``radius``; 0 if never.
+
+        The larger root of |a|² t² + 2 (image · a) t + |image|² − radius² = 0, a the last column.
+        """
+        here, step = self.image(z), [row[-1] for row in self.matrix]
+        square = sum(a * a for a in step)
+        half = sum(map(mul, here, step))
+        left = half * half + square * (radius**2 - sum(a * a for a in here))
+        return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
+
     def lower_bound(self, bounds: Sequence[Ends]) -> float:
         """A lower bound of the norm over a box of size variables, by interval arithmetic."""
         rows = zip(self.matrix, self.shift, strict=True)
-        ranges = [affine_range(row, m, bounds) for row, m in rows]
+        ranges = (affine_range(row, m, bounds) for row, m in rows)
         return math.hypot(*(max(low, -high, 0.0) for low, high in ranges))
 
 
@@ -138,24 +136,9 @@ class NormBounds:
     source: str
     lower: float = 0.0
 
-    def growth_to_upper(self, z: Vector) -> float:
-        """How far the last size variable can grow from z; 0 where the norm is too large at z."""
-        return self._growth(z, self.upper)
-
     def growth_to_lower(self, z: Vector) -> float:
         """How far the last size variable has to grow from z until the norm is ``lower``."""
-        return self._growth(z, self.lower) if self.norm.value(z) < self.lower else 0.0
-
-    def _growth(self, z: Vector, radius: float) -> float:
-        """The t with ‖image(z) + t a‖ = radius, a the last column of the matrix; 0 where none is.
-
-        The larger root of |a|² t² + 2 (image · a) t + |image|² − radius² = 0.
-        """
-        here, step = self.norm.image(z), [row[-1] for row in self.norm.matrix]
-        square = sum(a * a for a in step)
-        half = sum(a * b for a, b in zip(here, step, strict=True))
-        left = half * half + square * (radius**2 - sum(a * a for a in here))
-        return (math.sqrt(left) - half) / square if left >= 0.0 else 0.0
+        return self.norm.growth(z, self.lower) if self.norm.value(z) < self.lower else 0.0
 
 
 @dataclass(frozen=True)
@@ -179,13 +162,15 @@ def enlarged(z: Vector, amount: float) -> Vector:
     return (*z[:-1], z[-1] + amount)
 
 
+def enlarged_to(z: Vector, norm: AffineNorm, least: float) -> Vector:
+    """z with its last variable enlarged until a norm is at least so much."""
+    return (*z[:-1], max(z[-1], norm.growth((*z[:-1], 0.0), least)))
+
+
 def max_enlargement(z: Vector, bounds: Sequence[Ends], norms: Sequence[NormBounds]) -> float:
     """The largest amount by which ``enlarged`` keeps z within bounds and norms; 0 if none."""
-    steps = [bounds[-1][1] - z[-1], *(norm.growth_to_upper(z) for norm in norms)]
+    steps = [bounds[-1][1] - z[-1], *(each.norm.growth(z, each.upper) for each in norms)]
     return max(min(steps), 0.0)
-
-
-# -- of the motion over several segments -----------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -209,15 +194,11 @@ class VibrationBound:
     source: str
 
 
-# -- not convex ------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class MotionSizeBox:
-    """Bounds of s and s' at n points, (n,) each, and of the size: the domain of a relaxation.
+    """Bounds of s and of s' at n points, (n,) each, and of the size: the domain of a relaxation.
 
-    Attributes:
-        s_min, s_max: of s. v_min, v_max: of s'. sizes: (lower, upper) of every size variable.
+    ``sizes``: (lower, upper) of every size variable.
     """
 
     s_min: Array
@@ -254,43 +235,30 @@ class NonconvexConstraint(ABC):
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         """Left less right sides, divided by a length of the cam: ≤ 0 where the constraint holds.
 
-        Args:
-            s: s to s''' as arrays or CasADi columns of one length.
-            z: the size variables, scalars.
+        s to s''' are arrays or CasADi columns of one length, the size variables scalars.
         """
 
     @abstractmethod
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
-        """The sizes that a fixed motion allows: the intersection of all of these.
-
-        Args:
-            s: (4, n) s to s''' at n cam angles.
+        """The sizes that a fixed motion, s to s''' at n cam angles (4, n), allows.
 
         Returns:
-            inequalities without motion; where no size is allowed, inequalities that contradict each
-            other; () where nothing is known before the size is fixed.
+            inequalities without motion, which hold together; where no size is allowed, some that
+            contradict each other; () where nothing is known before the size is fixed.
         """
 
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        """Linear inequalities that the constraint implies everywhere in a box.
+        """Linear inequalities that the constraint implies everywhere in a box; () if none is known.
 
-        Args:
-            box: bounds of s, s' and z at n points.
-            about: s to s'' (3, n) and z where the inequalities shall be tight; None: several
-                inequalities, spread over the box.
-
-        Returns:
-            () where none are known.
+        ``about``: s to s'' (3, n) and z where they shall be tight; None: several, spread over the
+        box.
         """
         return ()
 
 
 NonconvexConstraints = tuple[NonconvexConstraint, ...]
-
-
-# -- of the curve that a trace point draws ---------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -320,8 +288,7 @@ class SlideCoordinates:
     def through(self, form: Callable[[Vector], tuple[Vector, float]]) -> SlideCoordinates:
         """The same coordinates of a point that moves by −s; the size an affine map of another.
 
-        Args:
-            form: maps a linear form of this size to one of the other, and a constant.
+        ``form`` maps a linear form of this size to one of the other, and a constant.
         """
         forms = [form(row) for row in self.size_factors]
         constants = zip(self.constants, forms, strict=True)
@@ -337,13 +304,8 @@ class SlideCoordinates:
         """Bounds of s and s', (2, n) each, implied by a box (3, n) of X, u, e and one of sizes."""
         # What of X and u does not come from the motion lies in a range; the motion is the rest.
         static = [affine_range(self.size_factors[k], self.constants[k], sizes) for k in (0, 1)]
-        ends = np.stack(
-            [
-                np.stack([low[k] - most, high[k] - least]) * self.sign
-                for k, (least, most) in enumerate(static)
-            ],
-            axis=1,
-        )
+        least, most = np.array(static).T[..., None]
+        ends = np.stack([low[:2] - most, high[:2] - least]) * self.sign
         return ends.min(axis=0), ends.max(axis=0)
 
 
@@ -378,7 +340,5 @@ class PressureTerm(ABC):
     def friction_bound(self, low: Array, high: Array, motion: MotionBox) -> tuple[Array, Array]:
         """a and b, (n,) each, with φ ≤ a + b tan α and a + b tan α > 0 everywhere in a box.
 
-        Args:
-            low, high: (3, n) bounds of the trace point's X, u and e; tan α = u/X.
-            motion: bounds of the motion.
+        ``low``, ``high``: (3, n) bounds of the trace point's X, u and e; tan α = u/X.
         """

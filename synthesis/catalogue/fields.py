@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -36,6 +38,57 @@ class FiniteModel(BaseModel):
 def doc(description: str) -> Any:
     """A required field with its description in the contract."""
     return Field(description=description)
+
+
+class UnitFields(FiniteModel):
+    """A body with displacements in twin fields: in mm of a slide, and in degrees of an arm.
+
+    The names of twins differ by the unit alone, as ``lift_mm`` and ``lift_deg``.
+    """
+
+    def given_field(self, stem: str) -> str:
+        """Name of that twin which is given, by the names' common beginning; mm where none is."""
+        mm, deg, default = twins(type(self))[stem]
+        return mm if getattr(self, deg) == default else deg
+
+    def given(self, stem: str) -> Any:
+        """Value of that twin which is given; the default where none is."""
+        return getattr(self, self.given_field(stem))
+
+    @property
+    def units(self) -> frozenset[str]:
+        """Units, mm and deg, of all displacements in it, those of its parts included."""
+        used = set[str]()
+        for mm, deg, default in twins(type(self)).values():
+            pairs = (("mm", mm), ("deg", deg))
+            used.update(unit for unit, name in pairs if getattr(self, name) != default)
+        for value in vars(self).values():
+            for part in value if isinstance(value, list) else (value,):
+                if isinstance(part, UnitFields):
+                    used |= part.units
+        return frozenset(used)
+
+    def check_one_unit(self, what: str) -> None:
+        """Refuse a body that mixes lengths and angles of the follower."""
+        if len(self.units) > 1:
+            raise PydanticCustomError(
+                "units_mixed",
+                "the {what} gives displacements both in mm and in deg. "
+                "Give all in mm for a follower that slides, or all in deg for one on an arm.",
+                {"what": what},
+            )
+
+
+@cache
+def twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str, Any]]:
+    """The twin fields in mm and deg and their default, by what their names begin with."""
+    fields = model.model_fields
+    pairs = ((name, name.replace("_mm", "_deg", 1)) for name in fields)
+    return {
+        mm.partition("_mm")[0]: (mm, deg, fields[deg].default)
+        for mm, deg in pairs
+        if mm != deg and deg in fields
+    }
 
 
 class Range(FiniteModel):

@@ -37,15 +37,13 @@ class EndState:
     def normalised(self, angle: float, scale: float) -> tuple[float | None, float | None]:
         """g' and g'' for s = s_start + scale · g((θ − start)/angle)."""
         v, a = self.known
-        return (
-            None if v is None else v * angle / scale,
-            None if a is None else a * angle**2 / scale,
-        )
+        first = None if v is None else v * angle / scale
+        return first, None if a is None else a * angle**2 / scale
 
     def filled_from(self, other: EndState) -> EndState:
         """The state with values that are None taken from ``other``."""
-        v, a = self.velocity, self.acceleration
-        if other.velocity is other.acceleration is None or (v is not None and a is not None):
+        v, a = self.known
+        if other == ANY_STATE or (v is not None and a is not None):
             return self
         return EndState(other.velocity if v is None else v, other.acceleration if a is None else a)
 
@@ -133,6 +131,11 @@ class PlacedSegment:
         return self.law is None and self.table is None and self.angle > 0.0
 
     @property
+    def may_overshoot(self) -> bool:
+        """Whether its law is one of the answer's that may go beyond its ends."""
+        return self.free is not None and self.free.overshoot
+
+    @property
     def senses(self) -> tuple[Sense, ...]:
         """The ways in which it moves: a table that turns back, both."""
         return ("rise", "return") if self.kind == "table" else (self.kind,)
@@ -214,15 +217,9 @@ class Motion:
         return cls(tuple(segments), concatenate([s.placed() for s in segments if s.angle > 0.0]))
 
     def derivatives(self, theta: ArrayLike, highest: int = 3, side: Side = "right") -> Array:
-        """s, s', …, s^(highest) at θ, derivatives per radian.
+        """s, s', …, s^(highest) at cam angles (n,) of any turn: (highest + 1, n) [mm, mm/rad, …].
 
-        Args:
-            theta: (n,) cam angles [rad], any turn.
-            highest: highest derivative wanted.
-            side: which one-sided value to give where a derivative jumps.
-
-        Returns:
-            (highest + 1, n) [mm, mm/rad, …].
+        ``side``: which one-sided value to give where a derivative jumps.
         """
         angle = np.asarray(theta, dtype=float).ravel()
         return self.curve.derivatives(within_turn(angle, side), highest, side)

@@ -47,7 +47,7 @@ class Objective(FiniteModel, ABC):
     wire_name: ClassVar[str]
     quasiconvex: ClassVar[bool] = False
 
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
         """Refuse an objective about forces for which the load is missing or incomplete."""
         return None
 
@@ -64,10 +64,7 @@ class Objective(FiniteModel, ABC):
     ) -> tuple[LinearInequality, ...]:
         """Rows in which P is an upper bound of the value.
 
-        Args:
-            segment: where. machine: the machine.
-            level: trial value, only of use where ``quasiconvex``: there the rows bound by P how
-                much the trial level is exceeded.
+        Where ``quasiconvex`` they bound by P how much a trial ``level`` is exceeded.
         """
         return ()
 
@@ -132,11 +129,10 @@ class PeakDerivative(DerivativeObjective, ABC):
     def rows(
         self, segment: PlacedSegment, machine: Machine, level: float
     ) -> tuple[LinearInequality, ...]:
-        up, down = (
+        return tuple(
             LinearInequality(derivative(self.order, sign), (), 0.0, level=-1.0, source=self.kind)
             for sign in (1.0, -1.0)
         )
-        return up, down
 
 
 class PeakAcceleration(PeakDerivative):
@@ -195,7 +191,7 @@ class PeakDriveForce(Objective):
     quantity: ClassVar[str] = "drive_force"
     wire_name: ClassVar[str] = "peak_drive_force_n"
 
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
         if machine.load is None:
             raise PydanticCustomError(
                 "objective_needs_load",
@@ -219,11 +215,11 @@ class PeakDriveForce(Objective):
     ) -> tuple[LinearInequality, ...]:
         load, found = machine.load, list[LinearInequality]()
         assert load is not None
-        s, v, a, j = load.coefficients(machine.omega)
         for side in (1, -1) if load.pushed_both_ways else (load.side,):
             process = max(side * end for end in load.process_range(segment))
-            upper, drive = -(side * load.constant_force + process), (side * s, side * v, side * a)
-            found.append(LinearInequality((*drive, side * j), (), upper, -1.0, self.kind))
+            drive = tuple(side * c for c in load.coefficients(machine.omega))
+            upper = -(side * load.constant_force + process)
+            found.append(LinearInequality(drive, (), upper, -1.0, self.kind))
         return tuple(found)
 
     def name_on_wire(self, machine: Machine) -> str:
@@ -271,11 +267,8 @@ class PeakPressureAngle(Objective):
             return 0.0
 
         def slope(s: Array) -> Array:
-            still = np.zeros_like(s[0])
-            parts = (
-                pressure_angle_sine_cosine(path, [*s, still], size)
-                for path in paths(machine.follower).values()
-            )
+            rates, traced = [*s, np.zeros_like(s[0])], paths(machine.follower).values()
+            parts = (pressure_angle_sine_cosine(path, rates, size) for path in traced)
             with np.errstate(divide="ignore"):
                 each = [np.where(n > 0.0, np.abs(g) / n, np.inf) for g, n in parts]
             return np.asarray(np.max(each, axis=0))
@@ -302,5 +295,3 @@ AnyObjective = Annotated[
 
 OBJECTIVES: tuple[type[Objective], ...] = get_args(get_args(AnyObjective)[0])
 """The same as a tuple, in that order."""
-
-__all__ = ["OBJECTIVES", "AnyObjective", "Objective"]

@@ -333,7 +333,7 @@ def certify_size(
         for owner, prefix in ((spec, ""), (spec.follower, "follower/"))
         if name in type(owner).model_fields
     ]
-    for field, (name, limits) in spec.follower.active_closure.counter_dimensions().items():
+    for field, (name, limits) in spec.follower.closure.counter_dimensions().items():
         wanted.append((name, ends(limits), f"follower/{field}", dimensions[name]))
     # 2. the nearer end of each range; no line if both ends are open
     found = []

@@ -157,7 +157,7 @@ def _curves(cam: MountedCam, curve: CurveName) -> dict[str, CurveName]:
     """The curves that a cam consists of, by what their files are called."""
     if curve == "profile":
         return profiles(cam.design)
-    companions = cam.design.completed_spec.follower.active_closure.counter_paths
+    companions = cam.design.completed_spec.follower.closure.counter_paths
     others = [cast(CurveName, labelled(path, "pitch")) for path in companions]
     return {name.replace("_", "-"): name for name in (curve, *others)}
 

@@ -210,9 +210,7 @@ def _dimensions(spec: DesignSpec) -> Iterator[Relaxable]:
     follower = spec.follower
     given = {"base_radius_mm": ("base_radius_mm", spec.base_radius_mm)}
     given |= {f"follower/{f}": (f, value) for f, value in follower.adjustable_dimensions().items()}
-    given |= {
-        f"follower/{f}": pair for f, pair in follower.active_closure.counter_dimensions().items()
-    }
+    given |= {f"follower/{f}": pair for f, pair in follower.closure.counter_dimensions().items()}
     for path, (dimension, value) in given.items():
         low, high = ends(value)
         sides = [("=", low, "")] if low == high else [("≥", low, "/min"), ("≤", high, "/max")]

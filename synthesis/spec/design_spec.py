@@ -169,11 +169,10 @@ class DesignSpec(BaseModel):
                     "Remove it, or choose another follower.",
                     {"position": position, "limit": limit.kind, "kind": self.follower.kind},
                 )
-            limit.check(segments, self.machine())
         if self.load is not None:
             self.load.check_against(self.follower, segments)
         for position, one in enumerate([*self.limits, *self.objectives()]):
-            one.check_load(segments, self.machine(), position)
+            one.check(segments, self.machine(), position)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy, changed; it computes anew what follows from the changed fields."""
@@ -308,11 +307,11 @@ class DesignSpec(BaseModel):
 
     def without_deferred(self) -> DesignSpec:
         """The same without what is chosen after the size and is still free."""
-        return self._with_closure(self.follower.active_closure.without_free_counter())
+        return self._with_closure(self.follower.closure.without_free_counter())
 
     def with_deferred(self, dimensions: Mapping[str, float]) -> DesignSpec:
         """The same with what was chosen after the size, by the names of the dimensions."""
-        return self._with_closure(self.follower.active_closure.with_counter(dimensions))
+        return self._with_closure(self.follower.closure.with_counter(dimensions))
 
     def _with_closure(self, closure: Closure) -> DesignSpec:
         follower = self.follower.with_closure(closure)
@@ -330,7 +329,7 @@ class DesignSpec(BaseModel):
             for name, (low, high) in self.load.free_spring.items():
                 yield f"/load/spring/{name}", {"min": low, "max": high}
         # What the size variables determine, if they have a choice, and what is chosen after them.
-        deferred = self.follower.active_closure.counter_dimensions().items()
+        deferred = self.follower.closure.counter_dimensions().items()
         sized = {f"/follower/{field}": value for field, (_, value) in deferred}
         bounds = self.follower.size_domain(self.base_radius_range()).bounds
         if any(low != high for low, high in bounds):

@@ -11,9 +11,8 @@ from typing import Annotated
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import Range, ends
+from synthesis.catalogue.fields import Range, UnitFields, ends
 from synthesis.catalogue.limits.motion import FIELDS, TRAVEL, SegmentBound
-from synthesis.spec.segment import UnitFields
 
 SHORTEST = 1e-3  # of the segment: knots may not lie closer
 MOST = 50  # windows, and points, on a segment

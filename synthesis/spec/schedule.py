@@ -88,12 +88,12 @@ def check_units(program: Sequence[Segment], limits: Sequence[Any], unit: str, mo
                 {"position": position, "given": given, "moves": moves, "unit": unit},
             )
     for position, limit in enumerate(limits):
-        if limit.travel_unit not in (None, unit):
+        for given in limit.units - {unit}:
             raise PydanticCustomError(
                 "limit_unit_does_not_suit",
                 "limits/{position} ({limit}) is given in {given}, but {moves}. "
                 "Give the limit's field with {unit} in its name.",
-                {"position": position, "limit": limit.kind, "given": limit.travel_unit,
+                {"position": position, "limit": limit.kind, "given": given,
                  "moves": moves, "unit": unit},
             )  # fmt: skip
 

@@ -2,81 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import Field
-from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import AngleRange, FiniteModel, Range, ends
+from synthesis.catalogue.fields import AngleRange, Range, UnitFields, ends
 from synthesis.catalogue.limits.motion import SegmentBound
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment, SegmentKind
 from synthesis.units import CORE_UNITS, MotionUnits
-
-TravelUnit = Literal["mm", "deg"]
 
 
 def signed(description: str, largest: float) -> Any:
     """An optional number of either sign."""
     return Field(None, ge=-largest, le=largest, description=description)
-
-
-class UnitFields(FiniteModel):
-    """A body with displacements in twin fields: in mm of a slide, and in degrees of an arm.
-
-    The names of twins differ by the unit alone, as ``lift_mm`` and ``lift_deg``.
-    """
-
-    def given_field(self, stem: str) -> str:
-        """Name of that twin which is given, by the names' common beginning; mm where none is."""
-        mm, deg, default = _twins(type(self))[stem]
-        return mm if getattr(self, deg) == default else deg
-
-    def given(self, stem: str) -> Any:
-        """Value of that twin which is given; the default where none is."""
-        return getattr(self, self.given_field(stem))
-
-    @property
-    def units(self) -> frozenset[TravelUnit]:
-        """Units of all displacements in it, those of its parts included."""
-        used = set[TravelUnit]()
-        for mm, deg, default in _twins(type(self)).values():
-            pairs: tuple[tuple[TravelUnit, str], ...] = (("mm", mm), ("deg", deg))
-            used.update(unit for unit, name in pairs if getattr(self, name) != default)
-        for value in vars(self).values():
-            parts = value if isinstance(value, list) else (value,)
-            for part in parts:
-                if isinstance(part, UnitFields):
-                    used |= part.units
-        return frozenset(used)
-
-    def check_one_unit(self, what: str) -> None:
-        """Refuse a body that mixes lengths and angles of the follower.
-
-        Raises:
-            PydanticCustomError: both are used.
-        """
-        if len(self.units) > 1:
-            raise PydanticCustomError(
-                "units_mixed",
-                "the {what} gives displacements both in mm and in deg. "
-                "Give all in mm for a follower that slides, or all in deg for one on an arm.",
-                {"what": what},
-            )
-
-
-@cache
-def _twins(model: type[FiniteModel]) -> Mapping[str, tuple[str, str, Any]]:
-    """The twin fields in mm and deg and their default, by what their names begin with."""
-    fields = model.model_fields
-    pairs = ((name, name.replace("_mm", "_deg", 1)) for name in fields)
-    return {
-        mm.partition("_mm")[0]: (mm, deg, fields[deg].default)
-        for mm, deg in pairs
-        if mm != deg and deg in fields
-    }
 
 
 class State(UnitFields):

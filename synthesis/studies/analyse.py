@@ -106,9 +106,10 @@ def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
 
 def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeChange:
     """The smallest base radius with the laws as they are."""
-    follower = spec.follower.without_size_dimension()
+    follower = spec.follower
     opened = dict.fromkeys(follower.adjustable_dimensions()) if offset == "free" else {}
-    freed = {"base_radius_mm": None, "follower": follower.model_copy(update=opened)}
+    left_out = {**dict.fromkeys(follower.redundant_fields), **opened}
+    freed = {"base_radius_mm": None, "follower": follower.model_copy(update=left_out)}
     smallest = _smallest_cam(spec.model_copy(update=freed), stop)
     if smallest is None or smallest.status == "infeasible":
         return SizeChange(

@@ -159,7 +159,7 @@ def test_free_law_proven_and_as_small_as_another_program_finds(sense: str, dista
     assert design.certificate.gap is not None
     assert design.certificate.gap <= 2e-3
     assert design.certificate.lower_bound is not None
-    lower = design.certificate.lower_bound + design.spec.follower.roller_radius
+    lower = design.certificate.lower_bound + design.spec.follower.roller_radius_mm
     others = [another_program(sense, distance, 40, start) for start in (0.4, 1.1)]
     # its rows hold at 120 points only, which makes 4e-4; with three times as many it is 4e-5
     assert min(others) >= lower * (1.0 - 5e-4)

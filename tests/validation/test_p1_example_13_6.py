@@ -172,7 +172,7 @@ def emulated(k: int, angle: float) -> list[float]:
     normal = np.array([p.normal_x[0], p.normal_y[0]])
     if k <= 40 or k >= 160:
         normal = normal_at_row(k, s)
-    x, y = np.array([p.pitch_x[0], p.pitch_y[0]]) - SPEC.follower.roller_radius * normal
+    x, y = np.array([p.pitch_x[0], p.pitch_y[0]]) - SPEC.follower.roller_radius_mm * normal
     return [s, v, a, p.pitch_x[0], p.pitch_y[0], x, y]
 
 

@@ -44,11 +44,7 @@ WIDE = 20.0  # arm lengths: over a larger box of pivots no plane cuts anything o
 
 @dataclass(frozen=True)
 class FreePivotPressureAngle(NonconvexConstraint):
-    """|tan α| ≤ slope in the chart z = (p, q).
-
-    Attributes:
-        arm: l [mm]. sense: σ. slope: t.
-    """
+    """|tan α| ≤ slope in the chart z = (p, q); arm l [mm], sense σ, slope t."""
 
     order: ClassVar[int] = 1
     arm: float
@@ -101,11 +97,7 @@ class FreePivotPressureAngle(NonconvexConstraint):
 
 @dataclass(frozen=True)
 class FixedPivotPressureAngle(NonconvexConstraint):
-    """|tan α| ≤ slope in the chart z = (w,), the centre distance being given.
-
-    Attributes:
-        arm: l, distance: d [mm]. sense: σ. slope: t.
-    """
+    """|tan α| ≤ slope in the chart z = (w,), the centre distance d [mm] being given."""
 
     order: ClassVar[int] = 1
     arm: float
@@ -222,8 +214,6 @@ class ConcaveHull:
         slope = np.where(convex, chord, -np.sin(at))
         return np.cos(at) - slope * at, slope
 
-
-# -- planes above a cosine -------------------------------------------------------------------------
 
 ROUNDING = 1e-13  # relative: a plane is raised by it, far above the rounding of its terms
 Point = Sequence[float]

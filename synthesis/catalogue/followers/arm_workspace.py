@@ -76,8 +76,6 @@ class ArmGeometry:
             for found, given in zip(radii, prime, strict=True)
         )  # type: ignore[return-value]
 
-    # -- refusals ----------------------------------------------------------------------------
-
     def check(self, prime: Ends, segments: Segments) -> None:
         """Refuse what no prime radius between two ends [mm] can serve."""
         low, high = self.distance
@@ -125,14 +123,15 @@ class ArmGeometry:
             for angle in (low, high)
         )
         if least > prime[1] * (1.0 + SAME) or most < prime[0] * (1.0 - SAME):
+            above = least > prime[1]
+            angle, found, asked = (low, least, prime[1]) if above else (high, most, prime[0])
             raise PydanticCustomError(
                 "initial_angle_contradicts",
                 "initial_angle_deg = {angle} puts the roller on the prime radius {found} mm, "
                 "not on that of base_radius_mm plus roller radius, {prime} mm. Leave out one "
                 "of the two: either follows from the other.",
-                {"angle": round((low if least > prime[1] else high) / DEGREE, 9),
-                 "found": f"{least if least > prime[1] else most:.6g}",
-                 "prime": f"{prime[1] if least > prime[1] else prime[0]:.6g}"},
+                {"angle": round(angle / DEGREE, 9), "found": f"{found:.6g}",
+                 "prime": f"{asked:.6g}"},
             )  # fmt: skip
 
     def _check_swing(self, prime: Ends, segments: Segments) -> None:
@@ -155,10 +154,7 @@ class ArmGeometry:
 
 
 def feasible_arm_lengths(requested: Ends, distance: Ends, prime: Ends) -> Ends:
-    """The part of a range of lengths at which a triangle with one of these sides is possible [mm].
-
-    ``prime``: ends of the prime radius, open ones infinite. The range itself where none is.
-    """
+    """The part of a range of lengths [mm] at which some triangle is possible; all if none is."""
     nearest, farthest = max(distance[0], 0.0), distance[1]
     low = max(requested[0], nearest - prime[1], prime[0] - farthest)
     high = min(requested[1], farthest + prime[1])

@@ -1,15 +1,11 @@
-"""The base of every follower family: given dimensions, size variables, and the cam's curves.
-
-Counter rollers of conjugate cams are in ``closures``. At the end are the bases of followers with a
-roller and with a flat face.
-"""
+"""The base of every follower family: given dimensions, size variables, and the cam's curves."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -25,7 +21,6 @@ from synthesis.catalogue.fields import FiniteModel, Range
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.followers.kinematics import Flank, Link, TracePoint, Vector2
 from synthesis.catalogue.motion import Motion, Segments
-from synthesis.errors import InputError
 from synthesis.units import MILLIMETRES, Travel
 
 MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius inside a ring
@@ -62,12 +57,19 @@ class Follower(FiniteModel, TracePoint, ABC):
         kind: name on the wire. title: name for people.
         size_charts: names of the size variables z, one tuple for each choice of given dimensions.
         always_convex: a profile without undercut has no hollows.
+        redundant_fields: fields that would fix the base radius by another name.
+        roller_radius_mm: Rr, 0 of a knife edge or a face. closure: what keeps it on the cam.
     """
 
     kind: str
     title: ClassVar[str]
     size_charts: ClassVar[tuple[tuple[str, ...], ...]]
     always_convex: ClassVar[bool] = False
+    redundant_fields: ClassVar[tuple[str, ...]] = ()
+
+    if TYPE_CHECKING:  # fields of the families with a roller, constants of those with a face
+        roller_radius_mm: float
+        closure: Closure
 
     @property
     def size_names(self) -> tuple[str, ...]:
@@ -80,37 +82,21 @@ class Follower(FiniteModel, TracePoint, ABC):
         return MILLIMETRES
 
     @property
-    @abstractmethod
-    def roller_radius(self) -> float:
-        """Rr: distance of the profile from the traced curve [mm]; 0 of a knife edge or a face."""
-
-    # -- the cam's curves ------------------------------------------------------------------------
-
-    @property
     def flanks(self) -> tuple[Flank, ...]:
         """The curves that the cam is made of; the base radius is that of the first."""
-        return self.active_closure.flanks(self, self.roller_radius)
-
-    @property
-    def active_closure(self) -> Closure:
-        """What keeps the follower on the cam."""
-        return SINGLE_FLANK
+        return self.closure.flanks(self, self.roller_radius_mm)
 
     def with_closure(self, closure: Closure) -> Self:
-        """The same held by another closure; itself where the family has no choice."""
-        return self
+        """The same held by another closure."""
+        return self if closure == self.closure else self.model_copy(update={"closure": closure})
 
     def without_free_counter(self) -> Self:
         """The same without a counter roller whose place is chosen after the size and still free."""
-        return self.with_closure(self.active_closure.without_free_counter())
+        return self.with_closure(self.closure.without_free_counter())
 
     @abstractmethod
     def link(self, z: Any, degree: Any) -> Link:
-        """The output link at displacement 0, in the arithmetic of z.
-
-        Args:
-            degree: π/180 in that arithmetic.
-        """
+        """The output link at displacement 0, in the arithmetic of z; ``degree``: π/180 in it."""
 
     # -- the size --------------------------------------------------------------------------------
 
@@ -118,17 +104,15 @@ class Follower(FiniteModel, TracePoint, ABC):
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         """Domain of z for base radii between two ends."""
 
-    @abstractmethod
     def radius_norm(self) -> AffineNorm:
         """The norm of z that grows with the prime radius Rp, or Rp itself: minimised for size."""
+        lowest = self.outer_radius_norm(0.0)
+        assert lowest is not None
+        return lowest
 
     def radius_from_norm(self, value: float) -> float:
         """Rp where ``radius_norm`` has this value: a monotone map."""
         return value
-
-    @abstractmethod
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        """z with its last variable enlarged until ``radius_norm`` is at least ``radius``."""
 
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         """Dimensions that the size variables determine where they are left free: field, value."""
@@ -137,11 +121,8 @@ class Follower(FiniteModel, TracePoint, ABC):
     def searched_dimensions(self, base_radius: Ends) -> Mapping[str, tuple[float | Range, Ends]]:
         """Dimensions that an outer search varies where they are left free.
 
-        Args:
-            base_radius: ends of the requested base radius [mm], open ones infinite.
-
-        Returns:
-            by field: the requested value, and the ends [mm] between which a cam can exist at all.
+        By field the requested value, and the ends [mm] between which a cam can exist at all, the
+        base radius lying between two ends [mm], open ones infinite.
         """
         return {}
 
@@ -153,8 +134,7 @@ class Follower(FiniteModel, TracePoint, ABC):
     def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         """Refuse dimensions with which no base radius between two ends [mm] works.
 
-        Args:
-            segments: the program placed on the cam, displacements from the lowest position.
+        Displacements of the segments count from the lowest position.
         """
         return None
 
@@ -198,12 +178,11 @@ class Follower(FiniteModel, TracePoint, ABC):
         """A free dimension which, fixed, leaves half-planes of the size; None where none is."""
         return None
 
-    def without_size_dimension(self) -> Self:
-        """The same without a dimension that would fix the base radius by another name."""
-        return self
 
-    # -- inverse kinematics: a measured profile is read back with these --------------------------
+class InverseKinematics(ABC):
+    """What a family has if a measured profile is read back with it."""
 
+    @abstractmethod
     def pose(self, point: Any, normal: Any) -> tuple[Any, Any]:
         """Where the follower has its trace point at a point of the cam.
 
@@ -214,19 +193,13 @@ class Follower(FiniteModel, TracePoint, ABC):
         Returns:
             cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
             place that is the family's own. Not a number where the follower does not reach.
-
-        Raises:
-            InputError: no inverse kinematics are known for this family.
         """
-        raise InputError(
-            "/follower/kind", self.kind, "Profiles are not read back for this follower.",
-            "Take a translating follower, or a roller on an arm.",
-        )  # fmt: skip
 
+    @abstractmethod
     def size_at_lowest(self, position: float) -> Vector:
         """The size z of a cam whose lowest position is this one [mm]; see ``pose``."""
-        raise NotImplementedError
 
+    @abstractmethod
     def clearance(self, away: Any, up: Any) -> Any:
         """How far points lie outside the follower's body [mm].
 
@@ -234,31 +207,13 @@ class Follower(FiniteModel, TracePoint, ABC):
             away: (2, n) from the trace point [mm]. up: (2,) the drive direction, both in the cam's
                 frame.
         """
-        raise NotImplementedError
 
 
-class RollerFollower(Follower, ABC):
+class RollerFollower(Follower, InverseKinematics, ABC):
     """A follower with a roller; its closure says which curves the cam is made of."""
 
     roller_radius_mm: float
     closure: Closure
-
-    @property
-    def roller_radius(self) -> float:
-        return self.roller_radius_mm
-
-    @property
-    def active_closure(self) -> Closure:
-        return self.closure
-
-    def with_closure(self, closure: Closure) -> Self:
-        same = closure is self.closure or closure == self.closure
-        return self if same else self.model_copy(update={"closure": closure})
-
-    def radius_norm(self) -> AffineNorm:
-        lowest = self.outer_radius_norm(0.0)
-        assert lowest is not None
-        return lowest
 
     def prime_radii(self, base_radius: Ends) -> Ends:
         """Prime radii of base radii between two ends; inside a ring any positive one is a cam."""
@@ -268,7 +223,7 @@ class RollerFollower(Follower, ABC):
         return low, high
 
     def clearance(self, away: Any, up: Any) -> Any:
-        return np.hypot(away[0], away[1]) - self.roller_radius
+        return np.hypot(away[0], away[1]) - self.roller_radius_mm
 
 
 class FlatFaceFollower(Follower, ABC):
@@ -283,13 +238,8 @@ class FlatFaceFollower(Follower, ABC):
 
     always_convex: ClassVar[bool] = True
     face_ends: ClassVar[tuple[str, str]]
-    roller_radius: ClassVar[float] = 0.0
-
-    def radius_norm(self) -> AffineNorm:
-        return AffineNorm(((*[0.0] * (len(self.size_names) - 1), 1.0),), (0.0,))
-
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        return (*z[:-1], max(z[-1], radius))
+    roller_radius_mm: ClassVar[float] = 0.0  # type: ignore[misc]
+    closure: ClassVar[Closure] = SINGLE_FLANK  # type: ignore[misc]
 
     @abstractmethod
     def face_radius(self, s: Any, z: Any) -> Any:
@@ -308,10 +258,7 @@ class FlatFaceFollower(Follower, ABC):
         """The point of the face from which reach is measured, and the unit vector along it."""
 
     def contact_rows(self, first: float, second: float) -> tuple[LinearInequality, ...]:
-        """Contact within ``first`` and ``second`` of the reference point, towards the two ends.
-
-        One inequality for each end; () where contact is not linear in motion and size.
-        """
+        """Contact within so much of the reference point towards each end; () if not linear."""
         return ()
 
     def contact_constraints(self, end: str, reach: float) -> NonconvexConstraints:

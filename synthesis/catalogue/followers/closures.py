@@ -51,21 +51,16 @@ class Closure(FiniteModel):
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any
     ) -> tuple[Tip, ...]:
-        """The rollers' centres on the follower's link, see ``Follower.link``.
+        """The rollers' centres on the follower's link (``Follower.link``), the main one's ``at``.
 
-        Args:
-            at: the main roller's. pivot: of the link, None where it slides.
-            turn: sense in which it turns. degree: π/180, in the arithmetic of the others.
+        The link's pivot is None where it slides, ``degree`` π/180 in the arithmetic of the others.
         """
         return (Tip("", at),)
 
     def check(self, roller_radius: float, largest: float, gap: float) -> None:
         """Refuse a roller that it cannot hold.
 
-        Args:
-            roller_radius: Rr [mm].
-            largest: largest base radius allowed [mm].
-            gap: prime radius less base radius [mm].
+        ``largest`` base radius allowed; ``gap``: prime radius less base radius [mm].
         """
         return None
 
@@ -86,11 +81,7 @@ class Closure(FiniteModel):
         return {}
 
     def counter_range(self, trace: TracePoint, z: Vector, s_max: float) -> Ends:
-        """Nearest and farthest place of a counter roller whose cam has the axis inside [wire].
-
-        Args:
-            s_max: up to which displacement the main roller moves.
-        """
+        """Nearest and farthest place of a counter roller whose cam has the axis inside [wire]."""
         return -math.inf, math.inf
 
     def without_free_counter(self) -> Closure:

@@ -18,7 +18,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from operator import mul
+from operator import add, mul
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -95,9 +95,9 @@ class CounterRoller(TracePoint):
 
     def _row(self, row: LinearInequality) -> LinearInequality:
         """A row on s2 and z2 as one on s and z."""
-        s, v, a, j = (-self.ratio * each for each in row.coefficients)
+        motion = tuple(-self.ratio * each for each in row.coefficients)
         size, constant = self._through(row.size)
-        return replace(row, coefficients=(s, v, a, j), size=size, upper=row.upper - constant)
+        return replace(row, coefficients=motion, size=size, upper=row.upper - constant)
 
     def radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         if not self.upside_down:
@@ -111,9 +111,8 @@ class CounterRoller(TracePoint):
         # The counter roller is farthest out where the main one is lowest.
         own = self.seen.outer_radius_norm(0.0)
         assert own is not None  # a follower with a roller has one
-        forms = [self._through(row) for row in own.matrix]
-        shift = (m + constant for m, (_, constant) in zip(own.shift, forms, strict=True))
-        return AffineNorm(tuple(row for row, _ in forms), tuple(shift))
+        rows, constants = zip(*map(self._through, own.matrix), strict=True)
+        return AffineNorm(rows, tuple(map(add, own.shift, constants)))
 
     def norm_from_radius(self, radius: float) -> float:
         return self.seen.norm_from_radius(radius)
@@ -140,10 +139,9 @@ class Conjugate(Closure, ABC):
     )
 
     @property
-    def place(self) -> float | Range | None:
-        """Its place, as far as it is given."""
-        found: float | Range | None = getattr(self, self.field)
-        return found
+    def place(self) -> Any:
+        """Its place, as far as it is given: a number, a range or None."""
+        return getattr(self, self.field)
 
     @abstractmethod
     def counter(self, trace: TracePoint) -> TracePoint:
@@ -188,11 +186,8 @@ class Conjugate(Closure, ABC):
     ) -> Mapping[str, float]:
         highest = max(max(s.s_start, s.s_end) for s in motion.segments)
         (x, y), *_ = self.counter(trace).position((highest, 0.0, 0.0, 0.0), z)
-        prime = math.hypot(x, y)
-        return {
-            "counter_prime_radius_mm": prime,
-            "counter_base_radius_mm": prime - self.roller_radius_mm,
-        }
+        prime, base = math.hypot(x, y), math.hypot(x, y) - self.roller_radius_mm
+        return {"counter_prime_radius_mm": prime, "counter_base_radius_mm": base}
 
 
 class ConjugateSlide(Conjugate):
@@ -242,8 +237,15 @@ class ConjugateArm(Conjugate):
 
     def counter(self, trace: TracePoint) -> TracePoint:
         assert isinstance(trace, PivotedFollower)
-        seen, ratio, matrix, shift = trace.second_arm(self.arm_mm, self.given * DEGREE)
-        return CounterRoller(seen, ratio, matrix, shift)
+        ratio, angle = self.arm_mm / trace.reference, self.given * DEGREE
+        sense = {"opposite": "same", "same": "opposite"}[trace.sense]
+        changes = {"arm_mm": self.arm_mm, "sense": sense, "closure": Force()}
+        seen = trace.model_copy(update=changes)
+        if trace.distance is not None:
+            return CounterRoller(seen, ratio, ((-ratio,),), (self.arm_mm * angle,))
+        # d cos(γ − ψ0), d sin(γ − ψ0)
+        cos, sin = math.cos(angle), math.sin(angle)
+        return CounterRoller(seen, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0))
 
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any

@@ -46,10 +46,8 @@ class CurvatureBound:
     """side · κ ≤ most, most > 0, on the pitch curve; with a pressure term, less than that.
 
     Attributes:
-        source: as of a ``LinearInequality``.
         coordinates: the trace point's, in motion and size.
-        side: +1 or −1, which sign of the curvature is bounded.
-        most: largest side · κ [1/length].
+        side: +1 or −1. most: [1/length].
         pressure_term: Λ of (most − side · κ) φ cos α ≥ Λ; None stands for Λ = 0.
     """
 
@@ -67,15 +65,12 @@ class CurvatureBound:
     def relax(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> PointInequalities | None:
-        """Linear inequalities implied wherever (X, u, e) lies in a box, at n points.
+        """Linear inequalities implied wherever (X, u, e) lies in a box, at n points, or None.
 
         Args:
             low, high: (3, n) the boxes.
             about: (3, n) where the inequalities shall be tight; None: in the middle of each box.
             moving: bounds of the motion at these points; None: none are known.
-
-        Returns:
-            None where no such inequality is known.
         """
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
             return None

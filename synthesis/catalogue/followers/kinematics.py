@@ -43,12 +43,8 @@ class TracePoint(ABC):
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
         """The trace point (a roller's centre, a face's contact point) and its θ-derivatives.
 
-        Args:
-            s: the four values s, s', s'', s''', of any arithmetic type (arrays, intervals).
-            z: size variables.
-
-        Returns:
-            pairs (x, y) of the point and at least its first two derivatives.
+        s to s''' are of any arithmetic type (arrays, intervals). Pairs (x, y) of the point and at
+        least its first two derivatives come out.
         """
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
@@ -67,9 +63,7 @@ class TracePoint(ABC):
     def normal(self, tangent: Vector2, s: Any, z: Any) -> Vector2:
         """Outward common normal, of any length: of the traced curve, or of a face that has one.
 
-        Args:
-            tangent: of the traced curve, which runs clockwise round the cam.
-            s, z: as for ``position``.
+        ``tangent`` is that of the traced curve, which runs clockwise round the cam.
         """
         tx, ty = tangent
         return -ty, tx
@@ -83,8 +77,7 @@ class TracePoint(ABC):
     ) -> CurvatureBounds:
         """side · κ ≤ most, most > 0, with its linear relaxation over boxes; () where none is known.
 
-        Args:
-            thrust: a limit on the contact pressure, which leaves less curvature.
+        ``thrust``: a limit on the contact pressure, which leaves less curvature.
         """
         return ()
 
@@ -114,19 +107,12 @@ class TracePoint(ABC):
 
 
 def pressure_angle_sine_cosine(path: TracePoint, s: Any, z: Any) -> tuple[Any, Any]:
-    """Sine and cosine of the pressure angle on a traced curve.
-
-    Args:
-        s: s and three derivatives, of any arithmetic type [mm, per rad]. z: the size [mm].
-    """
+    """Sine and cosine of the pressure angle on a traced curve; s, z as for ``position``."""
     (px, py), (dx, dy), *_ = path.position(s, z)
     nx, ny = path.normal((dx + py, dy - px), s, z)
     (gx, gy), _ = path.drive_direction(s, z)
     length = (nx * nx + ny * ny) ** 0.5
     return (gx * ny - gy * nx) / length, (gx * nx + gy * ny) / length
-
-
-# -- the bare mechanism ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -173,9 +159,6 @@ class Link:
     slide: Vector2 | None = None
     pivot: Vector2 | None = None
     turn: int = 1
-
-
-# -- flanks ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -96,12 +96,9 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
             )
         return distance
 
-    # -- what is given -----------------------------------------------------------------------
-
     @property
     def reference(self) -> float:
-        """The core's mm per radian of swing: the largest centre distance."""
-        return ends(self.centre_distance_mm)[1]
+        return ends(self.centre_distance_mm)[1]  # the largest
 
     @property
     def reason_without_minimum(self) -> str:
@@ -153,7 +150,8 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
                      "index": segment.index},
                 )  # fmt: skip
 
-    # -- the size ----------------------------------------------------------------------------
+    def radius_norm(self) -> AffineNorm:
+        return AffineNorm(((*[0.0] * (len(self.size_names) - 1), 1.0),), (0.0,))
 
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         farthest, f = ends(self.centre_distance_mm)[1], self.face_offset_mm
@@ -166,9 +164,8 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
 
     def profile_radius_rows(self, least: float) -> tuple[LinearInequality, ...]:
         # w ≥ SLOWEST: without it there is no radius; the radius itself is curved
-        return (
-            LinearInequality((0.0, -self.sigma, 0.0, 0.0), (), self.reference * (1.0 - SLOWEST)),
-        )
+        most = self.reference * (1.0 - SLOWEST)
+        return (LinearInequality((0.0, -self.sigma, 0.0, 0.0), (), most),)
 
     def _limit(self, **terms: float) -> NonconvexConstraint:
         f = self.face_offset_mm
@@ -190,14 +187,12 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
         return (self._limit(along=-slope, first=-f),) if f else ()
 
     def contact_constraints(self, end: str, reach: float) -> NonconvexConstraints:
-        sign = {"near": -1.0, "far": 1.0}[end]
+        sign = -1.0 if end == "near" else 1.0
         return (self._limit(along=sign, first=sign * reach),)
 
     def outer_radius_constraints(self, largest: float) -> NonconvexConstraints:
         # |p| is stationary where φ' ρ = 0, at its largest on the highest lift: |p| = h there
         return (self._limit(lean=1.0, known=largest + self.face_offset_mm),)
-
-    # -- geometry ----------------------------------------------------------------------------
 
     def pivot(self, z: Any) -> Vector2:
         q = z[-1] + self.face_offset_mm
@@ -272,8 +267,6 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
         radius = e * (v * (2.0 * self.sigma) + 1.0) / (w * w) + c * a / (w * w * w)
         return radius - self.face_offset_mm
 
-    # -- dimensions ------------------------------------------------------------------------
-
     def dimensions(self, z: Vector) -> Mapping[str, float]:
         return {
             "base_radius_mm": z[-1],
@@ -289,8 +282,6 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
             still = np.zeros_like(s[0])
             return np.asarray(self._contact([*s, still, still], z)[0])
 
-        near, far = (
-            -maximise_formula(motion.curve, lambda s: -reach(s), 1),
-            maximise_formula(motion.curve, reach, 1),
-        )
+        near = -maximise_formula(motion.curve, lambda s: -reach(s), 1)
+        far = maximise_formula(motion.curve, reach, 1)
         return {"face_near_mm": near, "face_far_mm": far, "face_width_mm": far - near}

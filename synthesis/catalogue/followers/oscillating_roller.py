@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -46,7 +46,7 @@ from synthesis.catalogue.followers.base import (
 )
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.conjugate import ArmClosure
-from synthesis.catalogue.followers.kinematics import Link, TracePoint, Vector2, edge_offset
+from synthesis.catalogue.followers.kinematics import Link, Vector2, edge_offset
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
 from synthesis.catalogue.motion import Motion, Segments
 from synthesis.numerics.geometry.plane import enclosed_angle, third_side
@@ -61,6 +61,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     title: ClassVar[str] = "Oscillating roller, on an arm (radius 0: knife edge)"
     size_charts: ClassVar[tuple[tuple[str, ...], ...]] = (("arc",), ("p", "q"))
     swing_range: ClassVar[tuple[float, float]] = (0.0, math.pi)
+    redundant_fields: ClassVar[tuple[str, ...]] = ("initial_angle_deg",)
 
     arm_mm: ArmLength
     centre_distance_mm: Dimension = None
@@ -78,8 +79,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     pivot_direction_deg: PivotDirection = 0.0
 
     closure: ArmClosure = Force()
-
-    # -- what is given -----------------------------------------------------------------------
 
     @property
     def length(self) -> float:
@@ -109,9 +108,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def adjustable_dimensions(self) -> Mapping[str, float | Range | None]:
         return {"centre_distance_mm": self.centre_distance_mm}
 
-    def without_size_dimension(self) -> Self:
-        return self.model_copy(update={"initial_angle_deg": None})
-
     def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], base_gap(self))
         self._arm.check(self.prime_radii(base_radius), segments)
@@ -135,8 +131,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         angle = low * DEGREE, high * DEGREE
         return ArmGeometry(self.length, ends(self.centre_distance_mm), angle, base_gap(self))
 
-    # -- the size ----------------------------------------------------------------------------
-
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         prime, arm, l = self.prime_radii(base_radius), self._arm, self.length
         if arm.pivot is not None:
@@ -156,12 +150,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def _radius(self, z: Vector, s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
         return self.radius_from_norm(self.outer_radius_norm(s).value(z))
-
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        if self.distance is not None:
-            return (max(z[0], radius),)
-        p, q = z
-        return p, max(q, math.sqrt(max(radius**2 - (self.length - p) ** 2, 0.0)))
 
     def radius_from_norm(self, value: float) -> float:
         if self.distance is None:
@@ -202,8 +190,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         if self.distance is None:
             return (FreePivotPressureAngle("pressure_angle", arm, sigma, slope),)
         return (FixedPivotPressureAngle("pressure_angle", arm, self.distance, sigma, slope),)
-
-    # -- geometry ----------------------------------------------------------------------------
 
     def pivot(self, z: Any) -> Vector2:
         if self.distance is None:
@@ -258,20 +244,6 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         speed_squared = lever * lever + across * across
         bend = sigma * (s[1] / l) * lever * ahead - across * s[2]
         return speed_squared + bend, speed_squared
-
-    def second_arm(
-        self, length: float, angle: float
-    ) -> tuple[TracePoint, float, tuple[Vector, ...], Vector]:
-        ratio = length / self.length
-        sense = {"opposite": "same", "same": "opposite"}[self.sense]
-        other = self.model_copy(update={"arm_mm": length, "sense": sense, "closure": Force()})
-        if self.distance is not None:
-            return other, ratio, ((-ratio,),), (length * angle,)
-        # d cos(γ − ψ0), d sin(γ − ψ0)
-        cos, sin = math.cos(angle), math.sin(angle)
-        return other, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0)
-
-    # -- dimensions ------------------------------------------------------------------------
 
     def dimensions(self, z: Vector) -> Mapping[str, float]:
         prime = self._radius(z, 0.0)

@@ -19,7 +19,7 @@ from pydantic import Field
 from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.kinematics import TracePoint, Vector2
+from synthesis.catalogue.followers.kinematics import Vector2
 from synthesis.units import DEGREE, Travel
 
 PivotSense = Literal["opposite", "same"]
@@ -54,16 +54,6 @@ class PivotedFollower(Follower, ABC):
     def reference(self) -> float:
         """The core's mm per radian of swing."""
 
-    def second_arm(
-        self, length: float, angle: float
-    ) -> tuple[TracePoint, float, tuple[Vector, ...], Vector]:
-        """A second arm [mm] at the same pivot, at an angle [rad] to this one.
-
-        Returns:
-            it as a follower; its length over this one's; its size as an affine map of this one's.
-        """
-        raise NotImplementedError
-
     @property
     def travel(self) -> Travel:
         return Travel("deg", self.reference * DEGREE)
@@ -87,8 +77,6 @@ class PivotedFollower(Follower, ABC):
         l, start, (low, high) = self.reference, self.initial_angle(z), self.swing_range
         lowest = l * (low - start)  # where the wire's value is the range's end without rounding
         return lowest, l * (high - start), lambda s: (low + (s - lowest) / l) / DEGREE
-
-    # -- geometry ----------------------------------------------------------------------------
 
     @abstractmethod
     def pivot(self, z: Any) -> Vector2:

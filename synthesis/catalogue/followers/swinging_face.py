@@ -94,10 +94,8 @@ class SwingingFaceConstraint(NonconvexConstraint):
         if self.distance is None:
             return (PointInequalities(still, np.stack([a, b]), c - b * self.offset),)
         least, most = self._interval(np.hypot(a, b) * self.distance, np.arctan2(b, a), c)
-        one = np.ones((1, s.shape[1]))
-        return PointInequalities(still, -one, -self._base(least)), PointInequalities(
-            still, one, self._base(most)
-        )
+        one, lowest, highest = np.ones((1, s.shape[1])), self._base(least), self._base(most)
+        return PointInequalities(still, -one, -lowest), PointInequalities(still, one, highest)
 
     def _interval(self, reach: Array, turn: Array, c: Array) -> tuple[Array, Array]:
         """Least and largest ψ0 with reach · cos(ψ0 − turn) ≤ C, ψ0 within a right angle of 0.
@@ -132,11 +130,9 @@ class SwingingFaceConstraint(NonconvexConstraint):
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         """Where the pivot is given: planes over what the face's angle and speed can be."""
-        if (
-            self.distance is None
-            or not self.has_relaxation
-            or not np.all(np.isfinite(box.v_max - box.v_min))
-        ):
+        if self.distance is None or not self.has_relaxation:
+            return ()
+        if not np.all(np.isfinite(box.v_max - box.v_min)):
             return ()
         ((low, high),) = box.sizes
         start = (low + self.offset) / self.distance, (high + self.offset) / self.distance
@@ -205,9 +201,6 @@ class LeastPivotDistance(NonconvexConstraint):
         count = s.shape[1]
         size = np.stack([np.zeros(count), -np.ones(count)])
         return (PointInequalities(np.zeros_like(s), size, np.full(count, FAR * self.least)),)
-
-
-# -- planes below Φ over a range of the face's angle and its speed --------------------------------
 
 
 def minorant_plane(k: float, angle: Ranges, speed: Ranges) -> Plane | None:

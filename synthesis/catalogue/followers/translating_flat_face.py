@@ -28,7 +28,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, SizeDomain, Vector
-from synthesis.catalogue.followers.base import FlatFaceFollower
+from synthesis.catalogue.followers.base import FlatFaceFollower, InverseKinematics
 from synthesis.catalogue.followers.kinematics import Face, Link, Vector2
 from synthesis.catalogue.motion import Motion
 from synthesis.numerics.maxima import maximise
@@ -37,7 +37,7 @@ from synthesis.units import DEGREE
 LEAST_TILT = 1e-3  # degrees
 
 
-class TranslatingFlatFace(FlatFaceFollower):
+class TranslatingFlatFace(FlatFaceFollower, InverseKinematics):
     """A flat face on a slide that moves in a straight line past the cam's axis."""
 
     kind: Literal["translating_flat_face"] = "translating_flat_face"

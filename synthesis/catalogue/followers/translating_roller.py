@@ -33,9 +33,8 @@ from synthesis.catalogue.followers.curvature_bound import CurvatureBound, Curvat
 from synthesis.catalogue.followers.kinematics import Link, Vector2
 from synthesis.catalogue.motion import Motion, Segments
 
-ROLLER = SlideCoordinates(
-    1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0))
-)  # of z = (e, s0)
+# of z = (e, s0)
+ROLLER = SlideCoordinates(1, (0.0, 0.0, 0.0), ((0.0, 1.0), (-1.0, 0.0), (1.0, 0.0)))
 
 
 class TranslatingRoller(RollerFollower):
@@ -55,8 +54,7 @@ class TranslatingRoller(RollerFollower):
         largest, gap = base_radius[1], base_gap(self)
         self.closure.check(self.roller_radius_mm, largest, gap)
         e_min, e_max = ends(self.offset_mm)
-        nearest = max(e_min, -e_max, 0.0)
-        prime = largest + gap
+        nearest, prime = max(e_min, -e_max, 0.0), largest + gap
         if nearest >= prime:
             raise PydanticCustomError(
                 "offset_beyond_prime_radius",
@@ -79,26 +77,20 @@ class TranslatingRoller(RollerFollower):
         least, largest = self.prime_radii(base_radius)
         e_min, e_max = ends(self.offset_mm)
         e_min, e_max = max(e_min, -largest), min(e_max, largest)
-        nearest = max(e_min, -e_max, 0.0)
-        farthest = max(-e_min, e_max)
+        nearest, farthest = max(e_min, -e_max, 0.0), max(-e_min, e_max)
         # s0 = √(Rp² − e²): exact where e or Rp leaves no choice, otherwise what is convex of it
         s0_max = math.sqrt(max(largest**2 - nearest**2, 0.0))
         s0_min = math.sqrt(max(least**2 - farthest**2, 0.0))
         cones = () if e_min == e_max else (NormBounds(self.radius_norm(), largest, "base_radius"),)
         return SizeDomain(((e_min, e_max), (s0_min, s0_max)), cones, least)
 
-    def enlarged_to(self, z: Vector, radius: float) -> Vector:
-        e, s0 = z
-        return e, max(s0, math.sqrt(max(radius**2 - e**2, 0.0)))
-
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
         return AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, s_max))
 
     def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
         # −slope (s0 + s) ≤ s' − e ≤ slope (s0 + s)
-        return (
-            LinearInequality((-slope, 1.0, 0.0, 0.0), (-1.0, -slope), 0.0, source="pressure_angle"),
-            LinearInequality((-slope, -1.0, 0.0, 0.0), (1.0, -slope), 0.0, source="pressure_angle"),
+        return tuple(
+            LinearInequality((-slope, sign, 0.0, 0.0), (-sign, -slope), 0.0) for sign in (1.0, -1.0)
         )
 
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
@@ -107,10 +99,8 @@ class TranslatingRoller(RollerFollower):
         return ((zero + e, s[0] + s0), (zero, s[1]), (zero, s[2]), (zero, s[3]))
 
     def link(self, z: Any, degree: Any) -> Link:
-        e, s0 = z
-        return Link(
-            self.closure.contact_points((e, s0), None, 1, degree), slide=(0.0 * s0, 1.0 + 0.0 * s0)
-        )
+        tips = self.closure.contact_points((z[0], z[1]), None, 1, degree)
+        return Link(tips, slide=(0.0 * z[1], 1.0 + 0.0 * z[1]))
 
     def pose(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the cam turns the centre (e, X) to (e + iX) exp(−iθ)

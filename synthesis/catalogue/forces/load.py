@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.fields import FiniteModel
@@ -77,10 +77,8 @@ class WireLoad:
     lever: float
 
 
-class Load(BaseModel, ABC):
+class Load(FiniteModel, ABC):
     """What loads a follower, and what its contact is made of; only what is given is modelled."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     kind: str
     title: ClassVar[str]
@@ -97,6 +95,7 @@ class Load(BaseModel, ABC):
     if TYPE_CHECKING:  # declared by the kinds of load, at their places among the fields of the wire
         spring: Spring | None
         process: Sequence[ProcessPoint]
+        friction: FrictionModel | None
 
     @field_validator("process", check_fields=False)
     @classmethod
@@ -112,15 +111,10 @@ class Load(BaseModel, ABC):
     def _wire_load(
         self, mass: float, damping: float, weight: float, metre: float, lever: float
     ) -> WireLoad:
-        ranges = ((0.0, 0.0), (0.0, 0.0)) if self.spring is None else self.spring.ranges
-        (rate, _), (preload, _) = ranges
-        points = tuple((point.angle_deg, point.value) for point in self.process)
+        none = ((0.0, 0.0), (0.0, 0.0))
+        (rate, _), (preload, _) = none if self.spring is None else self.spring.ranges
+        points = tuple(point.as_pair for point in self.process)
         return WireLoad(mass, damping, rate, preload, weight, points, metre, lever)
-
-    @property
-    def guide_friction(self) -> FrictionModel | None:
-        """Friction of the guide, where there is one."""
-        return None
 
     @property
     def free_spring(self) -> dict[str, tuple[float, float]]:
@@ -137,11 +131,7 @@ class Load(BaseModel, ABC):
         return self.model_copy(update={"spring": self.spring.model_copy(update=numbers)})
 
     def reduced(self, follower: Follower, omega: float) -> ReducedLoad:
-        """The load along the follower's displacement; what is free of the spring, at its least.
-
-        Args:
-            follower: which it loads. omega: cam speed [rad/s].
-        """
+        """The load along the follower's displacement; what is free of the spring, at its least."""
         given, flanks = self.wire_values, follower.without_free_counter().flanks
         # s is in mm, or the arc lφ in mm of an arm: a moment in N m is 1000/l N along it
         length = follower.travel.per_unit / (1.0 if given.lever == 1.0 else DEGREE)
@@ -157,7 +147,7 @@ class Load(BaseModel, ABC):
             weight=given.weight * force,
             process=force_course(given.points, force),
             side=1 if self.pushed_both_ways(follower) else flanks[0].side,
-            friction=self.guide_friction,
+            friction=self.friction,
             contact=self.contact,
             bearing=self.bearing,
             speeds=speeds,
@@ -167,16 +157,11 @@ class Load(BaseModel, ABC):
     @staticmethod
     def pushed_both_ways(follower: Follower) -> bool:
         """Whether the cam pushes the follower inwards as well as outwards."""
-        both = follower.active_closure.counter_paths
+        both = follower.closure.counter_paths
         return bool(both) or len(follower.without_free_counter().flanks) > 1
 
     def check_against(self, follower: Follower, segments: Sequence[PlacedSegment]) -> None:
-        """Refuse a load that no cam can serve.
-
-        Raises:
-            PydanticCustomError: nothing presses the follower on its cam, or the load is of another
-                kind of follower.
-        """
+        """Refuse a load of another kind of follower, or that does not press it on its cam."""
         if follower.travel.unit != self.unit:
             raise PydanticCustomError(
                 "load_does_not_suit",
@@ -226,10 +211,6 @@ class SlideLoad(Load):
     )
 
     @property
-    def guide_friction(self) -> FrictionModel | None:
-        return self.friction
-
-    @property
     def wire_values(self) -> WireLoad:
         tilt, mass = self.rise_from_vertical_deg, self.moving_mass_kg
         weight = 0.0 if tilt is None else mass * GRAVITY * math.cos(tilt * DEGREE)
@@ -248,8 +229,7 @@ class SlideLoad(Load):
                 {"kind": follower.kind},
             )
         for segment in segments:
-            turns = segment.free is not None and segment.free.overshoot
-            if segment.kind == "table" or turns:
+            if segment.kind == "table" or segment.may_overshoot:
                 raise PydanticCustomError(
                     "friction_needs_sense",
                     "load/friction acts against the motion, and program/{segment} may move both "
@@ -265,6 +245,7 @@ class ArmLoad(Load):
     kind: Literal["arm"] = "arm"
     title: ClassVar[str] = "Load of a follower on an arm"
     unit: ClassVar[str] = "deg"
+    friction: ClassVar[FrictionModel | None] = None  # type: ignore[misc]
 
     moment_of_inertia_kg_m2: float = Field(
         0.0, ge=0.0, le=1e12, description="Of all that swings, about the pivot."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any
@@ -19,9 +18,6 @@ STEEL_MPA, STEEL_POISSON = 206e3, 0.3  # textbook values of steel
 RATE = "A number fixes it; {min, max} leaves it free in between; left out, it is free from 0 on."
 Value = Annotated[float, Field(ge=-1e12, le=1e12, description="Positive against the rise.")]
 Point = tuple[float, float]  # cam angle [deg] and process force or moment
-
-
-# -- line contact and bearing ----------------------------------------------------------------------
 
 
 class Material(FiniteModel):
@@ -64,9 +60,6 @@ class RollerBearing(FiniteModel):
     life_exponent: float = Field(
         10.0 / 3.0, ge=1.0, le=10.0, description="p of L10 = (C/P)^p: 10/3 of rollers, 3 of balls."
     )
-
-
-# -- spring ----------------------------------------------------------------------------------------
 
 
 class Spring(FiniteModel):
@@ -117,18 +110,16 @@ class ArmSpring(Spring):
     )
 
 
-# -- process force ---------------------------------------------------------------------------------
-
-
-class ProcessPoint(FiniteModel, ABC):
-    """What the machine's task asks of the follower at one cam angle."""
+class ProcessPoint(FiniteModel):
+    """What the machine's task asks of the follower at one cam angle: its only other field."""
 
     angle_deg: float = Field(ge=0.0, le=360.0, description="Cam angle.")
 
     @property
-    @abstractmethod
-    def value(self) -> float:
-        """Force or moment in the wire's unit."""
+    def as_pair(self) -> Point:
+        """Cam angle, and force or moment in the wire's unit."""
+        angle, value = (value for _, value in self)
+        return angle, value
 
 
 class ForcePoint(ProcessPoint):
@@ -136,19 +127,11 @@ class ForcePoint(ProcessPoint):
 
     force_n: Value
 
-    @property
-    def value(self) -> float:
-        return self.force_n
-
 
 class MomentPoint(ProcessPoint):
     """The moment at one cam angle; straight lines join the points."""
 
     moment_n_m: Value
-
-    @property
-    def value(self) -> float:
-        return self.moment_n_m
 
 
 def check_order(points: Sequence[ProcessPoint]) -> None:
@@ -172,26 +155,19 @@ def check_order(points: Sequence[ProcessPoint]) -> None:
 
 
 def force_course(points: Sequence[Point], unit: float) -> Piecewise:
-    """The force over one turn as straight pieces [N over rad].
+    """The force over one turn as straight pieces [N over rad]; ``unit``: N in one of the value's.
 
     Between the last point and the first one of the next turn it runs straight, too; of no point it
     is 0, of one it is constant.
-
-    Args:
-        points: cam angle [deg] and value, in order. unit: N in one of the value's units.
     """
     if not points:
         return Piecewise.of([0.0, FULL_TURN], [[0.0]])
     known = [(angle * DEGREE, value * unit) for angle, value in points]
-    first, last = known[0], known[-1]
-    if first[0] > 0.0 or last[0] < FULL_TURN:
-        gap = first[0] + FULL_TURN - last[0]
-        share = (FULL_TURN - last[0]) / gap if gap > 0.0 else 0.0
-        seam = last[1] + share * (first[1] - last[1])
-        if first[0] > 0.0:
-            known.insert(0, (0.0, seam))
-        if last[0] < FULL_TURN:
-            known.append((FULL_TURN, seam))
+    (first, value), (last, before) = known[0], known[-1]
+    gap = first + FULL_TURN - last  # without points
+    share = (FULL_TURN - last) / gap if gap > 0.0 else 0.0
+    seam = before + share * (value - before)
+    known = [(0.0, seam)] * (first > 0.0) + known + [(FULL_TURN, seam)] * (last < FULL_TURN)
     pieces = [(one, other) for one, other in pairwise(known) if other[0] > one[0]]
     breaks = [one[0] for one, _ in pieces] + [FULL_TURN]
     rows = [[a, (b - a) / (end - start)] for (start, a), (end, b) in pieces]

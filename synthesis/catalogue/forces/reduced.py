@@ -13,7 +13,7 @@ certificate takes its geometry from the traced path instead; a test holds the tw
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -59,10 +59,6 @@ class ReducedLoad:
     speeds: tuple[float, float]
     pushed_both_ways: bool
 
-    def with_spring(self, rate: float, preload: float) -> ReducedLoad:
-        """The same with another spring [N/mm, N]."""
-        return replace(self, rate=rate, preload=preload)
-
     @property
     def constant_force(self) -> float:
         """The part of G that depends on neither the motion nor the cam angle [N]."""
@@ -70,9 +66,8 @@ class ReducedLoad:
 
     def coefficients(self, omega: float) -> tuple[float, float, float, float]:
         """Factors of s to s''' in G at a cam speed [rad/s]: N over mm per rad^k."""
-        return (
-            self.rate, self.damping * omega * MILLI, self.mass * omega * omega * MILLI, 0.0
-        )  # fmt: skip
+        mass = self.mass * omega * omega * MILLI
+        return self.rate, self.damping * omega * MILLI, mass, 0.0
 
     def drive(self, s: Any, process: Any, omega: float) -> Any:
         """G [N] from s to s'' and the process force, of any arithmetic type."""
@@ -117,21 +112,16 @@ class ReducedLoad:
     def friction_loss(self, sense: Any, sine: Any, s: Any, absolute: Callable[[Any], Any]) -> Any:
         """Friction along the guide over the contact force: N (cos α − this) drives the slide.
 
-        Args:
-            sense: of the motion, 1, 0 or −1. sine: sin α. s: displacement [mm].
-            absolute: |·| in the arithmetic of these.
+        ``sense`` of the motion, 1, 0 or −1; ``absolute``: |·| in the arithmetic of sin α and s.
         """
         if self.friction is None:
             return 0.0
         return absolute(sine) * self.friction.effective(s) * (sense * self.side)
 
 
-# -- rigid-body kinetostatics at one place, in numbers, arrays and enclosures alike ---------------
-
-
 @dataclass(frozen=True, eq=False)
 class ContactState:
-    """Where the follower is, and how its contact stands.
+    """Where the follower is, and how its contact stands, in numbers, arrays and enclosures alike.
 
     Attributes:
         load, omega: what loads it, at a cam speed [rad/s].
@@ -185,9 +175,6 @@ def face_pressure_square(load: ReducedLoad, force: Any, radius: Any) -> Any:
     return force / (radius * load.contact.stiffness)
 
 
-# -- the course over the turn ----------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class ForceHistory:
     """Forces at n cam angles, rigid bodies at constant speed; arrays are (n,).
@@ -226,12 +213,9 @@ def history(
     theta: ArrayLike,
     side: Side = "right",
 ) -> ForceHistory:
-    """Forces on a finished cam.
+    """Forces on a finished cam at a speed ω [rad/s], at cam angles (n,) of the turn [rad].
 
-    Args:
-        follower: as built. load: reduced to its displacement. omega: cam speed [rad/s].
-        motion, size: the finished cam. theta: (n,) cam angles in the turn [rad].
-        side: which value to give where the acceleration or the process force jumps.
+    ``side``: which value to give where the acceleration or the process force jumps.
     """
     angle = np.asarray(theta, dtype=float).ravel()
     s, wrapped = motion.derivatives(angle, 3, side), within_turn(angle, side)
@@ -264,14 +248,14 @@ def history(
             (gx, gy), (hx, hy) = flank.trace.drive_direction(s, size)
             spin = flank.side * np.sqrt(square) / flank.roller - 1.0 + (gx * hy - gy * hx)
             rolling[flank.name] = np.abs(spin) * omega
-    first = places[0]
+    first, (a, b, c, _) = places[0], load.coefficients(omega)
     resisted = load.friction_loss(sense, first.sine, s[0], np.abs) * np.ones_like(angle)
     return ForceHistory(
         theta=angle,
         s=s,
-        inertia=load.mass * omega * omega * MILLI * s[2],
-        damping=load.damping * omega * MILLI * s[1],
-        spring=load.rate * s[0] + load.side * load.preload,
+        inertia=c * s[2],
+        damping=b * s[1],
+        spring=a * s[0] + load.side * load.preload,
         process=process + load.weight,
         drive=first.drive(),
         friction=first.contact_force() * resisted,

@@ -22,9 +22,10 @@ from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraints,
     NormBounds,
+    Vector,
     VibrationBound,
 )
-from synthesis.catalogue.fields import FiniteModel
+from synthesis.catalogue.fields import UnitFields
 from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import labelled
@@ -37,10 +38,7 @@ from synthesis.numerics.piecewise import Array
 class Machine:
     """The machine around the cam: what the motion means in newtons and in the wire's units.
 
-    Attributes:
-        follower: the follower's family and given dimensions.
-        omega: cam speed ω [rad/s].
-        load: the load on the follower; None where no force is limited or reported.
+    ``omega``: cam speed ω [rad/s]. ``load``: None where no force is limited or reported.
     """
 
     follower: Follower
@@ -90,7 +88,7 @@ class Claim:
     vibration: tuple[VibrationBound, ...] = ()
 
 
-class Limit(FiniteModel, ABC):
+class Limit(UnitFields, ABC):
     """One quantity of the cam that has a bound.
 
     Attributes:
@@ -105,16 +103,9 @@ class Limit(FiniteModel, ABC):
     needs_load: ClassVar[bool] = False
     same_on_every_segment: ClassVar[bool] = False
 
-    # -- facts about the limit -------------------------------------------------------------------
-
     def applies_to(self, follower: Follower) -> bool:
         """Whether it bounds anything on a cam of such a follower."""
         return True
-
-    @property
-    def travel_unit(self) -> str | None:
-        """Unit of displacement in which it is given; None where it is not about displacement."""
-        return None
 
     @property
     def bounds_size_below(self) -> bool:
@@ -126,26 +117,12 @@ class Limit(FiniteModel, ABC):
         """Least radius [mm] of a circle about the cam's axis that is a part of the profile."""
         return 0.0
 
-    @property
-    def rows_incomplete(self) -> bool:
-        """Whether motions that keep its rows can break its smooth constraints."""
-        return False
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
+        """Refuse a bound that no such cam can keep, of which no motion speaks, or without its load.
 
-    # -- refusals --------------------------------------------------------------------------------
-
-    def check(self, segments: Segments, machine: Machine) -> None:
-        """Refuse a bound that no cam of such a follower can keep, or of which no motion speaks."""
-        return None
-
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
-        """Refuse a bound on a force for which the load is missing or incomplete.
-
-        Args:
-            position: index of the limit in the spec, for the message.
+        ``position``: index of the limit in the spec, for the message.
         """
         return None
-
-    # -- the forms -------------------------------------------------------------------------------
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         """Linear inequalities on one segment; where the limit is not linear, those it implies."""
@@ -172,10 +149,7 @@ class Limit(FiniteModel, ABC):
     ) -> tuple[Any, ...]:
         """Dimensionless functions that must be ≤ 0, for local solvers and for checks.
 
-        Args:
-            theta: (n,) cam angles, numbers [rad].
-            s: s, s', s'', s''' as NumPy arrays or CasADi columns of one length.
-            z: the size variables, scalars.
+        θ are numbers, (n,) [rad]; s to s''' NumPy arrays or CasADi columns of one length.
         """
         constraints = self.nonconvex(segment, machine)
         return tuple(value for constraint in constraints for value in constraint.excess(s, z))
@@ -198,14 +172,13 @@ class Limit(FiniteModel, ABC):
         indices: tuple[int, ...] | None = None,
         **more: Any,
     ) -> Claim:
-        """A claim of this limit.
+        """A claim of this limit; what is left out is as of a ``Claim``.
 
         Args:
             bounds: lower and upper, in core units. field: of the limit, that sets them.
             name, quantity: of the claim and of what is measured, where not the limit's kind.
             label: of the flank or path that it is about.
             indices: of the segments; None: all that have an extent.
-            more: as of a ``Claim``.
         """
         return Claim(
             labelled(name or self.kind, label), quantity or self.kind,
@@ -215,16 +188,9 @@ class Limit(FiniteModel, ABC):
 
 
 def all_claims(
-    limits: Iterable[Limit],
-    segments: Segments,
-    machine: Machine,
-    size: tuple[float, ...],
+    limits: Iterable[Limit], segments: Segments, machine: Machine, size: Vector
 ) -> list[Claim]:
-    """The claims of limits in their order, and that the follower can take every displacement.
-
-    Args:
-        size: the follower's size variables [mm].
-    """
+    """The claims of limits in their order, and that the follower can take every displacement."""
     claims = [claim for limit in limits for claim in limit.claims(segments, machine)]
     reach = machine.follower.displacement_range(size)
     if reach is not None:
@@ -246,9 +212,5 @@ def shifting(amount: float) -> Callable[[float], float]:
 
 def segment_indices(segments: Segments, *kinds: str) -> tuple[int, ...]:
     """Indices of the segments that move so and have an extent (of all if nothing is named)."""
-    wanted = set(kinds)
-    return tuple(
-        s.index
-        for s in segments
-        if s.angle > 0.0 and (not wanted or not wanted.isdisjoint(s.senses))
-    )
+    moving = (s for s in segments if s.angle > 0.0)
+    return tuple(s.index for s in moving if not kinds or not set(kinds).isdisjoint(s.senses))

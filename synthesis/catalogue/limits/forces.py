@@ -30,7 +30,7 @@ class ForceLimit(Limit, ABC):
 
     needs_load: ClassVar[bool] = True
 
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
         if machine.load is None:
             raise PydanticCustomError(
                 "limit_needs_load",
@@ -41,7 +41,7 @@ class ForceLimit(Limit, ABC):
 
 
 def load_of(machine: Machine) -> ReducedLoad:
-    """The load on the follower, which ``check_load`` has found to be given."""
+    """The load on the follower, which ``check`` has found to be given."""
     assert machine.load is not None
     return machine.load
 
@@ -56,7 +56,7 @@ def drive(segment: PlacedSegment, machine: Machine, theta: Array, s: Any) -> Any
 
 def push_sign(flank: Flank, machine: Machine) -> int:
     """+1 on the main roller's flanks, −1 on a counter roller's: it pushes against growing s."""
-    return -1 if flank.path in machine.follower.active_closure.counter_paths else 1
+    return -1 if flank.path in machine.follower.closure.counter_paths else 1
 
 
 def transmission(path: TracePoint, segment: PlacedSegment, machine: Machine, s: Any, z: Any) -> Any:
@@ -107,12 +107,8 @@ class ContactForce(ForceLimit):
             )
         return self
 
-    @property
-    def rows_incomplete(self) -> bool:
-        return self.max_n is not None or bool(self.min_n)
-
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
-        super().check_load(segments, machine, position)
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
+        super().check(segments, machine, position)
         if self.min_n is not None and load_of(machine).pushed_both_ways:
             raise PydanticCustomError(
                 "never_floats",
@@ -123,19 +119,18 @@ class ContactForce(ForceLimit):
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         load, most, found = load_of(machine), _max_transmission(machine), list[LinearInequality]()
-        s, v, a, j = load.coefficients(machine.omega)
         for flank in machine.follower.flanks:
             if push_sign(flank, machine) < 0:
                 continue
             side, name = flank.side, labelled(self.kind, flank.name)
-            drive = side * s, side * v, side * a, side * j
-            less = -side * s, -side * v, -side * a, -side * j
+            drive = tuple(side * c for c in load.coefficients(machine.omega))
             constant = side * load.constant_force
             least, largest = sorted(side * p for p in load.process_range(segment))
             if self.max_n is not None and most is not None:
                 upper = most * self.max_n - constant - least
                 found.append(LinearInequality(drive, (), upper, source=f"{name}_max"))
             if self.min_n is not None:
+                less = tuple(-c for c in drive)
                 found.append(LinearInequality(less, (), constant + largest, source=f"{name}_min"))
         return tuple(found)
 
@@ -151,10 +146,8 @@ class ContactForce(ForceLimit):
             if self.max_n is not None:
                 found.append(pressed / self.max_n - grip)
             if self.min_n is not None and (self.min_n > 0.0 or low != high):
-                natural = max(
-                    self.min_n, abs(load.constant_force) + max(abs(low), abs(high)), SMALL
-                )
-                found.append((self.min_n * grip - pressed) / natural)
+                most = abs(load.constant_force) + max(abs(low), abs(high))
+                found.append((self.min_n * grip - pressed) / max(self.min_n, most, SMALL))
         return tuple(found)
 
     def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:

@@ -52,12 +52,11 @@ class HertzPressure(ForceLimit):
 
     kind: Literal["hertz_pressure"] = "hertz_pressure"
     title: ClassVar[str] = "Hertz pressure"
-    rows_incomplete: ClassVar[bool] = True
     bounds_size_below: ClassVar[bool] = True
     max_mpa: float = Field(gt=0.0, le=1e6, description="Largest contact pressure.")
 
-    def check_load(self, segments: Segments, machine: Machine, position: int) -> None:
-        super().check_load(segments, machine, position)
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
+        super().check(segments, machine, position)
         if load_of(machine).contact is None:
             raise PydanticCustomError(
                 "limit_needs_contact",
@@ -66,8 +65,7 @@ class HertzPressure(ForceLimit):
                 {"position": position},
             )
         follower = machine.follower.without_free_counter()
-        edges = [flank for flank in follower.flanks if flank.roller <= 0.0]
-        if edges and not follower.always_convex:
+        if not follower.always_convex and any(flank.roller <= 0.0 for flank in follower.flanks):
             raise PydanticCustomError(
                 "edge_has_no_pressure",
                 "limits/{position} is hertz_pressure, but roller radius 0 is a knife edge, under "
@@ -89,23 +87,21 @@ class HertzPressure(ForceLimit):
         _, grip = pressure_angle_sine_cosine(follower, (0.0,) * 4, (1.0,) * len(radii[0].size))
         found = []
         for radius in radii:
-            s, v, a, j = (by + grip * np.array(radius.coefficients)).tolist()
+            motion = tuple((by + grip * np.array(radius.coefficients)).tolist())
             size = tuple(grip * each for each in radius.size)
             upper = grip * radius.upper - (load.constant_force + least) / self._scale(machine)
-            found.append(LinearInequality((s, v, a, j), size, upper, source=self.kind))
+            found.append(LinearInequality(motion, size, upper, source=self.kind))
         return tuple(found)
 
     def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
         """Of a roller on a slide: what thrust leaves of the curvature that undercut allows."""
+        scale = self._scale(machine)
+        terms = (RollerPressureTerm(f, segment, machine, scale) for f in machine.follower.flanks)
         return tuple(
-            replace(rows, source=labelled(self.kind, flank.name))
-            for flank in machine.follower.flanks
-            if flank.distance > 0.0
-            for rows in flank.trace.curvature_bounds(
-                flank.side,
-                1.0 / flank.distance,
-                RollerPressureTerm(flank, segment, machine, self._scale(machine)),
-            )
+            replace(rows, source=labelled(self.kind, term.flank.name))
+            for term in terms
+            if (distance := term.flank.distance) > 0.0
+            for rows in term.flank.trace.curvature_bounds(term.flank.side, 1.0 / distance, term)
         )
 
     def _scale(self, machine: Machine) -> float:
@@ -149,10 +145,7 @@ class HertzPressure(ForceLimit):
 
 @dataclass(frozen=True, eq=False)
 class RollerPressureTerm(PressureTerm):
-    """Of one flank on one segment.
-
-    ``scale``: B p_max² [N/mm], pressure squared times what makes a force of it.
-    """
+    """Of one flank on one segment; ``scale``: B p_max² [N/mm]."""
 
     flank: Flank
     segment: PlacedSegment

@@ -7,7 +7,7 @@ vibration, what an elastic follower train still swings with when a dwell begins.
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import Annotated, ClassVar, Literal, Self
 
@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, VibrationBound, derivative
+from synthesis.catalogue.fields import twins
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.units import FULL_TURN
@@ -23,39 +24,30 @@ Largest = Annotated[float, Field(gt=0.0, le=1e30)] | None
 
 
 class TravelLimit(Limit, ABC):
-    """A largest value in mm of a slide, or in degrees of an arm.
-
-    ``fields``: the two that may give it, by the unit of displacement; exactly one does.
-    """
-
-    fields: ClassVar[dict[str, str]]
+    """A largest value, ``max…``, in mm of a slide, or in degrees of an arm."""
 
     @model_validator(mode="after")
     def _given_once(self) -> Self:
-        given = [unit for unit, name in self.fields.items() if getattr(self, name) is not None]
-        if len(given) != 1:
+        slide, swing, _ = twins(type(self))["max"]
+        if len(self.units) != 1:
             raise PydanticCustomError(
                 "limit_unclear",
                 "{kind} gives {number}. Give {slide} for a follower that slides, or {swing} for "
                 "one on an arm.",
-                {"kind": self.kind, "number": "two limits" if given else "no limit",
-                 "slide": self.fields["mm"], "swing": self.fields["deg"]},
+                {"kind": self.kind, "number": "two limits" if self.units else "no limit",
+                 "slide": slide, "swing": swing},
             )  # fmt: skip
         return self
 
     @property
-    def travel_unit(self) -> str:
-        return next(unit for unit, name in self.fields.items() if getattr(self, name) is not None)
-
-    @property
     def field(self) -> str:
         """The field that gives it."""
-        return self.fields[self.travel_unit]
+        return self.given_field("max")
 
     @property
     def bound(self) -> float:
         """The largest value in the wire's unit."""
-        return float(getattr(self, self.field))
+        return float(self.given("max"))
 
 
 class DerivativeLimit(TravelLimit, ABC):
@@ -71,11 +63,10 @@ class DerivativeLimit(TravelLimit, ABC):
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         largest = self.bound / machine.wire_factor(self.order)
-        up, down = (
+        return tuple(
             LinearInequality(derivative(self.order, sign), (), largest, source=self.kind)
             for sign in (1.0, -1.0)
         )
-        return up, down
 
     def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
         factor, unit = machine.wire_factor(self.order), machine.derivative_unit(self.order)
@@ -89,7 +80,6 @@ class Velocity(DerivativeLimit):
     kind: Literal["velocity"] = "velocity"
     title: ClassVar[str] = "Velocity"
     order: ClassVar[int] = 1
-    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s", "deg": "max_deg_per_s"}
     max_mm_per_s: Largest = Field(None, description="Largest |velocity| of a slide.")
     max_deg_per_s: Largest = Field(None, description="Largest |velocity| of an arm.")
 
@@ -100,7 +90,6 @@ class Acceleration(DerivativeLimit):
     kind: Literal["acceleration"] = "acceleration"
     title: ClassVar[str] = "Acceleration"
     order: ClassVar[int] = 2
-    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s2", "deg": "max_deg_per_s2"}
     max_mm_per_s2: Largest = Field(None, description="Largest |acceleration| of a slide.")
     max_deg_per_s2: Largest = Field(None, description="Largest |acceleration| of an arm.")
 
@@ -111,12 +100,9 @@ class Jerk(DerivativeLimit):
     kind: Literal["jerk"] = "jerk"
     title: ClassVar[str] = "Jerk"
     order: ClassVar[int] = 3
-    fields: ClassVar[dict[str, str]] = {"mm": "max_mm_per_s3", "deg": "max_deg_per_s3"}
     max_mm_per_s3: Largest = Field(None, description="Largest |jerk| of a slide.")
     max_deg_per_s3: Largest = Field(None, description="Largest |jerk| of an arm.")
 
-
-# -- windows and points of a program ---------------------------------------------------------------
 
 EXACT = 1e-9  # of lift/β^k: allowance for rounding where a derivative has to have one value
 TRAVEL = 0  # order of the derivative
@@ -202,18 +188,11 @@ class SegmentBound(Limit):
         return (
             Claim(
                 self.name, NAMES[self.order], (self.segment,), low, high,
-                machine.derivative_unit(self.order), _moved(factor, start), self.field,
-                interval=self.interval, equality=self.equality,
+                machine.derivative_unit(self.order), lambda value: value * factor - start,
+                self.field, interval=self.interval, equality=self.equality,
             ),
         )  # fmt: skip
 
-
-def _moved(factor: float, start: float) -> Callable[[float], float]:
-    """The map from a derivative per radian to the wire's value."""
-    return scaling(factor) if start == 0.0 else lambda value: value * factor - start
-
-
-# -- residual vibration ----------------------------------------------------------------------------
 
 SPARE = 1e-9  # of the stroke: what rounding leaves of an amplitude that is to be none
 PER_TURN = (0.01, 5000.0)  # swings of the train in one turn: fewer or more are wrong units
@@ -230,7 +209,6 @@ class ResidualVibration(TravelLimit):
 
     kind: Literal["residual_vibration"] = "residual_vibration"
     title: ClassVar[str] = "Residual vibration"
-    fields: ClassVar[dict[str, str]] = {"mm": "max_mm", "deg": "max_deg"}
     natural_frequency_hz: float = Field(
         gt=0.0,
         le=1e9,
@@ -247,7 +225,7 @@ class ResidualVibration(TravelLimit):
     )
     max_deg: Amplitude = Field(None, description="The same of an arm.")
 
-    def check(self, segments: Segments, machine: Machine) -> None:
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
         swings = self.natural_frequency_hz * FULL_TURN / machine.omega
         if not PER_TURN[0] <= swings <= PER_TURN[1]:
             raise PydanticCustomError(
@@ -293,10 +271,7 @@ def runs_between_dwells(segments: Segments) -> tuple[tuple[int, ...], ...]:
     """
     placed = [s for s in segments if s.angle > 0.0]
     dwells = [k for k, s in enumerate(placed) if s.kind == "dwell"]
-    found = []
-    for one, other in zip(dwells[-1:] + dwells[:-1], dwells, strict=True):
-        between = (other - one - 1) % len(placed)
-        run = tuple(placed[(one + 1 + k) % len(placed)].index for k in range(between))
-        if run:
-            found.append(run)
-    return tuple(found)
+    ends = zip(dwells[-1:] + dwells[:-1], dwells, strict=True)
+    gaps = [(one + 1, (other - one - 1) % len(placed)) for one, other in ends]
+    turn = [s.index for s in (*placed, *placed)]
+    return tuple(tuple(turn[start : start + count]) for start, count in gaps if count)

@@ -71,7 +71,7 @@ class PressureAngle(Limit):
         found = list(super().smooth_constraints(segment, machine, theta, s, z))
         limits = (self._largest(kind) for kind in segment.senses)
         slope = min((tan(largest) for largest in limits if largest is not None), default=inf)
-        for label in machine.follower.active_closure.counter_paths:
+        for label in machine.follower.closure.counter_paths:
             path = paths(machine.follower)[label]
             if slope == inf or path.pressure_angle_rows(slope):
                 continue

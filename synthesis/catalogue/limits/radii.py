@@ -21,6 +21,7 @@ from synthesis.catalogue.followers.base import Follower, paths
 from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, TracePoint, edge_offset, labelled
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
+from synthesis.catalogue.limits.forces import push_sign
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
@@ -153,9 +154,6 @@ class CutterRadius(FlankRadius):
         return tuple(found)
 
 
-# -- radii about the cam's axis --------------------------------------------------------------------
-
-
 class OuterRadius(Limit):
     """No point of the profile lies farther from the cam's axis than ``max_mm``.
 
@@ -168,10 +166,8 @@ class OuterRadius(Limit):
     title: ClassVar[str] = "Largest radius of the profile"
     max_mm: float = Field(gt=0.0, le=1e9, description="Largest radius of the profile.")
 
-    def check(self, segments: Segments, machine: Machine) -> None:
-        alone = machine.follower.without_free_counter()
-        for path in paths(alone):
-            gap = edge_offset(alone.flanks, path)
+    def check(self, segments: Segments, machine: Machine, position: int) -> None:
+        for *_, gap in _edges(machine.follower.without_free_counter()):
             if self.max_mm + gap <= 0.0:
                 raise PydanticCustomError(
                     "outer_radius_too_small",
@@ -184,19 +180,17 @@ class OuterRadius(Limit):
     def norm_bounds(self, segments: Segments, machine: Machine) -> tuple[NormBounds, ...]:
         highest = max(segment.max_displacement for segment in segments)
         return tuple(
-            NormBounds(
-                norm, trace.norm_from_radius(self.max_mm + gap), labelled("outer_radius", path)
-            )
-            for path, trace, gap in _edges(machine)
+            NormBounds(norm, trace.norm_from_radius(self.max_mm + gap), labelled(self.kind, path))
+            for path, trace, gap in _edges(machine.follower)
             if (norm := trace.outer_radius_norm(highest)) is not None
         )
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         """Of a law that may overshoot the ends: what the norm's last component says."""
-        return tuple(self._rows(machine)) if _overshoots(segment) else ()
+        return tuple(self._rows(machine)) if segment.may_overshoot else ()
 
     def _rows(self, machine: Machine) -> Iterator[LinearInequality]:
-        for path, trace, gap in _edges(machine):
+        for path, trace, gap in _edges(machine.follower):
             low, high = trace.outer_radius_norm(0.0), trace.outer_radius_norm(1.0)
             if low is None or high is None or low.matrix != high.matrix:
                 continue
@@ -214,8 +208,8 @@ class OuterRadius(Limit):
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any
     ) -> tuple[Any, ...]:
         found = list(super().smooth_constraints(segment, machine, theta, s, z))
-        if _overshoots(segment) and not found:
-            for _, trace, gap in _edges(machine):
+        if segment.may_overshoot and not found:
+            for _, trace, gap in _edges(machine.follower):
                 (x, y), *_ = trace.position(s, z)
                 found.append((x * x + y * y) / (self.max_mm + gap) ** 2 - 1.0)
         return tuple(found)
@@ -226,19 +220,14 @@ class OuterRadius(Limit):
                 segments, (None, self.max_mm + gap), "max_mm", "mm", label=path,
                 quantity="pitch_radius", to_wire=shifting(gap), path=path,
             )
-            for path, trace, gap in _edges(machine)
+            for path, _, gap in _edges(machine.follower)
         )  # fmt: skip
 
 
-def _overshoots(segment: PlacedSegment) -> bool:
-    """Whether the law is one of the answer's that may go beyond its ends."""
-    return segment.free is not None and segment.free.overshoot
-
-
-def _edges(machine: Machine) -> Iterator[tuple[str, TracePoint, float]]:
+def _edges(follower: Follower) -> Iterator[tuple[str, TracePoint, float]]:
     """Every path by name, and what the edge of its cam lacks to it [mm]."""
-    for path, trace in paths(machine.follower).items():
-        yield path, trace, edge_offset(machine.follower.flanks, path)
+    for path, trace in paths(follower).items():
+        yield path, trace, edge_offset(follower.flanks, path)
 
 
 class CounterBaseRadius(Limit):
@@ -253,7 +242,7 @@ class CounterBaseRadius(Limit):
     )
 
     def applies_to(self, follower: Follower) -> bool:
-        return bool(follower.active_closure.counter_paths)
+        return bool(follower.closure.counter_paths)
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         return tuple(
@@ -269,10 +258,10 @@ class CounterBaseRadius(Limit):
             return ()
         found = []
         for flank in _counters(machine):
-            least = flank.distance + self.min_mm
+            least = (flank.distance + self.min_mm) * (flank.distance + self.min_mm)
             (px, py), *_ = flank.trace.position(s, z)
             square = px * px + py * py
-            found.append((least * least - square) / (least * least + square))
+            found.append((least - square) / (least + square))
         return tuple(found)
 
     def claims(self, segments: Segments, machine: Machine) -> tuple[Claim, ...]:
@@ -287,6 +276,4 @@ class CounterBaseRadius(Limit):
 
 def _counters(machine: Machine) -> Iterator[Flank]:
     """The flanks of counter cams."""
-    for flank in machine.follower.flanks:
-        if flank.path in machine.follower.active_closure.counter_paths:
-            yield flank
+    return (flank for flank in machine.follower.flanks if push_sign(flank, machine) < 0)

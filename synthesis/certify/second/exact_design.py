@@ -98,8 +98,8 @@ class ExactDesign:
         """The load of the follower."""
         load = self.design.completed_spec.load
         assert load is not None
-        side = load.reduced(self.machine.follower, 1.0).side
-        return ExactLoad(load.wire_values, self.omega, side, load.guide_friction is not None)
+        own = load.reduced(self.machine.follower, 1.0)
+        return ExactLoad(load.wire_values, self.omega, own.side, own.friction is not None)
 
     @cached_property
     def contact_compliance(self) -> arb:

@@ -108,7 +108,7 @@ def _contact(cam: Cam, machine: Mechanism, link: Link, s: Array, by: float) -> C
     turned = machine.moved if machine.slide is None else 0.0 * theta
     p, tangent = _traced(cam, s)
     normal, (drive, _) = trace.normal(tangent, s, cam.size), trace.drive_direction(s, cam.size)
-    roller = cam.follower.roller_radius if flank.path == first.path else flank.distance
+    roller = cam.follower.roller_radius_mm if flank.path == first.path else flank.distance
     along, roll, heading = 0.0 * theta, 0.0 * theta, 0.0
     if link.face is not None:
         place, direction = by * _point(link.face.at), _point(link.face.along)

@@ -174,7 +174,7 @@ def profiles(design: Design) -> dict[str, CurveName]:
 def _flank(follower: Follower, curve: CurveName) -> Flank:
     """The flank that a curve is of; InputError where the cam has none of this name."""
     first, *others = follower.flanks
-    counter_paths = follower.active_closure.counter_paths
+    counter_paths = follower.closure.counter_paths
     curves = {"profile": first, "pitch": first}
     curves |= {flank.name: flank for flank in follower.flanks if flank.name}
     curves |= {labelled(each.path, "pitch"): each for each in others if each.path in counter_paths}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
-from synthesis.catalogue.constraints import enlarged
+from synthesis.catalogue.constraints import enlarged, enlarged_to
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.grid import SplineLaw, law_curves
 from synthesis.optimise.problem.mean_square import mean_square
@@ -68,9 +68,10 @@ def project_size(problem: Problem, size: Vector) -> Vector:
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
     # back into cones that it has left by no more than the solver's tolerance
     outside = [cone for cone in cones if cone.norm.value(size) > cone.upper]
-    steps = [(-cone.growth_to_upper(size), OUTSIDE * cone.upper) for cone in outside]
+    steps = [(-cone.norm.growth(size, cone.upper), OUTSIDE * cone.upper) for cone in outside]
     inwards = max((step for step, most in steps if 0.0 < step <= most), default=0.0)
-    size = problem.machine.follower.enlarged_to(enlarged(size, -inwards), problem.sizing.min_norm)
+    norm = problem.machine.follower.radius_norm()
+    size = enlarged_to(enlarged(size, -inwards), norm, problem.sizing.min_norm)
     return enlarged(size, max((cone.growth_to_lower(size) for cone in cones), default=0.0))
 
 
@@ -122,7 +123,7 @@ def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
         cone.norm.value(size) > cone.upper * (1.0 + OUTSIDE) for cone in cones
     ):
         return True
-    return bool(problem.machine.follower.active_closure.counter_paths) and any(
+    return bool(problem.machine.follower.closure.counter_paths) and any(
         row_excess(row, segment, size) > ALLOWED * max(map(abs, row.size)) * problem.length
         for segment in problem.segments
         for row in problem.limit_rows(segment)

@@ -54,7 +54,7 @@ def place_counter_roller(
     """
     free = [
         (name, ends(value))
-        for name, value in spec.follower.active_closure.counter_dimensions().values()
+        for name, value in spec.follower.closure.counter_dimensions().values()
         if ends(value)[0] != ends(value)[1]
     ]
     if not free:
@@ -63,7 +63,7 @@ def place_counter_roller(
     counter_cam = _CounterCam(spec, cam, name, deadline)
     segments = cam.problem.segments
     highest = max(max(s.s_start, s.s_end) for s in segments)
-    closure = spec.follower.active_closure
+    closure = spec.follower.closure
     helps = closure.eased_by_distance
     first, last = closure.counter_range(spec.follower, cam.size, highest)
     nearest, most = max(low, first), min(high, last)
@@ -91,7 +91,7 @@ class _CounterCam:
     def at(self, distance: float) -> Problem:
         """The problem put to the counter cam alone."""
         problem, follower = self.cam.problem, self.spec.follower
-        closure = follower.active_closure.counter_only({self.name: distance})
+        closure = follower.closure.counter_only({self.name: distance})
         machine = replace(problem.machine, follower=follower.with_closure(closure))
         return replace(problem, machine=machine, limits=self.spec.all_limits())
 

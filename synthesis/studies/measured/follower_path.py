@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.catalogue.followers.base import Follower
+from synthesis.catalogue.followers.base import Follower, InverseKinematics
 from synthesis.errors import InputError
 from synthesis.numerics.periodic_spline import fit_smoothing
 from synthesis.numerics.piecewise import Array
@@ -180,10 +180,15 @@ def follow_outline(outline: Outline, cam: MeasuredCam) -> FollowerPath:
     Gaps up to the cam's tolerance are ignored: they may come from the measurement.
 
     Raises:
-        InputError: the follower does not reach the cam.
+        InputError: the follower does not reach the cam, or its inverse kinematics are not known.
     """
     follower = cam.follower
-    centre = outline.point + follower.roller_radius * outline.normal
+    if not isinstance(follower, InverseKinematics):
+        raise InputError(
+            "/follower/kind", follower.kind, "Profiles are not read back for this follower.",
+            "Take a translating follower, or a roller on an arm.",
+        )  # fmt: skip
+    centre = outline.point + follower.roller_radius_mm * outline.normal
     theta, position = follower.pose(centre, outline.normal)
     lost = ~np.isfinite(theta + position)
     if lost.any():
@@ -281,11 +286,11 @@ def _hollow(
     share = min(max(share, 0.0), gap)
     angle = float(theta[one] + share)
     # The centre of the follower there, along the tangent of its path.
-    last, previous = (
-        outline.point[:, k] + follower.roller_radius * outline.normal[:, k] for k in (one, before)
-    )
+    centres = outline.point + follower.roller_radius_mm * outline.normal
+    last, previous = centres[:, one], centres[:, before]
     centre = last + share * (last - previous) / back
     up = np.array([math.sin(angle), math.cos(angle)])
+    assert isinstance(follower, InverseKinematics)
     inward = follower.clearance(outline.point[:, run] - centre[:, None], up)
     deepest = int(np.argmax(inward))
     bend = float(np.min(outline.bend[run]))
@@ -293,7 +298,7 @@ def _hollow(
     return UnreachedHollow(
         angle_deg=angle % FULL_TURN / DEGREE,
         hollow_radius_mm=-1.0 / bend if bend < 0.0 else None,
-        roller_radius_mm=follower.roller_radius,
+        roller_radius_mm=follower.roller_radius_mm,
         gap_mm=float(inward[deepest]),
         x_mm=cam.mirror * float(x),
         y_mm=float(y),

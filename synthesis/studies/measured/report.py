@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synthesis.catalogue.fields import ends
-from synthesis.catalogue.followers.base import flat_face
+from synthesis.catalogue.followers.base import InverseKinematics, flat_face
 from synthesis.catalogue.motion import Motion
 from synthesis.catalogue.profile import CamProfile, cam_profile
 from synthesis.design.identity import engine_version
@@ -60,6 +60,7 @@ def read_back(cam: MeasuredCam) -> ProfileAnalysis:
     shape = outline(points, cam.tolerance_mm)
     path = follow_outline(shape, cam)
     fitted = fit_motion(path, MOTION_SHARE * cam.tolerance_mm)
+    assert isinstance(follower, InverseKinematics)  # the path was found with them
     size, curve = follower.size_at_lowest(fitted.lowest), fitted.motion.curve
     fine, table = (
         cam_profile(
@@ -112,7 +113,7 @@ def _check_follower(cam: MeasuredCam) -> None:
                 f"/follower/{name}", None, "A measured profile needs a follower given in full.",
                 "Give this dimension as a number.",
             )  # fmt: skip
-    if follower.active_closure.counter_paths or [one.side for one in follower.flanks] != [1]:
+    if follower.closure.counter_paths or [one.side for one in follower.flanks] != [1]:
         raise InputError(
             "/follower/closure", cam.follower.kind,
             "A measured profile is read with one roller that touches it from outside.",

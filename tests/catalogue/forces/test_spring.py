@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def dense_rows(
     )
 
     def force(rate: float, preload: float, rpm: float) -> np.ndarray:
-        load = machine.load.with_spring(rate, preload)
+        load = replace(machine.load, rate=rate, preload=preload)
         omega = rpm * 2.0 * np.pi / 60.0
         found = history(machine.follower, load, omega, cam.motion, cam.size, theta)
         return found.contact[""]

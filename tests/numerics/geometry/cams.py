@@ -92,7 +92,7 @@ class Cam(AnyCam):
 
     @property
     def Rr(self) -> float:
-        return self.follower.roller_radius
+        return self.follower.roller_radius_mm
 
     @property
     def Rp(self) -> float:

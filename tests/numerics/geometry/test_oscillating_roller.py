@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synthesis.catalogue.constraints import enlarged, max_enlargement
+from synthesis.catalogue.constraints import enlarged, enlarged_to, max_enlargement
 from synthesis.catalogue.followers import OscillatingRoller
 from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.motion import Motion
@@ -299,7 +299,7 @@ def test_what_the_follower_tells_is_what_is_measured(cam: ArmCam):
 def test_a_size_is_raised_to_a_radius_and_within_its_cones(cam: ArmCam, factor: float):
     follower, wanted = cam.follower, factor * prime_radius(cam.follower, cam.size)
     if not cam.fixed:
-        raised = follower.enlarged_to(cam.size, wanted)
+        raised = enlarged_to(cam.size, follower.radius_norm(), wanted)
         reached = max(wanted, prime_radius(follower, cam.size))
         assert prime_radius(follower, raised) == pytest.approx(reached, rel=1e-9)
     sizing = follower.size_domain((1e-3 * cam.d, 3.0 * cam.length))

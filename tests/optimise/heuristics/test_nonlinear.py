@@ -90,7 +90,7 @@ def excess(spec: DesignSpec, model: ConicModel, x: np.ndarray) -> np.ndarray:
     """Relative amounts by which measured curvature exceeds the limits asked for."""
     measured, found = curvature(model, x), []
     for limit in spec.all_limits():
-        roller = spec.follower.roller_radius
+        roller = spec.follower.roller_radius_mm
         if limit.kind == "profile_radius":
             found.append((roller + limit.min_mm) * measured - 1.0)
         if limit.kind == "cutter_radius":

@@ -82,7 +82,7 @@ class SpatialFollower:
     largest: float
     rotation: int
 
-    active_closure: ClassVar[Closure] = SINGLE_FLANK
+    closure: ClassVar[Closure] = SINGLE_FLANK
 
     @property
     def size_names(self) -> tuple[str, ...]:
@@ -106,10 +106,6 @@ class SpatialFollower:
     def radius_norm(self) -> AffineNorm:
         """The objective: the size itself."""
         return AffineNorm(((1.0,),), (0.0,))
-
-    def enlarged_to(self, z: tuple[float, ...], radius: float) -> tuple[float, ...]:
-        """The size raised to at least ``radius`` [mm]."""
-        return (max(z[0], radius),)
 
     def pressure_angle_rows(self, slope: float) -> tuple[LinearInequality, ...]:
         """|tan α| ≤ slope where it is linear in motion and size."""
