@@ -122,8 +122,8 @@ def list_motion_laws() -> list[MotionLawEntry]:
     """Every law that a rise or return may name; `spline` is found by the service."""
     named = [
         MotionLawEntry(
-            **_entry(type(law), law.title, kind),
-            source=law.source,
+            **_entry(type(law), law.entry.title, kind),
+            source=law.entry.source,
             ends=law.ends,
             tasks=list(law.tasks),
             characteristics=characteristics(law),

@@ -58,7 +58,6 @@ def cam_profile(
     """A flank as envelope of the roller: the pitch curve less σ D along its exact normal.
 
     Args:
-        motion: the motion. follower: its family. size: the size variables z [mm].
         rotation: sense of the cam's turning; clockwise is the mirror image.
         theta: (n,) cam angles [rad].
         side: which one-sided values to give where a derivative jumps.

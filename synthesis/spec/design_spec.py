@@ -9,10 +9,18 @@ from itertools import accumulate
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import CamRotation, CamSpeed, Dimension, Name, Range, ends
+from synthesis.catalogue.fields import (
+    CamRotation,
+    CamSpeed,
+    Dimension,
+    FiniteModel,
+    Name,
+    Range,
+    ends,
+)
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
@@ -44,10 +52,8 @@ DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
 """What a spec computes once, and the fields that this follows from, if no segment is open."""
 
 
-class DesignSpec(BaseModel):
+class DesignSpec(FiniteModel):
     """What the follower must do, which follower it is, and what may not be exceeded."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     name: Name = Field("", description="Shown in reports and files.")
     speed_rpm: CamSpeed = 60.0
@@ -114,11 +120,10 @@ class DesignSpec(BaseModel):
         self._check_limits(segments)
         named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
         check_jerk_finite(segments, named, self.objectives(), self.machine())
-        requested = ends(self.base_radius_mm)
-        check_growth_ends(
-            self.follower, self.limits, self.objectives(),
-            requested, self.searched_radii(), self.base_radius_range(),
-        )  # fmt: skip
+        requested, searched = ends(self.base_radius_mm), self.searched_radii()
+        reached = self.base_radius_range()
+        aims = self.objectives()
+        check_growth_ends(self.follower, self.limits, aims, requested, searched, reached)
         if self.objectives()[0].kind == "base_radius":
             law_is_free = any(segment.law_is_free for segment in segments)
             check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
@@ -183,8 +188,6 @@ class DesignSpec(BaseModel):
                 vars(changed).pop(name, None)
         return changed
 
-    # -- numbers left free -------------------------------------------------------------------
-
     @cached_property
     def free_parameters(self) -> FreeParameters:
         """The numbers that are left free and searched: angles, lifts, an arm's length."""
@@ -212,11 +215,7 @@ class DesignSpec(BaseModel):
         return self.program if middle is None else free.at_point(middle)[0]
 
     def check_reach(self) -> None:
-        """Refuse dimensions of the follower that no size can serve.
-
-        Raises:
-            PydanticCustomError: with the numbers, and the cam angle where there is one.
-        """
+        """Refuse dimensions of the follower that no size can serve."""
         self.follower.check_dimensions(self.searched_radii(), self.placed_segments())
 
     def with_c2_splines(self) -> DesignSpec:
@@ -227,8 +226,6 @@ class DesignSpec(BaseModel):
             return self
         changes = {"program": program, "continuity": continuity, "report_smoothness_cost": False}
         return self.model_copy(update=changes)
-
-    # -- what the core asks ------------------------------------------------------------------
 
     def machine(self) -> Machine:
         """The follower, the cam's speed, and what loads the follower."""
@@ -251,9 +248,7 @@ class DesignSpec(BaseModel):
 
     @cached_property
     def _reach(self) -> tuple[float, float, list[float]]:
-        """Lowest and highest displacement, and those at the segments' starts [mm]; the program
-        starts at 0.
-        """
+        """Lowest and highest displacement, and those at the segments' starts, the first 0 [mm]."""
         units, program = self._motion_units(), self._numbered
         levels = list(accumulate((segment.gain(units) for segment in program[:-1]), initial=0.0))
         spans = [segment.span(units) for segment in program]
@@ -266,12 +261,9 @@ class DesignSpec(BaseModel):
 
     @cached_property
     def _placed(self) -> tuple[PlacedSegment, ...]:
-        program = self._numbered
-        lowest, _, levels = self._reach
-        starts = [level - lowest for level in levels]
-        return placed(
-            program, angles_of(program), starts, self._motion_units(), self.continuity or 0
-        )
+        program, (lowest, _, levels) = self._numbered, self._reach
+        starts, units = [level - lowest for level in levels], self._motion_units()
+        return placed(program, angles_of(program), starts, units, self.continuity or 0)
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
@@ -284,8 +276,7 @@ class DesignSpec(BaseModel):
 
     def searched_radii(self) -> tuple[float, float]:
         """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
-        least, largest = ends(self.base_radius_mm)
-        stroke = self.stroke()
+        (least, largest), stroke = ends(self.base_radius_mm), self.stroke()
         return (
             min(1e-3 * stroke, 0.5 * largest) if math.isinf(least) else least,
             1e4 * max(stroke, least) if math.isinf(largest) else largest,

@@ -64,27 +64,16 @@ class FreeParameters:
         omega: float,
         base_radius: tuple[float, float],
     ) -> FreeParameters:
-        """Those of a program and its machine.
-
-        Args:
-            program: the segments. follower: the machine. omega: cam speed [rad/s].
-            base_radius: ends of the base radius asked for [mm], open ones infinite.
-        """
-        own = [
-            (i, name, value, ends(value))
+        """Those of a program and its machine; ends of the base radius [mm], open ones infinite."""
+        own = (
+            FreeParameter(i, name, value, *ends(value))
             for i, segment in enumerate(program)
             for name, value in segment.free_fields().items()
-        ]
+        )
         machines = follower.searched_dimensions(base_radius).items()
-        free = (*own, *((None, name, value, reached) for name, (value, reached) in machines))
-        return cls(
-            tuple(program), follower, omega,
-            tuple(
-                FreeParameter(i, name, value, *reached)
-                for i, name, value, reached in free
-                if ends(value)[0] != ends(value)[1]
-            ),
-        )  # fmt: skip
+        lengths = (FreeParameter(None, name, asked, *found) for name, (asked, found) in machines)
+        free = tuple(each for each in (*own, *lengths) if len({*ends(each.requested)}) > 1)
+        return cls(tuple(program), follower, omega, free)
 
     @property
     def machine_indices(self) -> tuple[int, ...]:
@@ -133,8 +122,7 @@ class FreeParameters:
     def check_reach(self, serves: Callable[[ProgramAndFollower], None]) -> None:
         """Refuse a machine that cannot serve whatever its free numbers are, of some that are tried.
 
-        Args:
-            serves: raises a PydanticCustomError where a program and a follower do not.
+        ``serves`` raises a PydanticCustomError where a program and a follower do not.
         """
         middle = self.polytope.centre() if self.machine_indices else None
         if middle is None:

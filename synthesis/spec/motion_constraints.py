@@ -134,10 +134,8 @@ class MotionConstraints:
 
     def _all(self) -> Iterator[tuple[str, Window | Point]]:
         """All of them, each with its place in the segment, as in ``windows/0``."""
-        for j, window in enumerate(self.windows):
-            yield f"windows/{j}", window
-        for j, point in enumerate(self.points):
-            yield f"points/{j}", point
+        yield from ((f"windows/{j}", window) for j, window in enumerate(self.windows))
+        yield from ((f"points/{j}", point) for j, point in enumerate(self.points))
 
     def segment_bounds(self, segment: int) -> tuple[SegmentBound, ...]:
         """The bounds that they put on the segment with this index in the program."""
@@ -156,8 +154,6 @@ class MotionConstraints:
         """x in (0, 1) where windows end and points lie, in order."""
         degrees = {at for _, constraint in self._all() for at in constraint.span}
         return tuple(x for x in sorted(at / self.angle for at in degrees) if 0.0 < x < 1.0)
-
-    # -- whether they make sense -----------------------------------------------------------------
 
     def check(self) -> None:
         """Refuse windows and points beyond the segment, and windows that contradict each other."""
@@ -198,11 +194,7 @@ class MotionConstraints:
                     )
 
     def check_forward(self, lift: float, sign: float) -> None:
-        """Refuse what a law cannot keep that never moves backwards.
-
-        Args:
-            lift: of the segment, in its own unit. sign: 1 for a rise, −1 for a return.
-        """
+        """Refuse what a law cannot keep that never moves backwards; sign −1 for a return."""
         for place, constraint in self._all():
             low, high = constraint.ends_of(TRAVEL)
             if low > lift or high < 0.0:

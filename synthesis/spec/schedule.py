@@ -30,11 +30,7 @@ AT_REST = EndState(0.0, 0.0)
 
 
 def check_turn(program: Sequence[Segment]) -> None:
-    """Refuse a program that does not go round once.
-
-    Raises:
-        PydanticCustomError: with the sum of its angles, and what to add or remove.
-    """
+    """Refuse a program that does not go round once."""
     turn = math.fsum(segment.degrees for segment in program)
     if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
         raise PydanticCustomError(
@@ -49,11 +45,7 @@ def check_turn(program: Sequence[Segment]) -> None:
 def check_closed(rest: float, stroke: float, units: MotionUnits) -> None:
     """Refuse a program that does not end where it began, or does not move at all.
 
-    Args:
-        rest: the sum of its lifts. stroke: its largest displacement less its least.
-
-    Raises:
-        PydanticCustomError: with the lift that is left over.
+    ``rest``: the sum of its lifts. ``stroke``: its largest displacement less its least.
     """
     if abs(rest) > CLOSURE * stroke:
         raise PydanticCustomError(
@@ -66,18 +58,13 @@ def check_closed(rest: float, stroke: float, units: MotionUnits) -> None:
         raise PydanticCustomError(
             "program_still",
             "The follower never moves: program holds no rise and no return. Add both.",
-            {},
         )
 
 
 def check_units(program: Sequence[Segment], limits: Sequence[Any], unit: str, moves: str) -> None:
-    """Refuse lifts and limits in another unit than the follower moves in.
+    """Refuse lifts and limits in another unit, mm or deg, than the follower moves in.
 
-    Args:
-        unit: mm or deg. moves: how the follower does, for people, as in "the … follower slides".
-
-    Raises:
-        PydanticCustomError: with the first of them, and the unit to give it in.
+    ``moves``: how the follower does, for people, as in "the … follower slides".
     """
     for position, segment in enumerate(program):
         for given in sorted(segment.units - {unit}):
@@ -117,10 +104,8 @@ def placed(
     """The segments placed on the cam, their laws run between the states at the junctions.
 
     Args:
-        program: the segments.
         angles: (n+1,) where they start and where the last one ends [rad].
         levels: (n,) displacement at their starts [mm].
-        units: turns the wire's displacements and rates into the core's.
         least_smoothness: splines are made at least so smooth.
 
     Raises:

@@ -37,10 +37,8 @@ class State(UnitFields):
 
     def to_core(self, units: MotionUnits) -> EndState:
         """The state as s' and s''."""
-        v, a = self.given("velocity"), self.given("acceleration")
-        return EndState(
-            None if v is None else units.to_core(v, 1), None if a is None else units.to_core(a, 2)
-        )
+        given = self.given("velocity"), self.given("acceleration")
+        return EndState(*(v if v is None else units.to_core(v, k) for k, v in enumerate(given, 1)))
 
 
 def with_states(

@@ -140,12 +140,7 @@ def read_table(
     """Where the rows are, as fractions of the segment, what they say, and the lift: (m,), (m,).
 
     Displacement counts from the segment's start, so that the first and the last row miss its two
-    ends by the same amount.
-
-    Args:
-        points, angles, displacements: as for ``columns``.
-        angle: of the segment [deg].
-        lift: what it is meant to gain; None: last row less first row, on a whole turn 0.
+    ends by the same amount. A lift that is not given is last row less first row, on a whole turn 0.
     """
     degrees, s = columns(points, angles, displacements)
     check_angles(degrees, angle)
@@ -161,11 +156,7 @@ def columns(
     angles: Sequence[float] | None,
     displacements: Sequence[float] | None,
 ) -> tuple[Array, Array]:
-    """The two columns [deg, mm], from rows or from columns.
-
-    Raises:
-        PydanticCustomError: neither or both are given, or columns of unequal length.
-    """
+    """The two columns [deg, mm], from rows or from columns of equal length: one is given."""
     by_rows, by_columns = points is not None, angles is not None or displacements is not None
     if by_rows == by_columns or (angles is None) != (displacements is None):
         raise PydanticCustomError(
@@ -189,11 +180,7 @@ def columns(
 
 
 def check_angles(degrees: Array, angle: float) -> None:
-    """Angles must increase, and span the segment from its start to its end.
-
-    Raises:
-        PydanticCustomError: with the number of the first row that breaks the rule, from 0.
-    """
+    """Angles must increase, and span the segment; the first row that breaks the rule is named."""
     if not FEWEST <= len(degrees) <= MOST:
         raise PydanticCustomError(
             "table_size",

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Limit, Machine
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.catalogue.motion import Segments
 from synthesis.catalogue.objectives import Objective
 
 Ends = tuple[float, float]
@@ -30,9 +30,6 @@ def check_growth_ends(
         objectives: in order.
         requested: base radius [mm], open ends infinite. searched: with open ends replaced.
         reached: the part of those that the follower reaches.
-
-    Raises:
-        PydanticCustomError: with what would give it a best answer.
     """
     kinds = [objective.kind for objective in objectives]
     if "peak_pressure_angle" not in kinds:
@@ -62,11 +59,7 @@ def check_growth_ends(
 def check_shrinking_ends(
     follower: Follower, limits: Sequence[Limit], requested: Ends, *, law_is_free: bool
 ) -> None:
-    """Refuse a least base radius of a cam that may shrink: a free law can be bent to any cam.
-
-    Raises:
-        PydanticCustomError: with what would give it a best answer.
-    """
+    """Refuse a least base radius of a cam that may shrink: a free law can be bent to any cam."""
     kept = math.isfinite(requested[0]) or any(limit.bounds_size_below for limit in limits)
     why = follower.reason_without_minimum
     if law_is_free and why and not kept:
@@ -81,35 +74,28 @@ def check_shrinking_ends(
 
 
 def check_jerk_finite(
-    segments: Iterable[PlacedSegment],
-    limits: Iterable[tuple[str, Limit]],
-    objectives: Iterable[Objective],
+    segments: Segments,
+    limits: Sequence[tuple[str, Limit]],
+    objectives: Sequence[Objective],
     machine: Machine,
 ) -> None:
     """Refuse a spline of class C1 where something speaks of jerk, which is infinite there.
 
-    Args:
-        segments: the program on the cam. machine: the machine.
-        limits: what may not be exceeded, each with its name for people. objectives: in order.
-
-    Raises:
-        PydanticCustomError: with the segment and what speaks of jerk.
+    Limits come with their names for people.
     """
-    named, aims = list(limits), list(objectives)
     for segment in segments:
-        smoothness = JERK if segment.free is None else segment.free.smoothness
-        if smoothness >= JERK - 1:
+        if segment.free is None or segment.free.smoothness >= JERK - 1:
             continue
         # What has a row on the jerk of this segment, or makes its mean square small.
-        rows = [(name, limit.rows(segment, machine)) for name, limit in named]
-        rows += [(f"objective {aim.kind}", aim.rows(segment, machine, 1.0)) for aim in aims]
+        rows = [(name, limit.rows(segment, machine)) for name, limit in limits]
+        rows += [(f"objective {aim.kind}", aim.rows(segment, machine, 1.0)) for aim in objectives]
         of_jerk = [name for name, own in rows if any(row.coefficients[JERK] for row in own)]
-        of_jerk += [f"objective {aim.kind}" for aim in aims if aim.energy_order() == JERK]
+        of_jerk += [f"objective {aim.kind}" for aim in objectives if aim.energy_order() == JERK]
         if of_jerk:
             raise PydanticCustomError(
                 "spline_too_rough",
                 "program/{position} is a spline of smoothness {value}, whose acceleration may "
                 "jump, but {name} speaks of jerk, which is infinite there. Take smoothness 2, or "
                 "leave {name} out.",
-                {"position": segment.index, "value": smoothness, "name": of_jerk[0]},
+                {"position": segment.index, "value": segment.free.smoothness, "name": of_jerk[0]},
             )

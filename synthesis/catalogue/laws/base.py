@@ -49,8 +49,7 @@ class LawEntry:
     """One law of a family, as published.
 
     Attributes:
-        title: what engineers call it.
-        source: where it was published.
+        title: what engineers call it. source: where it was published.
         shape: its normalised displacement; for a law between rests, which is symmetric, only
             the first half, on [0, 1/2].
     """
@@ -69,14 +68,9 @@ class MotionLaw(FiniteModel, ABC):
     """How many derivatives it takes over from its neighbours at each end; 0: it has its own."""
 
     @property
-    def title(self) -> str:
-        """What engineers call the law."""
-        return self.entries[self.kind].title
-
-    @property
-    def source(self) -> str:
-        """Where the law was published."""
-        return self.entries[self.kind].source
+    def entry(self) -> LawEntry:
+        """The law as published."""
+        return self.entries[self.kind]
 
     @property
     @abstractmethod
@@ -85,22 +79,16 @@ class MotionLaw(FiniteModel, ABC):
 
     @abstractmethod
     def curve(self, segment: SegmentKind) -> Piecewise:
-        """g(x) on [0, 1] with g(0) = 0 and g(1) = 1, as run from start to end of the segment.
+        """g(x) on [0, 1] from 0 to 1, as run from start to end of a rise or a return.
 
-        Args:
-            segment: "rise" or "return"; a law with a turn at its end puts it at the top.
+        A law with a turn at its end puts it at the top.
         """
 
     @abstractmethod
     def with_end_derivatives(
         self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives
     ) -> Piecewise:
-        """The law with these g' and g'' at its ends, as nearly as it can: the caller checks.
-
-        Args:
-            segment: as for ``curve``.
-            start, end: required g' and g'' at x = 0 and x = 1.
-        """
+        """The law with these g' and g'' at its ends, as nearly as it can: the caller checks."""
 
     @property
     @abstractmethod
@@ -132,7 +120,7 @@ class SymmetricLaw(MotionLaw, ABC):
     @property
     def half(self) -> Piecewise:
         """Its first half, on [0, 1/2], as published."""
-        return self.entries[self.kind].shape
+        return self.entry.shape
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -191,8 +179,6 @@ def mirrored(shape: Piecewise) -> Piecewise:
     """x ↦ 1 − f(1 − x): the same law run backwards."""
     return shape.mirror().rescale(0.0, 1.0, 1.0, -1.0)
 
-
-# -- peak values -----------------------------------------------------------------------------------
 
 JUMP_TOLERANCE = 1e-9  # of the peak: rounding leaves 1e-14, the smallest real jump is above 1
 

@@ -72,9 +72,8 @@ class DwellTurn(MotionLaw):
         return (self.ends,)
 
     def curve(self, segment: SegmentKind) -> Piecewise:
-        shape = self.entries[self.kind].shape
         towards_turn = (segment == "rise") == (self.turn == "top")
-        return shape if towards_turn else mirrored(shape)
+        return self.entry.shape if towards_turn else mirrored(self.entry.shape)
 
     def with_end_derivatives(
         self, segment: SegmentKind, start: EndDerivatives, end: EndDerivatives

@@ -17,8 +17,6 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.laws.base import Inflection, LawEntry, RestToRest, SymmetricLaw
 from synthesis.numerics.piecewise import Piecewise
 
-# -- sources --------------------------------------------------------------------------------------
-
 VDI = "VDI 2143-1"
 ROTHBART = "Rothbart, Cams (1956)"
 NORTON = "Norton, Cam Design and Manufacturing Handbook"
@@ -28,8 +26,6 @@ FREUDENSTEIN = (
     "Freudenstein, On the dynamics of high-speed cam profiles, Int. J. Mech. Sci. 1 (1960)"
 )
 INDEXING = "Practice of indexing cams"
-
-# -- polynomials ---------------------------------------------------------------------------------
 
 
 def powers(first: int, *coefficients: int) -> Piecewise:
@@ -107,8 +103,6 @@ class Polynomial(RestToRest):
     }
 
 
-# -- straight lines with pulses -------------------------------------------------------------------
-
 LINE = Piecewise.of([0.0, 0.5], [[0.0, 1.0]])
 # a = 32 u(1 − u) with u = 4x up to x = 1/4, then the velocity is 4/3
 PARABOLIC = Piecewise.of(
@@ -143,8 +137,6 @@ class ConstantVelocity(RestToRest):
         "cv50_haversine": LawEntry("Constant velocity 50 %, haversine pulses", INDEXING, HAVERSINE),
     }
 
-
-# -- odd harmonics -------------------------------------------------------------------------------
 
 M = 1125 / 1192  # makes the mean velocity 1 with Freudenstein's ratios 1 : 1/54 : 1/1250
 
@@ -183,8 +175,6 @@ class HarmonicSeries(RestToRest):
         ),
     }
 
-
-# -- sine, constant and cosine parts ---------------------------------------------------------------
 
 LEAST_PART = 1e-3  # of the segment: a shorter part would be a jump for every machine
 WHOLE_TOLERANCE = 1e-6  # of the segment: parts given as decimals fill it up to this

@@ -30,9 +30,7 @@ class SplineLaw(FiniteModel):
         False, description="Allow the follower to move backwards within the segment."
     )
 
-    inherited_derivatives: ClassVar[int] = (
-        0  # states of neighbours are equality rows, not parameters of the law
-    )
+    inherited_derivatives: ClassVar[int] = 0  # states of neighbours are equality rows
 
     @property
     def may_reverse(self) -> bool:

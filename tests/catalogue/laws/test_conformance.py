@@ -29,10 +29,10 @@ def test_every_law_says_where_it_ends() -> None:
 def test_named_and_sourced(kind: str) -> None:
     law = LAWS[kind]
     assert law.kind == kind
-    assert law.title
-    assert law.source
+    assert law.entry.title
+    assert law.entry.source
     assert law.free_law() is None
-    assert [other.title for other in LAWS.values()].count(law.title) == 1
+    assert [other.entry.title for other in LAWS.values()].count(law.entry.title) == 1
 
 
 @every_law
