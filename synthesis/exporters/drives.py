@@ -18,7 +18,6 @@ from pydantic import Field
 from scipy.interpolate import BPoly
 
 from synthesis.design.design import Design
-from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, format_rows
 from synthesis.exporters.fidelity.measure import Deviation, interpolate
 from synthesis.exporters.fidelity.report import (
@@ -88,11 +87,10 @@ class DriveTable:
         turn, start_deg = options.master_per_turn, options.start_deg or 0.0
         master: Array = np.round(turn * np.arange(count + 1) / count, options.decimals)
         if not np.all(np.diff(master) > 0.0):
-            raise InputError(
-                "/decimals", options.decimals,
-                f"So rounded, {count} master positions in {turn:.12g} units are not all different.",
-                "Keep more decimals, or ask for fewer rows.",
-            )  # fmt: skip
+            rule = (
+                f"So rounded, {count} master positions in {turn:.12g} units are not all different."
+            )
+            raise options.refusal("decimals", rule, "Keep more decimals, or ask for fewer rows.")
         theta = start_deg * DEGREE + FULL_TURN * master / turn
         s = cam.motion.derivatives(theta[:-1] % FULL_TURN, 2)
         s = np.column_stack([s, s[:, 0]]) * (options.slave_per_unit / cam.travel.per_unit)

@@ -26,7 +26,6 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.measure import polyline_form
 from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
@@ -76,12 +75,12 @@ class MillingOptions(ProgramOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.safe_z_mm is not None and self.safe_z_mm <= self.depth:
-            raise InputError(
-                "/safe_z_mm", self.safe_z_mm,
+            raise self.refusal(
+                "safe_z_mm",
                 f"The rapid moves would run through the material: this height must lie above the "
                 f"cut, which is at z_mm = {self.depth:g}.",
                 "Raise safe_z_mm above the workpiece, or lower z_mm (0 where it is left out).",
-            )  # fmt: skip
+            )
 
     @property
     def depth(self) -> float:
@@ -106,20 +105,20 @@ class GrindingOptions(ProgramOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tolerance_um is not None:
-            raise InputError(
-                "/tolerance_um", self.tolerance_um,
+            raise self.refusal(
+                "tolerance_um",
                 "Between pairs of C and X the wheel runs on no straight line, to which a chord "
                 "tolerance could be measured.",
                 "Ask for points or points_per_degree.",
-            )  # fmt: skip
+            )
         if not (is_cutter(self.curve) or is_pitch(self.curve)):
-            raise InputError(
-                "/curve", self.curve,
+            raise self.refusal(
+                "curve",
                 "This curve is the profile itself: a wheel whose centre ran along it would grind "
                 "its own radius too deep.",
                 "Give curve=cutter and cutter_diameter_mm, the wheel's diameter, or curve=pitch "
                 "for a wheel as large as the roller.",
-            )  # fmt: skip
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,9 +150,8 @@ class ToolPath:
         tool = _tool(cam, options)
         written = written_points(cam, options)
         if options.closed is False and options.overlap_points == 0:
-            raise InputError(
-                "/closed", False, "A tool goes round the cam to where it began.", "Leave it out."
-            )
+            rule = "A tool goes round the cam to where it began."
+            raise options.refusal("closed", rule, "Leave it out.")
         points = written.ended(options, closed=True)
         at = cam.at(written.theta % FULL_TURN)
         contact = np.column_stack([at.x, at.y])
@@ -188,22 +186,22 @@ def _tool(cam: Cam, options: ProgramOptions) -> str:
         return "THE PATH IS THE PROFILE ITSELF: COMPENSATE FOR THE TOOL"
     radius = _tool_radius(cam)
     if radius == 0.0:
-        raise InputError(
-            "/curve", options.curve,
+        raise options.refusal(
+            "curve",
             "This follower has no roller of a radius above 0. Its pitch curve is the profile "
             "itself: a tool whose centre ran along it would cut its own radius too deep.",
             "Give curve=cutter and cutter_diameter_mm, the tool's diameter.",
-        )  # fmt: skip
+        )
     fit = largest_cutter(cam)
     if radius > fit.radius * (1.0 + ROUNDING):
-        raise InputError(
-            "/curve", options.curve,
+        raise options.refusal(
+            "curve",
             f"A tool as large as the roller, {2.0 * radius:.6g} mm in diameter, cuts into the "
             f"profile at cam angle {fit.angle_deg:.6g}°, x = {fit.x:.6g}, y = {fit.y:.6g} mm. No "
             f"tool larger than {2.0 * fit.radius:.6g} mm leaves it as it is.",
             "Give curve=cutter and cutter_diameter_mm, or give the design the "
             "limit profile_radius and ask for it again.",
-        )  # fmt: skip
+        )
     return f"TOOL AS LARGE AS THE ROLLER, DIAMETER {2.0 * radius:.12g} MM"
 
 
@@ -315,12 +313,12 @@ def _lead(path: ToolPath, options: MillingOptions, index: Literal[0, -1]) -> Arc
     arc = np.stack(rotate(options.turn_deg, *np.eye(2))).T @ arc
     distance = np.hypot(*(arc[:, :, None] - cam_points[:, None, :])).min()
     if distance < _tool_radius(cam) - ROOM_MM:
-        raise InputError(
-            "/lead_mm", options.lead_mm,
+        raise options.refusal(
+            "lead_mm",
             "On a lead of this radius the tool would cut into the cam: there is not so much room "
             f"where the path begins (it would be {_tool_radius(cam) - distance:.3g} mm inside).",
             "Take a shorter one, another start_deg, or 0 for none.",
-        )  # fmt: skip
+        )
     ccw = bool(along[0] * away[1] - along[1] * away[0] > 0.0)
     return Arc(free, centre, point, ccw) if index == 0 else Arc(point, centre, free, ccw)
 

@@ -30,6 +30,11 @@ MAX_POINTS_PER_DEGREE = 100.0  # of a point file
 MAX_POINTS = 36_000  # of a point file: MAX_POINTS_PER_DEGREE all round
 MIN_TOLERANCE_UM = 1e-4  # µm: finer than any machine, coarser than rounding
 CURVES: tuple[CurveName, ...] = get_args(CurveName)
+# Keywords of JSON Schema in words.
+BOUNDS = {
+    "exclusiveMinimum": "above", "minimum": "at least",
+    "exclusiveMaximum": "below", "maximum": "at most",
+}  # fmt: skip
 
 Density = Annotated[
     float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="Points per degree of cam angle.")
@@ -108,8 +113,9 @@ def _form(options: type[Any]) -> type[BaseModel]:
         texts |= _field_texts(family.__module__).get(family.__name__, {})
     members: dict[str, Any] = {}
     for each in fields(options):
-        kind, text = hints[each.name], texts.get(each.name)
-        described = Annotated[kind, Field(description=text)] if text else kind
+        described = hints[each.name]
+        if each.name in texts:
+            described = Annotated[described, Field(description=texts[each.name])]
         members[each.name] = described, each.default
     settings = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
     return create_model(options.__name__, __config__=settings, __doc__=options.__doc__, **members)
@@ -133,21 +139,19 @@ class Options:
             schema = model.model_json_schema()["properties"][name]
             raise InputError(f"/{name}", error["input"], _rule(schema), _way_out(schema)) from None
 
+    def refusal(self, name: str, rule: str, remedy: str) -> InputError:
+        """The error that says why the value of a field cannot be."""
+        return InputError(f"/{name}", getattr(self, name), rule, remedy)
+
 
 def _rule(schema: dict[str, Any]) -> str:
     """What a field has to satisfy, in words."""
-    facts = {k: v for each in (schema, *schema.get("anyOf", ())) for k, v in each.items()}
+    # of a number that may be left out the facts stand first, those of null last
+    facts = {k: v for each in (*schema.get("anyOf", ())[::-1], schema) for k, v in each.items()}
     if "enum" in facts:
         return f"This must be one of {', '.join(map(str, facts['enum']))}."
-    whole = "integer" in {schema.get("type"), *(each["type"] for each in schema.get("anyOf", ()))}
-    bounds = (
-        ("exclusiveMinimum", "above"),
-        ("minimum", "at least"),
-        ("exclusiveMaximum", "below"),
-        ("maximum", "at most"),
-    )
-    words = [f"{word} {facts[key]:g}" for key, word in bounds if key in facts]
-    kind = "a whole number" if whole else "a finite number"
+    words = [f"{word} {facts[key]:g}" for key, word in BOUNDS.items() if key in facts]
+    kind = "a whole number" if facts.get("type") == "integer" else "a finite number"
     return f"This must be {kind}{', ' if words else ''}{' and '.join(words)}."
 
 
@@ -191,9 +195,8 @@ class PlacedCurve(Options):
     def __post_init__(self) -> None:
         super().__post_init__()
         if is_cutter(self.curve) != (self.cutter_diameter_mm is not None):
-            raise InputError(
-                "/cutter_diameter_mm",
-                self.cutter_diameter_mm,
+            raise self.refusal(
+                "cutter_diameter_mm",
                 f"The path of a cutter's centre, and no other curve ({self.curve}), has a cutter "
                 "diameter.",
                 "Give both curve=cutter and cutter_diameter_mm, or leave the diameter out.",

@@ -18,7 +18,6 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.errors import InputError
 from synthesis.exporters.exporter import Exporter, format_rows
 from synthesis.exporters.fidelity.report import fidelity_header
 from synthesis.exporters.options import PointOptions
@@ -84,12 +83,12 @@ def _sldcrv(design: Design, options: PointOptions) -> bytes:
     if steps.min() < MIN_DISTANCE_MM:
         at = in_degrees(written.theta[int(np.argmin(steps))])
         density = "points" if options.tolerance_um is None else "tolerance_um"
-        raise InputError(
-            f"/{density}", getattr(options, density),
+        raise options.refusal(
+            density,
             f"SOLIDWORKS takes no points nearer to each other than {MIN_DISTANCE_MM} mm; at cam "
             f"angle {at:.6g}° there would be {steps.min():.3g} mm between two.",
             "Ask for fewer points.",
-        )  # fmt: skip
+        )
     return _rows(written.ended(options, closed=True), options, "{x}mm\t{y}mm\t{z}mm\r\n")
 
 

@@ -21,10 +21,7 @@ from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.figures.profile import PROFILE
-from synthesis.exporters.options import (
-    PictureOptions,
-    ProfileOptions,
-)
+from synthesis.exporters.options import PictureOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 Formats = Mapping[str, Exporter[Any]]

@@ -17,12 +17,7 @@ from pydantic_core import to_json
 
 from synthesis.design.design import Design
 from synthesis.exporters.exporter import Exporter, compact_json
-from synthesis.exporters.fidelity.report import (
-    MAX_ROWS,
-    as_points,
-    fidelity_block,
-    fidelity_header,
-)
+from synthesis.exporters.fidelity.report import MAX_ROWS, as_points, fidelity_block, fidelity_header
 from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import (

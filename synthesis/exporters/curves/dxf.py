@@ -17,13 +17,7 @@ from pydantic import Field
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import MIN_ERROR_UM, Contour
 from synthesis.exporters.exporter import Exporter, FileContent
-from synthesis.exporters.options import (
-    BoreDiameter,
-    CurveName,
-    PlacedCurve,
-    is_cutter,
-    is_pitch,
-)
+from synthesis.exporters.options import BoreDiameter, CurveName, PlacedCurve, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import rotate

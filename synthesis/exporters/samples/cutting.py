@@ -18,7 +18,6 @@ import numpy as np
 
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
-from synthesis.errors import InputError
 from synthesis.exporters.options import PlacedCurve
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import in_degrees
@@ -54,9 +53,8 @@ def checked_cam(design: Design, options: PlacedCurve) -> Cam:
         return cam
     fit = largest_cutter(cam)
     if 0.5 * cutter_diameter > fit.radius * (1.0 + ROOM):
-        raise InputError(
-            "/cutter_diameter_mm",
-            cutter_diameter,
+        raise options.refusal(
+            "cutter_diameter_mm",
             f"At cam angle {fit.angle_deg:.6g}°, x = {fit.x:.6g}, y = {fit.y:.6g} mm, no cutter "
             f"larger than {2.0 * fit.radius:.6g} mm in diameter reaches the profile.",
             "Take a smaller one, or ask for the design with the limit cutter_radius.",

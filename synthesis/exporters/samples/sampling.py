@@ -29,26 +29,19 @@ MARGIN = 0.93  # measured at the probes, a lobe's top is missed by at most (1/8)
 
 
 def chord_angles(cam: Cam, ends: Array, tolerance: float) -> Array:
-    """Angles from the first of ``ends`` to the last, all of ``ends`` among them.
+    """Angles whose chords keep to a tolerance [mm], all of ``ends`` among them.
 
     On each span between two ends the spacing follows the curvature, so that all chords depart
     about alike; then every chord is measured, and spans that exceed are sampled more densely.
 
-    Args:
-        cam: the cam and its curve.
-        ends: (m,) increasing angles [rad], between which the curve is smooth.
-        tolerance: largest distance of the curve from its chord [mm].
+    ``ends``: (m,) increasing angles [rad], between which the curve is smooth.
     """
     density = [_density(cam, a, b, tolerance) for a, b in pairwise(ends.tolist())]
     most = np.array([max(1.0, np.ceil(total[-1])) for _, total in density])
     while True:
         if not most.sum() <= MAX_POINTS:
-            raise InputError(
-                "/tolerance_um",
-                tolerance * 1e3,
-                f"This chord tolerance would need more than {MAX_POINTS} points.",
-                "Allow a larger one.",
-            )
+            rule = f"This chord tolerance would need more than {MAX_POINTS} points."
+            raise InputError("/tolerance_um", tolerance * 1e3, rule, "Allow a larger one.")
         spans = [
             np.interp(np.linspace(0.0, total[-1], int(n) + 1), total, angle)
             for (angle, total), n in zip(density, most, strict=True)
@@ -77,7 +70,8 @@ def _density(cam: Cam, start: float, end: float, tolerance: float) -> tuple[Arra
 
 def _departure(cam: Cam, span: Array) -> float:
     """Largest distance of the curve from the chords of one span [mm]."""
-    x, y = cam.place(cam.at(span, _last(span)))
+    last = np.arange(len(span)) == len(span) - 1  # a span ends with the limit from its own side
+    x, y = cam.place(cam.at(span, last))
     probe = span[:-1, None] + PROBES * np.diff(span)[:, None]
     px, py = (value.reshape(probe.shape) for value in cam.place(cam.at(probe.ravel())))
     dx, dy = np.diff(x)[:, None], np.diff(y)[:, None]
@@ -85,13 +79,6 @@ def _departure(cam: Cam, span: Array) -> float:
     length = np.maximum(dx * dx + dy * dy, np.finfo(float).tiny)
     along = np.clip((rx * dx + ry * dy) / length, 0.0, 1.0)
     return float(np.max(np.hypot(rx - along * dx, ry - along * dy)))
-
-
-def _last(span: Array) -> NDArray[np.bool_]:
-    """True at the last angle alone: a span ends with the limit from its own side."""
-    mask = np.zeros(len(span), dtype=bool)
-    mask[-1] = True
-    return mask
 
 
 SAME_ANGLE = 1e-9  # [rad]
@@ -182,10 +169,8 @@ class Written:
         more = options.overlap_points + (repeat_first or options.overlap_points > 0)
         count = len(self.points)
         if more > count:
-            raise InputError(
-                "/overlap_points", options.overlap_points,
-                f"Of {count} points no more than {count - 1} can be repeated.", "Ask for fewer.",
-            )  # fmt: skip
+            rule = f"Of {count} points no more than {count - 1} can be repeated."
+            raise options.refusal("overlap_points", rule, "Ask for fewer.")
         return np.vstack([self.points, self.points[:more]])
 
 
@@ -200,11 +185,8 @@ def written_points(cam: Cam, options: PointOptions) -> Written:
     other = np.flatnonzero(np.any(rounded != rounded[0], axis=1))
     new[int(other[-1]) + 1 if len(other) else 1 :] = False  # what repeats the first
     if np.count_nonzero(new) < LEAST_RING:
-        raise InputError(
-            "/decimals", options.decimals,
-            f"So rounded, fewer than {LEAST_RING} different points are left of the curve.",
-            "Keep more decimals.",
-        )  # fmt: skip
+        rule = f"So rounded, fewer than {LEAST_RING} different points are left of the curve."
+        raise options.refusal("decimals", rule, "Keep more decimals.")
     theta, points = at.theta[new], rounded[new]
     if options.direction not in ("cam_angle", RUNS[cam.rotation]):
         theta, points = (np.roll(each[::-1], 1, axis=0) for each in (theta, points))
@@ -217,11 +199,12 @@ def _chord_before_rounding(options: PointOptions) -> float | None:
     if options.tolerance_um is None:
         return None
     if options.tolerance_um < 2.0 * moved:
-        raise InputError(
-            "/decimals", options.decimals,
+        raise options.refusal(
+            "decimals",
             f"Rounding alone moves points by up to {moved:.3g} µm, too much for a chord tolerance "
-            f"of {options.tolerance_um:.6g} µm.", "Keep more decimals, or allow more.",
-        )  # fmt: skip
+            f"of {options.tolerance_um:.6g} µm.",
+            "Keep more decimals, or allow more.",
+        )
     return 1e-3 * (options.tolerance_um - moved)
 
 

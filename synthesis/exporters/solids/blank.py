@@ -23,15 +23,14 @@ from synthesis.exporters.samples.cam import Cam
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
 SEARCHED = 7201  # places of a flank at which its least and largest radius are taken
-# Bores over … up to … [mm], width of the key, depth of the keyway in the hub beyond the bore.
+LEAST_BORE = 6.0  # [mm]: for smaller ones there are no keys
+# Bores up to … [mm], width of the key, depth of the keyway in the hub beyond the bore.
 STANDARD = (
-    (6.0, 8.0, 2.0, 1.0), (8.0, 10.0, 3.0, 1.4), (10.0, 12.0, 4.0, 1.8), (12.0, 17.0, 5.0, 2.3),
-    (17.0, 22.0, 6.0, 2.8), (22.0, 30.0, 8.0, 3.3), (30.0, 38.0, 10.0, 3.3),
-    (38.0, 44.0, 12.0, 3.3), (44.0, 50.0, 14.0, 3.8), (50.0, 58.0, 16.0, 4.3),
-    (58.0, 65.0, 18.0, 4.4), (65.0, 75.0, 20.0, 4.9), (75.0, 85.0, 22.0, 5.4),
-    (85.0, 95.0, 25.0, 5.4), (95.0, 110.0, 28.0, 6.4), (110.0, 130.0, 32.0, 7.4),
-    (130.0, 150.0, 36.0, 8.4), (150.0, 170.0, 40.0, 9.4), (170.0, 200.0, 45.0, 10.4),
-    (200.0, 230.0, 50.0, 11.4),
+    (8.0, 2.0, 1.0), (10.0, 3.0, 1.4), (12.0, 4.0, 1.8), (17.0, 5.0, 2.3), (22.0, 6.0, 2.8),
+    (30.0, 8.0, 3.3), (38.0, 10.0, 3.3), (44.0, 12.0, 3.3), (50.0, 14.0, 3.8), (58.0, 16.0, 4.3),
+    (65.0, 18.0, 4.4), (75.0, 20.0, 4.9), (85.0, 22.0, 5.4), (95.0, 25.0, 5.4), (110.0, 28.0, 6.4),
+    (130.0, 32.0, 7.4), (150.0, 36.0, 8.4), (170.0, 40.0, 9.4), (200.0, 45.0, 10.4),
+    (230.0, 50.0, 11.4),
 )  # fmt: skip
 
 
@@ -75,13 +74,12 @@ class SolidOptions(Options):
         if (self.hub_diameter_mm is None) != (self.hub_length_mm is None):
             missing = "hub_length_mm" if self.hub_length_mm is None else "hub_diameter_mm"
             rule = "A hub has a diameter and a length."
-            raise InputError(f"/{missing}", None, rule, "Give both of them, or neither.")
+            raise self.refusal(missing, rule, "Give both of them, or neither.")
         if self.keyway and self.bore_mm is None:
-            raise InputError("/bore_mm", None, "A keyway needs a bore.", "Give its diameter.")
+            raise self.refusal("bore_mm", "A keyway needs a bore.", "Give its diameter.")
         if self.groove_depth_mm is not None and not self.groove_depth_mm < self.thickness_mm:
-            raise InputError(
-                "/groove_depth_mm",
-                self.groove_depth_mm,
+            raise self.refusal(
+                "groove_depth_mm",
                 f"The groove must be less deep than the disc is thick, {self.thickness_mm:g} mm.",
                 "Make the disc thicker, or the groove less deep.",
             )
@@ -224,19 +222,15 @@ def bores(options: SolidOptions) -> list[Outline]:
     if not options.keyway:
         return [circle(0.5 * diameter)]
     if width is None or depth is None:
-        sizes = [row[2:] for row in STANDARD if row[0] < diameter <= row[1]]
+        sizes = [row[1:] for row in STANDARD if LEAST_BORE < diameter <= row[0]]
         if not sizes:
-            raise InputError(
-                "/bore_mm", diameter, "DIN 6885-1 has keys for bores above 6 and up to 230 mm.",
-                "Give keyway_width_mm and keyway_depth_mm.",
-            )  # fmt: skip
+            rule = "DIN 6885-1 has keys for bores above 6 and up to 230 mm."
+            raise options.refusal("bore_mm", rule, "Give keyway_width_mm and keyway_depth_mm.")
         width, depth = width or sizes[0][0], depth or sizes[0][1]
     if width >= diameter:
-        raise InputError(
-            "/keyway_width_mm", width,
-            f"The keyway must be narrower than the bore, {diameter:g} mm.",
-            "Make it narrower, or the bore wider.",
-        )  # fmt: skip
+        rule = f"The keyway must be narrower than the bore, {diameter:g} mm."
+        remedy = "Make it narrower, or the bore wider."
+        raise InputError("/keyway_width_mm", width, rule, remedy)
     direction = math.radians(options.keyway_deg + options.turn_deg)
     return [bore(0.5 * diameter, width, depth, direction)]
 
@@ -245,27 +239,24 @@ def _check_room(options: SolidOptions, holes: list[Outline], room: float) -> Non
     """Bore and keyway within the hub, both within the cam's smallest radius."""
     hub = options.hub_diameter_mm
     if hub is not None and 0.5 * hub >= room:
-        raise InputError(
-            "/hub_diameter_mm", hub,
-            f"The hub must stay within the cam's smallest radius, {room:.6g} mm.",
-            f"Make it smaller than {2.0 * room:.6g} mm.",
-        )  # fmt: skip
+        rule = f"The hub must stay within the cam's smallest radius, {room:.6g} mm."
+        remedy = f"Make it smaller than {2.0 * room:.6g} mm."
+        raise options.refusal("hub_diameter_mm", rule, remedy)
     room = room if hub is None else 0.5 * hub
     if holes and holes[0].radii[1] >= room:
-        raise InputError(
-            "/bore_mm", options.bore_mm,
+        raise options.refusal(
+            "bore_mm",
             f"The bore{' with its keyway' * options.keyway} reaches {holes[0].radii[1]:.6g} mm "
             f"from the axis, where the cam or its hub has {room:.6g} mm at its narrowest.",
             "Take a smaller bore or hub, or ask for a larger base radius.",
-        )  # fmt: skip
+        )
 
 
 def _refuse(options: SolidOptions, names: Sequence[str], kind: str) -> None:
     """What this kind of cam has not."""
     for name in names:
-        value = getattr(options, name)
-        if value is not None:
-            raise InputError(f"/{name}", value, f"The cam is {kind}.", "Leave it out.")
+        if getattr(options, name) is not None:
+            raise options.refusal(name, f"The cam is {kind}.", "Leave it out.")
 
 
 def _outer_radius(options: SolidOptions, largest: float, rim: float) -> float:
@@ -273,9 +264,7 @@ def _outer_radius(options: SolidOptions, largest: float, rim: float) -> float:
     if options.outer_diameter_mm is None:
         return largest + (rim or NO_RIM * largest)
     if 0.5 * options.outer_diameter_mm <= largest:
-        raise InputError(
-            "/outer_diameter_mm", options.outer_diameter_mm,
-            f"The outer flank reaches {largest:.6g} mm from the axis.",
-            f"Make it larger than {2.0 * largest:.6g} mm.",
-        )  # fmt: skip
+        rule = f"The outer flank reaches {largest:.6g} mm from the axis."
+        remedy = f"Make it larger than {2.0 * largest:.6g} mm."
+        raise options.refusal("outer_diameter_mm", rule, remedy)
     return 0.5 * options.outer_diameter_mm
