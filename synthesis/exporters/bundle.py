@@ -69,15 +69,12 @@ class BundleOptions:
             rule = f"Of a set these can be had: {', '.join(WHICH)}."
             remedy = "Name one of them: every cam gives all that it has of it."
             raise InputError("/curve", self.profile.curve, rule, remedy)
-        chosen = (
-            ("/profile", self.profile_formats, PROFILE_FORMATS),
-            ("/motion", self.motion_formats, MOTION_FORMATS),
-        )
-        for pointer, names, known in chosen:
-            for name in names:
-                if name not in known:
-                    rule = f"The formats here are {', '.join(known)}."
-                    raise InputError(pointer, name, rule, "Name some of them.")
+        asked = {"/profile": self.profile_formats, "/motion": self.motion_formats}
+        for pointer, known in (("/profile", PROFILE_FORMATS), ("/motion", MOTION_FORMATS)):
+            unknown = [name for name in asked[pointer] if name not in known]
+            if unknown:
+                rule = f"The formats here are {', '.join(known)}."
+                raise InputError(pointer, unknown[0], rule, "Name some of them.")
 
 
 def bundle(cams: CamSet, options: BundleOptions) -> bytes:
@@ -95,12 +92,9 @@ def bundle(cams: CamSet, options: BundleOptions) -> bytes:
 def bundle_files(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
     """Names and contents one by one, the manifest last; InputError where no cam fits."""
     if not cams.has_cams:
-        raise InputError(
-            "/status",
-            cams.status,
-            "No cam of this set fits its limits, so there is nothing to write.",
-            "Take a value of `needed` from the field `conflict` of the design, and ask again.",
-        )
+        rule = "No cam of this set fits its limits, so there is nothing to write."
+        remedy = "Take a value of `needed` from the field `conflict` of the design, and ask again."
+        raise InputError("/status", cams.status, rule, remedy)
     listed = []
     for name, content in _contents(cams, options):
         digest = hashlib.sha256(content).hexdigest()
@@ -111,13 +105,12 @@ def bundle_files(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, by
 
 def folders(cams: CamSet) -> list[str]:
     """A folder for each cam: its number and its name, in letters that every system takes."""
-    digits = max(2, len(str(len(cams.cams))))
-    return [f"{i:0{digits}d}-{_plain(cam.name)}" for i, cam in enumerate(cams.cams, start=1)]
-
-
-def _plain(name: str) -> str:
-    ascii_only = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    return re.sub(r"[^A-Za-z0-9]+", "-", ascii_only).strip("-")[:40].rstrip("-") or "cam"
+    digits, names = max(2, len(str(len(cams.cams)))), []
+    for i, cam in enumerate(cams.cams, start=1):
+        ascii_only = unicodedata.normalize("NFKD", cam.name).encode("ascii", "ignore").decode()
+        plain = re.sub(r"[^A-Za-z0-9]+", "-", ascii_only).strip("-")[:40].rstrip("-") or "cam"
+        names.append(f"{i:0{digits}d}-{plain}")
+    return names
 
 
 def _contents(cams: CamSet, options: BundleOptions) -> Iterator[tuple[str, bytes]]:
@@ -179,13 +172,8 @@ def _manifest(cams: CamSet, options: BundleOptions, listed: list[dict[str, Any]]
         | cam.model_dump(mode="json", exclude={"design"})
         for folder, cam in zip(folders(cams), cams.cams, strict=True)
     ]
-    body = {
-        "id": cams.id,
-        "name": cams.name,
-        "engine_version": cams.engine_version,
-        "status": cams.status,
-        "rotation": cams.rotation,
-        "speed_rpm": cams.speed_rpm,
+    told = ("id", "name", "engine_version", "status", "rotation", "speed_rpm")
+    body = {name: getattr(cams, name) for name in told} | {
         "conventions": CONVENTIONS,
         "sampling": {
             "curve": options.profile.curve,

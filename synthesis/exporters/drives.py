@@ -1,14 +1,15 @@
 """Tables of the follower's motion for servo drives that take its place: electronic cams.
 
 In: a design, how many rows, the drive's units. Out: master and slave positions over one turn, the
-turn's end included, in the layout of a controller's import, of which only what its maker documents
-is written. One entry of ``LAYOUTS`` makes a format. ``motion.fidelity.json`` tells what a drive
-makes of the rounded rows, by how it interpolates.
+turn's end included, in the layout of a controller's import: an entry of ``assets/drives.toml``
+makes a format. ``motion.fidelity.json`` tells what a drive makes of the rounded rows, by how it
+interpolates.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
@@ -18,7 +19,7 @@ from pydantic import Field
 from scipy.interpolate import BPoly
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, format_rows
+from synthesis.exporters.exporter import Exporter, asset, format_rows
 from synthesis.exporters.fidelity.measure import Deviation, interpolate
 from synthesis.exporters.fidelity.report import (
     DERIVATIVES,
@@ -33,6 +34,7 @@ from synthesis.exporters.samples.sampling import whole_count
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
+ORDERS = np.arange(3)[:, None]  # of derivatives
 ZERO = 1e-14  # of a peak: rounding where the value is 0
 BETWEEN = np.linspace(0.0, 1.0, 33)  # fractions of each interval where interpolation is measured
 METHOD = (
@@ -62,16 +64,14 @@ class DriveTable:
 
     Attributes:
         theta: (n + 1,) cam angles, rising over one turn [rad].
-        master, slave: (n + 1,) positions as they are written, the slave's last one its first.
-        rate, change: (n + 1,) first and second derivative of the slave's position by the master's.
+        master: (n + 1,) positions as they are written.
+        slave: (3, n + 1) the same, the last one the first, and two derivatives by the master's.
         decimals: of a position. headline: what the table is of, for formats that have comments.
     """
 
     theta: Array
     master: Array
     slave: Array
-    rate: Array
-    change: Array
     decimals: int
     headline: str
 
@@ -95,25 +95,22 @@ class DriveTable:
         s = cam.motion.derivatives(theta[:-1] % FULL_TURN, 2)
         s = np.column_stack([s, s[:, 0]]) * (options.slave_per_unit / cam.travel.per_unit)
         s[np.abs(s) < ZERO * np.max(np.abs(s), axis=1, keepdims=True)] = 0.0
-        per_master = FULL_TURN / turn
+        s *= (FULL_TURN / turn) ** ORDERS
+        s[0] = np.round(s[0], options.decimals)
         headline = (
             f"Camwright {design.engine_version}, design {design.id}: displacement of the follower. "
             f"Master {turn:.12g} units a turn, 0 at cam angle {start_deg:.12g} deg; "
             f"slave {options.slave_per_unit:.12g} units a {cam.travel.unit}."
         )
-        return cls(
-            theta, master, np.round(s[0], options.decimals), s[1] * per_master,
-            s[2] * per_master**2, options.decimals, headline,
-        )  # fmt: skip
+        return cls(theta, master, s, options.decimals, headline)
 
     def text(self, layout: Layout) -> str:
         """The table as a controller's import takes it."""
         count, fixed = len(self.master), f"%.{self.decimals}f"
         columns = {
             "n": ("%d", np.arange(1.0 * count)), "number": ("%d", np.arange(1.0, count + 1.0)),
-            "master": (fixed, self.master), "slave": (fixed, self.slave),
-            "x": ("%r", self.master), "y": ("%r", self.slave),
-            "v": ("%r", self.rate), "a": ("%r", self.change),
+            "master": (fixed, self.master), "slave": (fixed, self.slave[0]),
+            "x": ("%r", self.master), **{k: ("%r", self.slave[i]) for i, k in enumerate("yva")},
         }  # fmt: skip
         head = layout.head.format(
             headline=self.headline, count=count, last=count - 1, end=float(self.master[-1])
@@ -122,15 +119,9 @@ class DriveTable:
 
 
 class Layout(NamedTuple):
-    """A controller's table.
+    """A controller's table: an entry of ``assets/drives.toml``, which says what stands in each.
 
-    Attributes:
-        name: of the format. title, media_type, purpose: as of ``FileFormat``.
-        row: of each point, its values in braces: {n} from 0 and {number} from 1 on, {master} and
-            {slave} with the decimals asked for, {x}, {y}, {v} and {a} (position of the master and
-            the slave, first and second derivative) with all digits; a last comma is left out.
-        head, tail: text before and after; {headline}, {count}, {last} and {end}: how many points,
-            the last one's number from 0 on, its master position.
+    ``title``, ``media_type`` and ``purpose`` are as of ``FileFormat``.
     """
 
     name: str
@@ -142,65 +133,14 @@ class Layout(NamedTuple):
     tail: str = ""
 
 
-CSV, TEXT = "text/csv; charset=us-ascii; header=absent", "text/plain; charset=us-ascii"
-LAYOUTS = (
-    Layout(
-        "cam.csv", "master;slave", CSV, "Any drive whose tool imports pairs of positions.",
-        "{master};{slave}\n",
-    ),
-    # MC_MotionFunctionPoint: between two points runs a polynomial of degree 5 with the velocity and
-    # acceleration of both (POLYNOM5_MM, motion to motion), derivatives by the master's position.
-    Layout(
-        "twincat.st", "TwinCAT motion function", TEXT,
-        "Beckhoff TwinCAT NC Camming: paste into a global variable list, then MC_CamTableSelect.",
-        "        (PointIndex := {number}, FunctionType := MOTIONFUNCTYPE_POLYNOM5_MM, "
-        "PointType := MOTIONPOINTTYPE_MOTION, RelIndexNextPoint := 1, "
-        "MasterPos := {x}, SlavePos := {y}, SlaveVelo := {v}, SlaveAcc := {a}, "
-        "SlaveJerk := 0.0),\n",
-        "(* {headline} *)\nVAR_GLOBAL\n"
-        "    CamPoints : ARRAY[1..{count}] OF MC_MotionFunctionPoint := [\n",
-        "\n    ];\nEND_VAR\n",
-    ),
-    # An XYVA cam (byType 3), an array of SMC_CAMXYVA: dV and dA are derivatives of dY by dX.
-    Layout(
-        "codesys.st", "CODESYS XYVA", TEXT,
-        "CODESYS SoftMotion and what is built on it: paste into a global variable list.",
-        "        (dX := {x}, dY := {y}, dV := {v}, dA := {a}),\n",
-        "(* {headline}\n   Before it is used: Cam.pce := ADR(CamPoints); *)\nVAR_GLOBAL\n"
-        "    Cam : MC_CAM_REF := (byType := 3, nElements := {count}, xStart := 0.0, "
-        "xEnd := {end!r});\n"
-        "    CamPoints : ARRAY[0..{last}] OF SMC_CAMXYVA := [\n",
-        "\n    ];\nEND_VAR\n",
-    ),
-    # The elements of a CAM array for MCCP, cubic segments (1). Its REAL holds about seven digits:
-    # that is the instruction's limit, not the file's.
-    Layout(
-        "rockwell.st", "Rockwell Logix CAM array", TEXT,
-        "Rockwell Logix: a routine in structured text that fills a CAM array for MCCP.",
-        "Cam[{n}].Master := {master}; Cam[{n}].Slave := {slave}; Cam[{n}].SegmentType := 1;\n",
-        "// {headline}\n// Declare Cam : CAM[{count}]; then MCCP makes the profile of it.\n",
-    ),
-    # Its import turns the CSV into splines. It divides master and slave by their largest values and
-    # multiplies them by the scales that are set in the profile.
-    Layout(
-        "kollmorgen.csv", "Kollmorgen KAS", CSV,
-        "Kollmorgen KAS IDE, Import Cam Profile: set its scales to the turn and to the stroke.",
-        "{master};{slave};SPLINE\n", "CYCLIC;YES;\nTABLE_BEGIN;;\n", "TABLE_END;;\n",
-    ),
-    Layout(
-        "sew.txt", "SEW curve point table", TEXT, "SEW MOVI-C controllers, curve point table.",
-        "{master};{slave}\n", "{count}\n",
-    ),
-)  # fmt: skip
+LAYOUTS = [Layout(**each) for each in tomllib.loads(asset("drives.toml"))["layouts"]]
 
 
 def drive_fidelity(design: Design, options: DriveOptions) -> dict[str, Any]:
     """What each way of interpolation makes of the rounded rows, in the units of the wire."""
     cam, table = Cam.of(design), DriveTable.of(design, options)
     scale = cam.travel.per_unit / options.slave_per_unit  # slave units to the core's mm
-    per_master = FULL_TURN / options.master_per_turn
-    s, v = table.slave * scale, table.rate * scale / per_master
-    a = table.change * scale / per_master**2
+    s, v, a = table.slave * scale / (FULL_TURN / options.master_per_turn) ** ORDERS
     theta = (table.theta[:-1, None] + BETWEEN * np.diff(table.theta)[:, None]).ravel()
     curves = {
         "linear": interpolate(table.theta, s, "polyline"),
@@ -212,14 +152,12 @@ def drive_fidelity(design: Design, options: DriveOptions) -> dict[str, Any]:
     peaks = np.max(np.abs(true), axis=1).tolist()
     readers = []
     for reader, curve in curves.items():
+        worst = [Deviation.of(curve(theta, k) - true[k], theta) for k in range(len(DERIVATIVES))]
+        if reader == "linear" or len(cam.joints.breaking(1)) > 0:
+            worst[2] = Deviation(math.inf, Deviation.of(true[2], theta).angle_deg)
         body: dict[str, Any] = {"reader": reader}
-        jumps = reader == "linear" or len(cam.joints.breaking(1)) > 0
-        for order in range(len(DERIVATIVES)):
-            if order == 2 and jumps:
-                worst = Deviation(math.inf, Deviation.of(true[order], theta).angle_deg)
-            else:
-                worst = Deviation.of(curve(theta, order) - true[order], theta)
-            body |= deviation_fields(cam, order, worst, peaks[order])
+        for k, deviation in enumerate(worst):
+            body |= deviation_fields(cam, k, deviation, peaks[k])
         readers.append(body)
     return {"rows": len(table.master), "method": METHOD, "readers": readers}
 

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from importlib import resources
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -80,6 +81,11 @@ class FileFormat(Generic[Subject, Choice]):
         names = {each.name for each in fields(self.options)} & {each.name for each in fields(given)}
         values = {name: getattr(given, name) for name in names}
         return self.options(**{name: v for name, v in values.items() if v is not None})
+
+
+def asset(name: str) -> str:
+    """A file beside the code that is read or sent as it is: a page, a style, a table."""
+    return (resources.files("synthesis.exporters") / "assets" / name).read_text("utf-8")
 
 
 def format_rows(row: str, columns: Mapping[str, tuple[str, Array]]) -> str:

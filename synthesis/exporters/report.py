@@ -19,7 +19,7 @@ from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import Exporter, asset
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
@@ -50,7 +50,7 @@ def report_with(
         if design.motion:
             parts.append(_files(design, profile_formats, motion_formats))
         body = "\n".join(parts)
-        return html.page(f"{name}: report", html.asset("report.css"), body, options.theme)
+        return html.page(f"{name}: report", asset("report.css"), body, options.theme)
 
     return Exporter(
         "report.html", "Report to print", "text/html; charset=utf-8", ".html", write,
@@ -129,16 +129,14 @@ def _limit(extreme: Extreme) -> list[str]:
     ]  # fmt: skip
 
 
-def _value(value: float | None, unit: str, digits: int = 6) -> str:
+def _value(value: float | None, unit: str = "", digits: int = 6) -> str:
     """A value with its unit, or a dash."""
-    return "–" if value is None else svg.with_unit(value, unit, digits)
+    return "–" if value is None else svg.with_unit(value, unit, digits).rstrip()
 
 
 def _proof(proof: Proof) -> list[str]:
-    value, bound = (
-        "–" if each is None else svg.figure(each, 8) for each in (proof.value, proof.lower_bound)
-    )
-    gap = "–" if proof.gap is None else f"{svg.figure(100.0 * proof.gap, 3)} %"
+    value, bound = (_value(each, digits=8) for each in (proof.value, proof.lower_bound))
+    gap = _value(proof.gap and 100.0 * proof.gap, "%", 3)
     return [_words(proof.objective), value, bound, gap, proof.bound_valid_for or "–"]
 
 
@@ -172,9 +170,7 @@ def _conflict(conflict: Conflict, given: bool) -> str:
 
 
 def _sensitivities(costs: Sensitivities) -> str:
-    rows = [
-        [each.field, svg.figure(each.requested, 8), each.sentence] for each in costs.sensitivities
-    ]
+    rows = [[one.field, svg.figure(one.requested, 8), one.sentence] for one in costs.sensitivities]
     table = _table(("Field", "requested", "One unit more there"), rows) if rows else ""
     return _section("What each limit costs", table + _note(costs.evidence))
 
@@ -226,15 +222,12 @@ def _table(
 ) -> str:
     """A table; ``kinds``: of each row the class."""
     titles = "".join(f"<th>{html.plain(cell)}</th>" for cell in head)
-    lines = [
+    lines = "\n".join(
         f'<tr class="{kind}">' + "".join(f"<td>{html.plain(cell)}</td>" for cell in row) + "</tr>"
         for kind, row in zip(repeat("") if kinds is None else kinds, rows, strict=False)
-    ]
-    return (
-        f'<div class="wide"><table><thead><tr>{titles}</tr></thead><tbody>\n'
-        + "\n".join(lines)
-        + "</tbody></table></div>"
     )
+    table = f"<table><thead><tr>{titles}</tr></thead><tbody>\n{lines}</tbody></table>"
+    return f'<div class="wide">{table}</div>'
 
 
 def _note(text: str) -> str:

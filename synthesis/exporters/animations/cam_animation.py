@@ -7,22 +7,8 @@ from functools import partial
 import numpy as np
 
 from synthesis.design.design import Design
-from synthesis.exporters.animations.scene import (
-    DIAGRAMS,
-    EDGE,
-    GAP,
-    HEIGHT,
-    MACHINE,
-    TOP,
-    Reading,
-    Scene,
-    data,
-    lasting,
-    pictures,
-    reading,
-    tag,
-    traced_diagrams,
-)
+from synthesis.exporters.animations import scene as animations
+from synthesis.exporters.animations.scene import DIAGRAMS, EDGE, MACHINE, Reading, Scene
 from synthesis.exporters.diagrams.sheet import grounds, motion_bounds, motion_plot, pressure_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import about, heading
@@ -56,7 +42,7 @@ def cam_scene(design: Design, count: int) -> Scene:
     stage = Stage.of(cam, design.dimensions["base_radius_mm"], count)
     machine = stage.mechanism
     pressure_angle = machine.contacts[0].curve.pressure_angle / DEGREE
-    points, diagrams = traced_diagrams(
+    points, diagrams = animations.traced_diagrams(
         (motion_plot(cam, 0, limits=motion_bounds(design, 0)), pressure_plot(design, cam)),
         machine.theta / DEGREE,
         (machine.s, pressure_angle),
@@ -86,20 +72,20 @@ def cam_scene(design: Design, count: int) -> Scene:
         ],
         decimals=stage.decimals,
         rules=line_style(stage.extent, MACHINE),
-        footer=lasting(60.0 / design.speed_rpm),
+        footer=animations.lasting(60.0 / design.speed_rpm),
     )
 
 
 def _reading(name: str, title: str, unit: str, values: Array) -> Reading:
     finite = np.abs(values[np.isfinite(values) & (np.abs(values) < 1e6)])
     size = float(np.median(finite)) if name == "radius" else float(finite.max(initial=0.0))
-    return reading(name, title, unit, values, size)
+    return animations.reading(name, title, unit, values, size)
 
 
 def _legend(stage: Stage) -> list[str]:
     """Kinds of lines in two columns; without a roller there is no path of its centre."""
     rows = [row for row in LEGEND if stage.prime > 0.0 or row[0] != "line pitch"]
-    top = TOP + 2.0 * HEIGHT + GAP + 14.5
+    top = animations.TOP + 2.0 * animations.HEIGHT + animations.GAP + 14.5
     body = []
     for k, (kind, text) in enumerate(rows):
         x, y = 4.0 + (k % 2) * 0.5 * DIAGRAMS[0], top + (k // 2) * 5.0
@@ -117,7 +103,7 @@ def _cam_json(design: Design, options: Options) -> bytes:
         "frame": FRAME,
         "mirror": int(stage.mirror),
         "extent": [sides[0], bottom, sides[1], top],
-        "shapes": "\n".join(stage.shapes(tag)),
+        "shapes": "\n".join(stage.shapes(animations.tag)),
         "outline": outline(stage.flanks, 1.0, stage.decimals),
         "parts": [p.data(stage.decimals) for p in stage.moving() if p.moves],
     }
@@ -125,9 +111,9 @@ def _cam_json(design: Design, options: Options) -> bytes:
 
 
 FORMATS = (
-    *pictures(
+    *animations.pictures(
         Exporter, cam_scene, "Animation of cam and follower",
         "For a document or a web page; no script.",
     ),
-    data(Exporter, _cam_json, "Shapes and positions of cam and follower"),
+    animations.data(Exporter, _cam_json, "Shapes and positions of cam and follower"),
 )  # fmt: skip

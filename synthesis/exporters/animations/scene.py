@@ -13,7 +13,7 @@ from synthesis.exporters.diagrams.plot import Frame, Plot, diagram, with_range
 from synthesis.exporters.diagrams.sheet import angle_axis
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
-from synthesis.exporters.exporter import FileFormat
+from synthesis.exporters.exporter import FileFormat, asset
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
 from synthesis.exporters.options import Options, PictureOptions, Theme
 from synthesis.numerics.piecewise import Array
@@ -186,7 +186,7 @@ def play(scene: Scene, theme: Theme) -> bytes:
         f'<div><dt>{title}</dt><dd><output id="{key}">&#8211;</output> {svg.unit(unit)}</dd></div>'
         for title, key, unit in numbers
     )
-    body = html.asset("animation.html").format(
+    body = asset("animation.html").format(
         name=html.plain(name),
         about=html.plain(scene.about),
         machine=_inline(scene.titles[0], MACHINE, scene.machine(tag)),
@@ -196,8 +196,8 @@ def play(scene: Scene, theme: Theme) -> bytes:
         # no page takes this for elements of its own
         data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     )
-    sheet = svg.style(1.0, theme) + scene.rules + html.asset("animation.css")
-    return html.page(f"{name} in motion", sheet, body, theme, html.asset("animation.js"))
+    sheet = svg.style(1.0, theme) + scene.rules + asset("animation.css")
+    return html.page(f"{name} in motion", sheet, body, theme, asset("animation.js"))
 
 
 def tag(part: str) -> str:

@@ -49,25 +49,25 @@ class Trace:
     @classmethod
     def infinite(cls, degrees: Array, sign: Array) -> Trace:
         """Infinite values with these signs (n,)."""
-        side = np.zeros(len(degrees), dtype=np.int64)
-        return cls(degrees, side, np.inf * np.sign(sign))
+        return cls.smooth(degrees, np.inf * np.sign(sign))
+
+    @classmethod
+    def smooth(cls, degrees: Array, values: Array) -> Trace:
+        """Values without jumps."""
+        return cls(degrees, np.zeros(len(degrees), dtype=np.int64), values)
 
     def followed_by(self, other: Trace) -> Trace:
         """This trace and then the other."""
-        return Trace(
-            np.append(self.degrees, other.degrees),
-            np.append(self.side, other.side),
-            np.append(self.values, other.values),
-        )
+        return Trace(*map(np.append, vars(self).values(), vars(other).values()))
 
 
-NOWHERE = Trace(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0))
+NOWHERE = Trace.smooth(np.zeros(0), np.zeros(0))
 
 
 def claimed_bounds(
     design: Design,
     select: Callable[[Claim], bool],
-    convert: Callable[[Claim, float], float | None] = lambda claim, value: claim.to_wire(value),
+    convert: Callable[[Claim, float], float] = lambda claim, value: claim.to_wire(value) or 0.0,
 ) -> list[Bound]:
     """The bounds of those claims of the spec's limits that are selected.
 
@@ -78,13 +78,10 @@ def claimed_bounds(
     bounds: list[Bound] = []
     for limit in design.completed_spec.all_limits():
         for claim in filter(select, limit.claims(segments, machine)):
-            ends = [
-                None if end is None else convert(claim, end) for end in (claim.lower, claim.upper)
-            ]
-            if (convert(claim, 1.0) or 0.0) < (convert(claim, -1.0) or 0.0):
-                ends.reverse()
-            low, high = ends
-            low, high = -math.inf if low is None else low, math.inf if high is None else high
+            falls = convert(claim, 1.0) < convert(claim, -1.0)
+            lower, upper = (claim.upper, claim.lower) if falls else (claim.lower, claim.upper)
+            low = -math.inf if lower is None else convert(claim, lower)
+            high = math.inf if upper is None else convert(claim, upper)
             for segment in (segments[index] for index in claim.segments):
                 part = segment.start + segment.angle * np.array(claim.interval or (0.0, 1.0))
                 start, end = in_degrees(part).tolist()
@@ -189,7 +186,7 @@ class Plot:
 
 def curve_plot(title: str, unit: str, degrees: Array, values: Array) -> Plot:
     """A diagram of one quantity over the turn, (n,) each, without jumps and limits."""
-    trace = Trace(degrees, np.zeros(len(degrees), dtype=np.int64), values)
+    trace = Trace.smooth(degrees, values)
     return Plot(title, unit, trace, trace)
 
 
@@ -268,9 +265,8 @@ def _bad(frame: Frame, ends: Sequence[float]) -> list[str]:
     top, bottom = frame.y(np.clip([max(ends), min(ends)], frame.low, frame.high)).tolist()
     body = [svg.box("undercut", frame.left, top, frame.width, bottom - top)]
     if bottom - top >= LEGIBLE:
-        body.append(
-            svg.text("tick", frame.right - 1.5, 0.5 * (top + bottom) + 0.9, "undercut", "end")
-        )
+        x, y = frame.right - 1.5, 0.5 * (top + bottom) + 0.9
+        body.append(svg.text("tick", x, y, "undercut", "end"))
     return body
 
 
@@ -287,14 +283,12 @@ def _axes(frame: Frame, labels: Labels) -> list[str]:
 
 
 def _limit_lines(frame: Frame, limits: Sequence[Bound]) -> list[str]:
-    body = []
-    for bound in limits:
-        x1, x2 = frame.x(bound.start), frame.x(bound.end)
-        for end in (bound.lower, bound.upper):
-            if frame.low <= end <= frame.high:
-                y = frame.y(end)
-                body.append(svg.line("limit", x1, y, x2, y))
-    return body
+    return [
+        svg.line("limit", frame.x(bound.start), frame.y(end), frame.x(bound.end), frame.y(end))
+        for bound in limits
+        for end in (bound.lower, bound.upper)
+        if frame.low <= end <= frame.high
+    ]
 
 
 def _curve(frame: Frame, curve: Trace) -> list[str]:

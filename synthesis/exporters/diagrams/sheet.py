@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -88,7 +89,7 @@ def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     starts = [frame.x(start) for start in (*(each.start_deg for each in segments), 360.0)]
     body = [
         svg.box("rest", a, frame.top, b - a, frame.height)
-        for segment, a, b in zip(segments, starts, starts[1:], strict=False)
+        for segment, (a, b) in zip(segments, pairwise(starts), strict=True)
         if segment.kind == "dwell"
     ]
     return body + [svg.line("border", x, frame.top, x, frame.bottom) for x in starts]
@@ -157,8 +158,7 @@ def motion_sheet(
     per_degree = max(options.count / 360.0, DRAWN_PER_DEGREE)
     plots = [motion_plot(turn, k, per_degree, limits(k)) for k in range(len(QUANTITIES))]
     text = "Displacement, velocity, acceleration and jerk of the follower over the cam angle."
-    title_and_text = f"Motion of {name}", text
-    return stack(motion, turn.travel.unit, above, plots, title_and_text, options.theme)
+    return stack(motion, turn.travel.unit, above, plots, (f"Motion of {name}", text), options.theme)
 
 
 def motion_bounds(design: Design, order: int) -> list[Bound]:

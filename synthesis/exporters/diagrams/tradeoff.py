@@ -153,12 +153,9 @@ def _axes(frame: Frame, names: Sequence[str]) -> list[str]:
 def _stairs(trade: TradeOff, x: Array, y: Array) -> str:
     """Between two of the front nothing better is known than the worse of both in either."""
     corner_first = trade.aims[0].maximise  # from left to right: level, then the step; or the step
-    points = [(float(x[0]), float(y[0]))]
-    for a, b in zip(x[1:].tolist(), y[1:].tolist(), strict=True):
-        before = points[-1]
-        points += [(before[0], b) if corner_first else (a, before[1]), (a, b)]
-    across, up = np.array(points).T
-    return svg.steps(across, up, 3)
+    # every place twice, one of the two coordinates a step behind the other
+    across, up = np.repeat(x, 2), np.repeat(y, 2)
+    return svg.steps(*((across[:-1], up[1:]) if corner_first else (across[1:], up[:-1])), 3)
 
 
 def _diamond(x: float, y: float) -> str:
@@ -167,12 +164,12 @@ def _diamond(x: float, y: float) -> str:
 
 
 def _legend(y: float, lined: bool) -> list[str]:
-    x = LEFT
-    body = [svg.path("mark", _diamond(x, y)), svg.text("label", x + 4.0, y + 1.0, "on the front")]
-    x += 32.0
-    body += [svg.circle("item", x, y, 0.75), svg.text("label", x + 4.0, y + 1.0, "beaten")]
-    if lined:
-        x += 26.0
-        body.append(svg.line("line curve", x - 3.0, y, x + 5.0, y))
-        body.append(svg.text("label", x + 8.0, y + 1.0, "nothing was found beyond"))
-    return body
+    body = [
+        svg.path("mark", _diamond(LEFT, y)),
+        svg.text("label", LEFT + 4.0, y + 1.0, "on the front"),
+        svg.circle("item", LEFT + 32.0, y, 0.75),
+        svg.text("label", LEFT + 36.0, y + 1.0, "beaten"),
+        svg.line("line curve", LEFT + 55.0, y, LEFT + 63.0, y),
+        svg.text("label", LEFT + 66.0, y + 1.0, "nothing was found beyond"),
+    ]
+    return body if lined else body[:4]

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from collections.abc import Sequence
 from unicodedata import east_asian_width
 from xml.sax.saxutils import escape
 
 from synthesis.design.design import Design
+from synthesis.exporters.exporter import asset
 from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
 
@@ -29,48 +31,11 @@ FONT = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-se
 TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
 BOLD = 1.15  # how much wider bold letters are
 SIZES = {"title": TITLE, "label": LABEL, "quiet": LABEL, "tick": TICK, "alarm": LABEL}
-WORST, DARKEST = "#b3261e", "#ff8f85"  # of what is wrong
-
+_STYLE = tomllib.loads(asset("style.toml"))
 # Kinds of areas and letters: colour on a light screen, on a dark one, in print.
-FILLS = {
-    "ground": ("#ffffff", "#15191e", "#ffffff"),
-    "title": ("#14181d", "#f0f3f6", "#000000"),
-    "label": ("#14181d", "#f0f3f6", "#000000"),
-    "quiet": ("#565e68", "#a4adb8", "#000000"),
-    "tick": ("#565e68", "#a4adb8", "#000000"),
-    "alarm": (WORST, DARKEST, "#000000"),
-    "body": ("#0b57a4", "#82bbf5", "#000000"),
-    "metal": ("#ffffff", "#15191e", "#ffffff"),
-    "rest": ("#f1f3f5", "#1d2228", "#f0f0f0"),
-    "solid": ("#14181d", "#f0f3f6", "#000000"),
-    "start": ("#0b57a4", "#82bbf5", "#000000"),
-    "several": ("#cfe0f0", "#24405c", "#cccccc"),
-    "undercut": ("#f7e3e1", "#3a2222", "#e4e4e4"),
-    "mark": ("#b34700", "#f5a65b", "#000000"),
-    "glass": ("#ffffff", "#15191e", "#ffffff"),
-    "item": ("#8a939d", "#78828d", "#999999"),
-}
+FILLS: dict[str, list[str]] = _STYLE["fills"]
 # Kinds of lines: the same, width and dashes in u.
-STROKES = {
-    "outline": ("#14181d", "#f0f3f6", "#000000", 0.5, ""),
-    "curve": ("#0b57a4", "#82bbf5", "#000000", 0.5, ""),
-    "pitch": ("#0b57a4", "#82bbf5", "#000000", 0.3, ""),
-    "circle": ("#565e68", "#a4adb8", "#000000", 0.25, "1.6 1"),
-    "prime": ("#565e68", "#a4adb8", "#000000", 0.25, "4 1.2"),
-    "axis": ("#565e68", "#a4adb8", "#000000", 0.2, ""),
-    "centre": ("#8a939d", "#78828d", "#555555", 0.15, "5 1 1 1"),
-    "grid": ("#dde2e7", "#2b323a", "#c4c4c4", 0.15, ""),
-    "border": ("#8a939d", "#78828d", "#555555", 0.2, ""),
-    "jump": ("#0b57a4", "#82bbf5", "#000000", 0.2, "0.6 0.6"),
-    "phase": ("#0b57a4", "#82bbf5", "#000000", 0.3, "1.6 0.8"),
-    "limit": (WORST, DARKEST, "#000000", 0.3, "2.4 1.2"),
-    "broken": (WORST, DARKEST, "#000000", 1.1, ""),
-    "hatch": (WORST, DARKEST, "#000000", 0.2, ""),
-    "normal": ("#b34700", "#f5a65b", "#000000", 0.35, "3 0.8"),
-    "front": ("#0b57a4", "#82bbf5", "#000000", 0.35, "2 1"),
-    "halo": ("#ffffff", "#15191e", "#ffffff", 1.2, ""),
-    "inner": ("#ebf2f8", "#202831", "#ebebeb", 1.2, ""),
-}
+STROKES: dict[str, tuple[str, str, str, float, str]] = _STYLE["strokes"]
 COLUMN: dict[Theme, int] = {"auto": 0, "light": 0, "dark": 1, "print": 2}
 
 

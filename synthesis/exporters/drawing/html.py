@@ -5,15 +5,10 @@ from __future__ import annotations
 import base64
 import hashlib
 from html import escape
-from importlib import resources
 
 from synthesis.exporters.drawing.canvas import COLUMN, FILLS, NOT_XML, SPACE
+from synthesis.exporters.exporter import asset
 from synthesis.exporters.options import Theme
-
-
-def asset(name: str) -> str:
-    """A file that belongs to a page."""
-    return (resources.files("synthesis.exporters.drawing") / "assets" / name).read_text("utf-8")
 
 
 def plain(text: str) -> str:
@@ -34,20 +29,11 @@ def page(title: str, style: str, body: str, theme: Theme, script: str = "") -> b
         digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         policy += f"; script-src 'sha256-{digest}'"
         run = f"<script>{script}</script>\n"
-    lines = [
-        "<!doctype html>",
-        '<html lang="en">',
-        "<head>",
-        '<meta charset="utf-8">',
-        f'<meta http-equiv="Content-Security-Policy" content="{escape(policy)}">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{plain(title)}</title>",
-        f"<style>{ground(theme)}{style}</style>",
-        "</head>",
-        f"<body>\n{body}\n{run}</body>",
-        "</html>",
-    ]
-    return ("\n".join(lines) + "\n").encode()
+    sheet = ground(theme) + style
+    text = asset("page.html").format(
+        policy=escape(policy), title=plain(title), style=sheet, body=body, run=run
+    )
+    return text.encode()
 
 
 def ground(theme: Theme) -> str:

@@ -91,9 +91,8 @@ def motion_columns(turn: Turn, options: MotionOptions) -> list[Column]:
     for order, (name, count) in enumerate(PER_RADIAN, start=1):
         unit = turn.travel.derivative_unit(order).replace("/s", "/rad")
         meaning = f"{count} derivative of s by the cam angle"
-        columns.append(
-            Column(column_name(name, unit), unit, meaning, s[order] / turn.travel.per_unit)
-        )
+        values = s[order] / turn.travel.per_unit
+        columns.append(Column(column_name(name, unit), unit, meaning, values))
     return _at_rows(rows, columns)
 
 
@@ -127,12 +126,8 @@ def force_samples(design: Design, cam: Cam, rows: Rows) -> dict[tuple[str, str],
     machine = design.completed_spec.machine()
     if machine.load is None:
         return {}
-    left, right = (
-        history(
-            machine.follower, machine.load, machine.omega, cam.motion, cam.size, rows.theta, side
-        )
-        for side in ("left", "right")
-    )
+    given = machine.follower, machine.load, machine.omega, cam.motion, cam.size, rows.theta
+    left, right = (history(*given, side) for side in ("left", "right"))
 
     def by_flank(of: ForceHistory, name: str) -> dict[str, Array]:
         force = getattr(of, name)

@@ -18,7 +18,7 @@ from pydantic import Field
 from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
-from synthesis.exporters.options import Axial, BoreDiameter, CurveName, Options, Turn
+from synthesis.exporters.options import Axial, BoreDiameter, CurveName, Options, PlacedCurve, Turn
 from synthesis.exporters.samples.cam import Cam
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
@@ -167,12 +167,11 @@ def blank(design: Design, options: SolidOptions) -> Blank:
     Raises:
         InputError: there is no cam, or bore, hub or wall do not fit it.
     """
-    cam = Cam.of(design, _exact(options, options.curve))
-    rim = max(flank.rim for flank in cam.follower.flanks if flank.path == cam.flank.path)
+    cam = Cam.of(design, PlacedCurve(curve=options.curve))
+    flanks = [flank for flank in cam.follower.flanks if flank.path == cam.flank.path]
     edges = {
         flank.side: _edge(design, options, flank.name or "profile")  # type: ignore[arg-type]
-        for flank in reversed(cam.follower.flanks)
-        if flank.path == cam.flank.path
+        for flank in reversed(flanks)
     }
     within, around = edges.get(1), edges.get(-1)
     error = max(edge.error for edge in edges.values())
@@ -189,7 +188,7 @@ def blank(design: Design, options: SolidOptions) -> Blank:
         assert within is not None
         _refuse(options, ("outer_diameter_mm", "groove_depth_mm"), "a plate, with nothing round it")
         return Blank((Slab(within, holes, low, high), *hub), error)
-    wall = circle(_outer_radius(options, around.radii[1], rim))
+    wall = circle(_outer_radius(options, around.radii[1], max(flank.rim for flank in flanks)))
     if within is None:
         shaft = ("bore_mm", "hub_diameter_mm", "groove_depth_mm")
         _refuse(options, shaft, "a ring, with no material around its axis and no groove")
@@ -199,15 +198,10 @@ def blank(design: Design, options: SolidOptions) -> Blank:
     return Blank((Slab(wall, holes, low, floor), *sides, *hub), error)
 
 
-def _exact(options: SolidOptions, curve: CurveName) -> ExactOptions:
-    return ExactOptions(
-        curve=curve, tolerance_um=options.tolerance_um, turn_deg=options.turn_deg, z_mm=0.0
-    )
-
-
 def _edge(design: Design, options: SolidOptions, name: CurveName) -> Outline:
     """A flank as the edge of a slab."""
-    curve = ExactCurve.of(design, _exact(options, name))
+    exact = ExactOptions(curve=name, tolerance_um=options.tolerance_um, turn_deg=options.turn_deg)
+    curve = ExactCurve.of(design, exact)
     spline = curve.spline
     radius = np.hypot(*spline.at(np.linspace(spline.knots[0], spline.knots[-1], SEARCHED)).T)
     ends = float(radius.min()), float(radius.max())
