@@ -50,13 +50,10 @@ CONVENTIONS = (
 
 @dataclass(frozen=True)
 class BundleOptions:
-    """What goes into an archive.
+    """What goes into an archive: names from the registries, in any order, and how they sample.
 
-    Attributes:
-        profile_formats, motion_formats: names from the registries, in any order.
-        profile: how curves are sampled, and whether they are profiles or pitch curves; which ones
-            a cam has, and their place on the shaft, is the set's own business.
-        motion: how motions are sampled.
+    ``profile`` also says whether curves are profiles or pitch curves; which ones a cam has, and
+    their place on the shaft, is the set's own business.
     """
 
     profile_formats: tuple[str, ...] = ("csv", "txt")

@@ -79,8 +79,7 @@ class DriveTable:
     def of(cls, design: Design, options: DriveOptions) -> DriveTable:
         """The follower's motion; the slave's position is that at the master's rounded one.
 
-        Raises:
-            InputError: there is no cam, or so many rows that rounding makes some the same.
+        InputError: there is no cam, or so many rows that rounding makes some the same.
         """
         cam = Cam.of(design)
         count = whole_count(options.count)

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from importlib import resources
 from typing import Any, Generic, TypeVar
 
@@ -21,12 +22,9 @@ Choice = TypeVar("Choice", bound=Options)
 
 @dataclass(frozen=True)
 class FileContent:
-    """A file.
+    """A file's bytes, and facts about it by the names of the HTTP headers that carry them.
 
-    Attributes:
-        data: its bytes.
-        metadata: facts about the file, how far it is from the true curve for example, by the names
-            of the HTTP headers that carry them: ``Curve-Error-Mm``.
+    How far it is from the true curve for example: ``Curve-Error-Mm``.
     """
 
     data: bytes
@@ -83,17 +81,16 @@ class FileFormat(Generic[Subject, Choice]):
         return self.options(**{name: v for name, v in values.items() if v is not None})
 
 
+@cache
 def asset(name: str) -> str:
     """A file beside the code that is read or sent as it is: a page, a style, a table."""
     return (resources.files("synthesis.exporters") / "assets" / name).read_text("utf-8")
 
 
 def format_rows(row: str, columns: Mapping[str, tuple[str, Array]]) -> str:
-    """A row of text for each number of the columns (n,).
+    """A row of text for each number of the columns, whose names stand in braces in ``row``.
 
-    Args:
-        row: with the names of columns in braces.
-        columns: by name the format of a number, as ``%.3f``, and the numbers.
+    ``columns``: by name the format of a number, as ``%.3f``, and the numbers (n,).
     """
     names = re.findall(r"{(\w+)}", row)
     pattern = row.format(**{name: columns[name][0] for name in names})
@@ -110,10 +107,8 @@ def compact_json(body: Mapping[str, Any]) -> bytes:
 class Exporter(FileFormat[Design, Choice]):
     """A file format of a design.
 
-    Attributes:
-        placeable: whether a profile's points follow ``turn_deg`` and ``z_mm``.
-        without_cam: whether there is a file of a design that found no cam.
-        the rest as of ``FileFormat``.
+    ``placeable``: a profile's points follow ``turn_deg`` and ``z_mm``. ``without_cam``: there is a
+    file of a design that found no cam.
     """
 
     placeable: bool = True

@@ -30,7 +30,7 @@ from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.fidelity.measure import polyline_form
 from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.cutting import checked_cam, largest_cutter
+from synthesis.exporters.samples.cutting import checked_cam, largest_cutter, walls
 from synthesis.exporters.samples.sampling import Written, rotate, written_points
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -142,9 +142,8 @@ class ToolPath:
     def of(cls, design: Design, options: ProgramOptions) -> ToolPath:
         """The path whose contact runs along the profile at the feed.
 
-        Raises:
-            InputError: as ``checked_cam`` and ``written_points``; the path is open; or the tool
-                that the path of a roller's centre stands for does not fit.
+        InputError: as ``checked_cam`` and ``written_points``; the path is open; or the tool that
+        the path of a roller's centre stands for does not fit.
         """
         cam, feed = checked_cam(design, options), options.feed_mm_per_min
         tool = _tool(cam, options)
@@ -177,8 +176,7 @@ def _tool(cam: Cam, options: ProgramOptions) -> str:
     """The tool in words.
 
     A pitch curve without a roller is refused, and one whose tool cuts off part of the profile. The
-    curves of cutters are checked where the curve is chosen. A path that is the profile itself names
-    no tool and is not checked.
+    curves of cutters are checked where the curve is chosen.
     """
     if is_cutter(options.curve):
         return f"TOOL DIAMETER {options.cutter_diameter_mm:.12g} MM"
@@ -289,12 +287,10 @@ class Arc(NamedTuple):
 def _lead(path: ToolPath, options: MillingOptions, index: Literal[0, -1]) -> Arc:
     """The arc that leads to the path's first point or from its last, on the side off the cam.
 
-    Raises:
-        InputError: on the arc the cutter would touch the cam.
+    InputError: on the arc the cutter would touch the cam.
     """
     cam, radius, steps = path.cam, options.lead_mm, np.diff(path.points, axis=0)
-    theta = np.resize(path.written.theta, len(path.points))[[index]]
-    at = cam.at(theta % FULL_TURN)
+    at = cam.at(np.resize(path.written.theta, len(path.points))[[index]] % FULL_TURN)
     # the path's direction, and at right angles to it the way off the cam
     outward = cam.flank.side * np.array([at.normal_x[0], at.normal_y[0]])
     away = np.array(rotate(options.turn_deg, *outward))
@@ -305,9 +301,7 @@ def _lead(path: ToolPath, options: MillingOptions, index: Literal[0, -1]) -> Arc
     point, centre = path.points[index], path.points[index] + radius * away
     free = centre - radius * along if index == 0 else centre + radius * along
     # Places of the arc, turned back to the cam's frame, against places of the cam.
-    theta = FULL_TURN * np.arange(CHECKED) / CHECKED
-    walls = [each.at(theta) for each in cam.flanks() if each.flank.path == cam.flank.path]
-    cam_points = np.hstack([np.stack([wall.x, wall.y]) for wall in walls])
+    cam_points = walls(cam, FULL_TURN * np.arange(CHECKED) / CHECKED)
     to_point, to_free = (end[:, None] - centre[:, None] for end in (point, free))
     arc = centre[:, None] + to_point * np.cos(ALONG) + to_free * np.sin(ALONG)
     arc = np.stack(rotate(options.turn_deg, *np.eye(2))).T @ arc

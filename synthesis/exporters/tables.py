@@ -68,10 +68,7 @@ def number_texts(values: Array | NDArray[np.int64], infinite: str = "inf") -> li
     """Texts of at least one number (n,) in ASCII, those of ``repr`` but for −0, which is 0.
 
     pydantic's encoder is several times as fast, and differs from ``repr`` only where that writes
-    exponents.
-
-    Args:
-        values: the numbers. infinite: what to write for +∞ (−∞ is not expected).
+    exponents. ``infinite``: what to write for +∞ (−∞ is not expected).
     """
     numbers: list[float] = (values + 0).tolist()
     texts = to_json(numbers)[1:-1].split(b",")

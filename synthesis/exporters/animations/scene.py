@@ -80,14 +80,11 @@ def traced_diagrams(
     grounds: Callable[[Frame], list[str]],
     shaft: str,
 ) -> tuple[list[Moving], Body]:
-    """Diagrams below each other, with a cursor over all of them and a moving point on each.
+    """Diagrams below each other: their cursor and moving points, and the elements of the panel.
 
     Args:
-        plots: the diagrams. degrees, values: (n,) where the points run, values for each diagram.
+        degrees, values: (n,) where the points run, values for each diagram.
         grounds: background of a diagram. shaft: name of the abscissa.
-
-    Returns:
-        cursor and points, and the elements of the panel.
     """
     plots = [replace(plot, ends=()) for plot in plots]
     frames = [
@@ -124,16 +121,10 @@ def draw(scene: Scene, theme: Theme) -> bytes:
     def tag(part: str) -> str:
         return f'class="{prefix}-{part}"'
 
-    body = [
-        *scene.heading,
-        f'<g transform="translate({svg.num(EDGE)} {svg.num(HEADER)})">',
-        *scene.machine(tag),
-        "</g>",
-        f'<g transform="translate({svg.num(EDGE + MACHINE[0])} {svg.num(HEADER)})">',
-        *scene.diagrams(tag),
-        "</g>",
-        svg.text("tick", EDGE, height - 3.5, scene.footer),
-    ]
+    body = [*scene.heading]
+    for x, panel in ((EDGE, scene.machine), (EDGE + MACHINE[0], scene.diagrams)):
+        body += [f'<g transform="translate({svg.num(x)} {svg.num(HEADER)})">', *panel(tag), "</g>"]
+    body.append(svg.text("tick", EDGE, height - 3.5, scene.footer))
     rules = scene.rules + "".join(_rules(prefix, scene))
     title = f"{scene.name or scene.key} in motion"
     return svg.document(width, height, 1.0, title, scene.described, body, theme=theme, rules=rules)

@@ -94,14 +94,9 @@ class Contour(ClosedCurve):
 
     @classmethod
     def of(cls, cam: Cam, every: bool = True) -> Contour:
-        """The contour of a cam.
+        """The contour of a cam; InputError where it runs backwards.
 
-        Args:
-            cam: the cam. every: whether each piece of the motion is a span of its own; otherwise
-                spans end where the curvature jumps.
-
-        Raises:
-            InputError: the curve runs backwards.
+        ``every``: each piece of the motion is a span; otherwise they end where curvature jumps.
         """
         breaks = cam.motion.curve.breaks
         if not every:
@@ -224,11 +219,7 @@ class ExactOptions(PlacedCurve):
 
 @dataclass(frozen=True, eq=False)
 class ExactCurve:
-    """A closed curve for CAD.
-
-    Attributes:
-        name: of the curve. spline: in its place. z: position along the axis [mm].
-    """
+    """A closed curve for CAD: its name, its spline in place, and z along the axis [mm]."""
 
     name: CurveName
     spline: ClosedSpline
@@ -238,9 +229,7 @@ class ExactCurve:
     def of(cls, design: Design, options: ExactOptions) -> ExactCurve:
         """The curve that the options name.
 
-        Raises:
-            InputError: there is no cam, no such curve, it crosses itself, or the tolerance is too
-                fine.
+        InputError: there is no cam, no such curve, it crosses itself, the tolerance is too fine.
         """
         spline = fit_closed_spline(Contour.of(checked_cam(design, options)), options.tolerance_mm)
         x, y = rotate(options.turn_deg, *spline.points.T)

@@ -36,11 +36,7 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """The quantity over the turn.
-
-    Attributes:
-        degrees, side: (n,) where, as in ``Rows``. values: (n,) in its unit.
-    """
+    """The quantity over the turn: its values (n,), and where, as in ``Rows``."""
 
     degrees: Array
     side: NDArray[np.int64]
@@ -106,12 +102,7 @@ def exceeds(trace: Trace, bound: Bound) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class Labels:
-    """How values are written.
-
-    Attributes:
-        ticks: values at the axis and their numbers. factor: stands before the unit.
-        format: a value as a number.
-    """
+    """How values are written: those at the axis, any other, and a factor before the unit."""
 
     ticks: Sequence[tuple[float, str]]
     factor: str

@@ -81,15 +81,11 @@ def _captions(cam: MountedCam, top: float) -> list[str]:
         ("tick", f"z {svg.figure(cam.axial_mm, 6)} mm"),
     ]
     if cam.has_cam:
-        levels = [end for segment in cam.design.motion for end in segment.levels]
-        unit = cam.design.spec.follower.travel.unit
-        stroke = svg.with_unit(max(levels) - min(levels), unit)
-        lines.insert(1, ("tick", f"stroke {stroke}"))
+        lines.insert(1, ("tick", f"stroke {svg.stroke(cam.design)}"))
     if cam.follower_direction_deg != UPWARDS_DEG:
         lines.append(("tick", f"follower at {svg.figure(cam.follower_direction_deg, 6)}°"))
-    sizes = {"label": svg.LABEL, "tick": svg.TICK}
     return [
-        svg.text(kind, x, top + NAMES + 2.4 + 4.1 * k, svg.shorten(text, room, sizes[kind]))
+        svg.text(kind, x, top + NAMES + 2.4 + 4.1 * k, svg.shorten(text, room, svg.SIZES[kind]))
         for k, (kind, text) in enumerate(lines)
     ]
 

@@ -54,20 +54,12 @@ def document(
 
     The origin is its upper left corner. ``rules`` are added to the style.
     """
-    w, h = num(width), num(height)
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="camwright" role="img" '
-        f'width="{num(scale * width)}mm" height="{num(scale * height)}mm" '
-        f'viewBox="0 0 {w} {h}">',
-        f"<title>{plain(title)}</title>",
-        f"<desc>{plain(description)}</desc>",
-        f"<style>{style(u, theme)}{rules}</style>",
-        f'<rect class="ground" width="{w}" height="{h}"/>',
-        *body,
-        "</svg>",
-    ]
-    return ("\n".join(lines) + "\n").encode()
+    text = asset("drawing.svg").format(
+        shown_width=num(scale * width), shown_height=num(scale * height), width=num(width),
+        height=num(height), title=plain(title), description=plain(description),
+        style=style(u, theme) + rules, body="\n".join(body),
+    )  # fmt: skip
+    return text.encode()
 
 
 def plain(text: str) -> str:
@@ -215,7 +207,7 @@ def line_rules(u: float, within: str = ".camwright") -> list[str]:
 
 def _colours(column: int) -> list[str]:
     rules = [f".camwright .{name}{{fill:{fill[column]}}}" for name, fill in FILLS.items()]
-    strokes = ((name, stroke[:3][column]) for name, stroke in STROKES.items())
+    strokes = ((name, kind[:3][column]) for name, kind in STROKES.items())
     return rules + [f".camwright .{name}{{stroke:{colour}}}" for name, colour in strokes]
 
 
@@ -238,6 +230,12 @@ def about(design: Design) -> str:
         f"{figure(design.speed_rpm, 6)} rpm · "
         f"{'certified' if design.certificate.certified else 'not certified'} · {design.id[:8]}"
     )
+
+
+def stroke(design: Design) -> str:
+    """How far the follower moves, with its unit."""
+    levels = [end for segment in design.motion for end in segment.levels]
+    return with_unit(max(levels) - min(levels), design.spec.follower.travel.unit)
 
 
 def _kind(design: Design) -> str:

@@ -37,11 +37,7 @@ ONE_AT_A_TIME = threading.Lock()  # matplotlib's fonts are shared
 
 
 def rasterise(drawing: bytes, width_px: int) -> bytes:
-    """The PNG of a drawing without a theme of its own choice, so many pixels wide.
-
-    Raises:
-        ExtraMissing: matplotlib is not installed.
-    """
+    """The PNG of a drawing whose theme is not ``auto``; ExtraMissing without matplotlib."""
     try:
         from matplotlib.figure import Figure
         from matplotlib.transforms import Affine2D

@@ -69,11 +69,7 @@ class FollowerMotion(NamedTuple):
 
 
 def follower_motion(cam: Cam, curve: CurveSamples, near: Array) -> FollowerMotion:
-    """The motion on a curve that nearly is the cam's.
-
-    Args:
-        near: (n,) cam angles nearby [rad].
-    """
+    """The motion on a curve that nearly is the cam's; ``near``: (n,) cam angles nearby [rad]."""
     gap = cam.gap
     shrunk = 1.0 + gap * curve.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -213,12 +209,10 @@ class Interpolant:
 
     @classmethod
     def through(cls, points: Array, repeated: int, reader: ReaderName) -> Interpolant:
-        """The curve through points.
+        """The curve through points (n, 2) of a ring [mm].
 
-        Args:
-            points: (n, 2) of a ring, no two neighbours the same [mm].
-            repeated: how many more there are past the first point's repetition. A curve that is
-                not closed is used from the middle of these on: its ends are away from both sides.
+        ``repeated``: how many more there are past the first point's repetition. A curve that is not
+        closed is used from the middle of these on: its ends are away from both sides.
         """
         if reader == "periodic":
             repeated = 0
@@ -247,12 +241,9 @@ def interpolate(knots: Array, values: Array, reader: ReaderName) -> CubicSpline 
 
 
 def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> list[Fidelity]:
-    """How true the curve of every reader is.
+    """How true the curve of every reader of a file's points is.
 
-    Args:
-        cam: the cam and the curve. written: the points as they stand in the file.
-        turn_deg: by how much they are turned from the cam's frame.
-        overlap: how many are repeated past the first one's repetition.
+    ``overlap``: how many are repeated past the first one's repetition.
     """
     theta, points = _clockwise(cam, written, turn_deg)
     probes = _between(theta)
@@ -308,7 +299,7 @@ def _smooth(
     speed = np.hypot(dx, dy)
     curvature = (dy * sx - dx * sy) / speed**3
     samples = CurveSamples(x, y, dx / speed, dy / speed, curvature)
-    rolled = CurveSamples(*(np.roll(values, shift) for values in true))
+    rolled = CurveSamples(*np.roll(true, shift, axis=1))
     form = _form(curve, parameter, near, rolled)
     (ax, bx), (ay, by) = curve(curve.knots[[0, -1]], 1)
     corner = float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))

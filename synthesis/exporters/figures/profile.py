@@ -309,8 +309,6 @@ def _legend(scene: Scene) -> list[tuple[str, str]]:
 
 def _remarks(scene: Scene) -> list[str]:
     design = scene.design
-    levels = [end for segment in design.motion for end in segment.levels]
-    stroke = svg.with_unit(max(levels) - min(levels), design.spec.follower.travel.unit)
     tip = "knife edge"
     if any(scene.face):
         tip = f"flat face, contact over {svg.figure(sum(scene.face), 6)} mm"
@@ -318,7 +316,7 @@ def _remarks(scene: Scene) -> list[str]:
         tip = f"roller radius {svg.figure(scene.roller, 6)} mm"
     return [
         tip,
-        f"{'stroke' if scene.pivot is None else 'swing'} {stroke}",
+        f"{'stroke' if scene.pivot is None else 'swing'} {svg.stroke(design)}",
         "follower shown at cam angle 0°",
         f"cam angles run {TURNS['cw' if design.rotation == 'ccw' else 'ccw']}",
     ]

@@ -50,11 +50,7 @@ class Joints:
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """One turn of a shaft.
-
-    Attributes:
-        motion: of the follower. travel: unit of its displacement. omega: speed [rad/s].
-    """
+    """One turn of a shaft: the follower's motion, the unit of its travel, the speed [rad/s]."""
 
     motion: Motion
     travel: Travel
@@ -120,10 +116,8 @@ class Cam(Turn):
     def of(cls, design: Design, options: PlacedCurve | None = None) -> Cam:
         """The cam of a design and the curve that is asked for, its first profile unless said.
 
-        A given cam that breaks its limits is infeasible, and yet can be drawn.
-
-        Raises:
-            InputError: the design found no cam, or its cam has no such curve.
+        A given cam that breaks its limits is infeasible, and yet can be drawn. InputError: the
+        design found no cam, or its cam has no such curve.
         """
         if not design.motion:
             raise InputError(

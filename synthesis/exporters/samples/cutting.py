@@ -44,8 +44,7 @@ class Fit:
 def checked_cam(design: Design, options: PlacedCurve) -> Cam:
     """The cam and the curve that the options ask for.
 
-    Raises:
-        InputError: as ``Cam.of``; or its cutter does not reach all of the flank.
+    InputError: as ``Cam.of``; or its cutter does not reach all of the flank.
     """
     cam = Cam.of(design, options)
     cutter_diameter = options.cutter_diameter_mm
@@ -71,12 +70,17 @@ def largest_cutter(cam: Cam) -> Fit:
     theta = FULL_TURN * np.arange(PAIRED) / PAIRED
     at = cam.at(theta)
     c, m = np.stack([at.x, at.y]), cam.flank.side * np.stack([at.normal_x, at.normal_y])
-    walls = [each.at(theta) for each in cam.flanks() if each.flank.path == cam.flank.path]
-    q = np.hstack([np.stack([wall.x, wall.y]) for wall in walls])
+    q = walls(cam, theta)
     least = np.concatenate(
         [_tangent(c[:, i : i + CHUNK], m[:, i : i + CHUNK], q) for i in range(0, PAIRED, CHUNK)]
     )
     return min(_fit(at, least), _fit(hollow, radius), key=lambda fit: fit.radius)
+
+
+def walls(cam: Cam, theta: Array) -> Array:
+    """Points (2, k n) at angles (n,) of the k flanks along the cam's traced curve [mm]."""
+    flanks = [each.at(theta) for each in cam.flanks() if each.flank.path == cam.flank.path]
+    return np.hstack([np.stack([flank.x, flank.y]) for flank in flanks])
 
 
 def _tangent(c: Array, m: Array, q: Array) -> Array:

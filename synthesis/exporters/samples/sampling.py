@@ -138,9 +138,8 @@ def _twice(theta: Array, jumps: Array) -> tuple[Array, Mask]:
 def ring(cam: Cam, count: float, chord_mm: float | None, start: float | None = None) -> CamProfile:
     """The closed curve in the order of rising cam angle, not yet closed.
 
-    Args:
-        count: points in a turn. chord_mm: if given, chords keep to it instead [mm].
-        start: cam angle of the first point [rad]; None: the seam.
+    So many points in a turn, or as many as chords need to keep to ``chord_mm``; ``start``: cam
+    angle of the first point [rad], None: the seam.
     """
     theta = _ring_angles(cam, count, chord_mm, cam.seam if start is None else start % FULL_TURN)
     # Only where s' jumps does the point itself have two sides.
@@ -162,8 +161,7 @@ class Written:
     def ended(self, options: PointOptions, closed: bool) -> Array:
         """The points (m, 2) with what is repeated past the end.
 
-        Args:
-            closed: whether the format's readers expect the first point at the end once more.
+        ``closed``: whether the format's readers expect the first point at the end once more.
         """
         repeat_first = closed if options.closed is None else options.closed
         more = options.overlap_points + (repeat_first or options.overlap_points > 0)

@@ -162,11 +162,7 @@ class Blank:
 
 
 def blank(design: Design, options: SolidOptions) -> Blank:
-    """The slabs of a design's cam.
-
-    Raises:
-        InputError: there is no cam, or bore, hub or wall do not fit it.
-    """
+    """The slabs of a design's cam; InputError where bore, hub or wall do not fit it."""
     cam = Cam.of(design, PlacedCurve(curve=options.curve))
     flanks = [flank for flank in cam.follower.flanks if flank.path == cam.flank.path]
     edges = {
