@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Protocol
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import FINEST, ExactCurve, ExactOptions
-from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.exporter import Exporter, FileContent, asset
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
+CONTEXT, PLACED = "#5", "#9"  # entities of ``context.step``: units and accuracy, the origin
 NO_TIME = "1980-01-01T00:00:00"  # the same design, the same bytes: no clock
 
 
@@ -32,16 +33,14 @@ class Entities:
 
     def add(self, kind: str, *attributes: str) -> str:
         """A simple entity; its reference, as ``#7``."""
-        return self._append(f"{kind}({','.join(attributes)})")
-
-    def add_complex(self, *parts: tuple[str, Sequence[str]]) -> str:
-        """An entity of several types at once, by their names in alphabetical order."""
-        types = [f"{kind}({','.join(given)})" for kind, given in parts]
-        return self._append(f"({' '.join(types)})")
-
-    def _append(self, text: str) -> str:
-        self._lines.append(text)
+        self._lines.append(f"{kind}({','.join(attributes)})")
         return f"#{len(self._lines)}"
+
+    def add_all(self, file: str, /, **values: str) -> None:
+        """The entities of an asset, whose numbers there stand in ``at``."""
+        lines = asset(file).splitlines()
+        at = range(len(self._lines) + 1, len(self._lines) + len(lines) + 1)
+        self._lines += [line.format(at=at, **values) for line in lines]
 
     def lines(self) -> Iterable[str]:
         """The data section."""
@@ -50,22 +49,16 @@ class Entities:
 
 def exchange_file(design: Provenance, title: str, data: Iterable[str]) -> bytes:
     """A whole file, which says what made it and from which design."""
-    version = f"Camwright {design.engine_version}"
-    lines = [
-        "ISO-10303-21;",
-        "HEADER;",
-        f"FILE_DESCRIPTION(({text(title)},{text(f'design {design.id}')}),'2;1');",
-        f"FILE_NAME({text(design.name or design.id)},'{NO_TIME}',(''),(''),{text(version)},"
-        f"{text(version)},'');",
-        f"FILE_SCHEMA(({text(SCHEMA)}));",
-        "ENDSEC;",
-        "DATA;",
-        *data,
-        "ENDSEC;",
-        "END-ISO-10303-21;",
-        "",
-    ]
-    return "\n".join(lines).encode("ascii")
+    file = asset("exchange.step").format(
+        title=text(title),
+        origin=text(f"design {design.id}"),
+        name=text(design.name or design.id),
+        time=NO_TIME,
+        version=text(f"Camwright {design.engine_version}"),
+        schema=text(SCHEMA),
+        data="\n".join(data),
+    )
+    return file.encode("ascii")
 
 
 def text(value: str) -> str:
@@ -112,62 +105,17 @@ def shape_file(
         error: uncertainty of the shape [mm], and its meaning. name: of the shape; "": the cam's.
     """
     data = Entities()
-    shared = context(data, max(error, FINEST), meaning)
+    data.add_all("context.step", uncertainty=real(max(error, FINEST)), meaning=text(meaning))
     label = text(name or design.name or f"cam {design.id}")
-    origin = data.add("CARTESIAN_POINT", "''", many(map(real, (0.0, 0.0, 0.0))))
-    placed = data.add("AXIS2_PLACEMENT_3D", "''", origin, *axes(data))
-    shape = data.add(kind, label, many([placed, write(data)]), shared)
-    data.add("SHAPE_DEFINITION_REPRESENTATION", product(data, design), shape)
+    shape = data.add(kind, label, many([PLACED, write(data)]), CONTEXT)
+    data.add_all(
+        "product.step",
+        id=text(design.id),
+        name=text(design.name or "cam"),
+        made=text(f"Camwright {design.engine_version}, design {design.id}"),
+        shape=shape,
+    )
     return exchange_file(design, title, data.lines())
-
-
-def axes(data: Entities) -> tuple[str, str]:
-    """The z axis and the x axis."""
-    return (
-        data.add("DIRECTION", "''", many(map(real, (0.0, 0.0, 1.0)))),
-        data.add("DIRECTION", "''", many(map(real, (1.0, 0.0, 0.0)))),
-    )
-
-
-def context(data: Entities, uncertainty: float, meaning: str) -> str:
-    """Three dimensions, mm, radians, and how near is the same place."""
-    length = data.add_complex(
-        ("LENGTH_UNIT", ()), ("NAMED_UNIT", ("*",)), ("SI_UNIT", (".MILLI.", ".METRE."))
-    )
-    angle = data.add_complex(
-        ("NAMED_UNIT", ("*",)), ("PLANE_ANGLE_UNIT", ()), ("SI_UNIT", ("$", ".RADIAN."))
-    )
-    solid = data.add_complex(
-        ("NAMED_UNIT", ("*",)), ("SI_UNIT", ("$", ".STERADIAN.")), ("SOLID_ANGLE_UNIT", ())
-    )
-    near = data.add(
-        "UNCERTAINTY_MEASURE_WITH_UNIT", f"LENGTH_MEASURE({real(uncertainty)})", length,
-        "'distance_accuracy_value'", text(meaning),
-    )  # fmt: skip
-    return data.add_complex(
-        ("GEOMETRIC_REPRESENTATION_CONTEXT", ("3",)),
-        ("GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT", (many([near]),)),
-        ("GLOBAL_UNIT_ASSIGNED_CONTEXT", (many([length, angle, solid]),)),
-        ("REPRESENTATION_CONTEXT", ("''", "'3D'")),
-    )
-
-
-def product(data: Entities, design: Provenance) -> str:
-    """The cam as a product, which the geometry is the shape of."""
-    application = data.add("APPLICATION_CONTEXT", "'managed model based 3d engineering'")
-    data.add(
-        "APPLICATION_PROTOCOL_DEFINITION", "'international standard'",
-        "'ap242_managed_model_based_3d_engineering'", "2014", application,
-    )  # fmt: skip
-    inside = data.add("PRODUCT_CONTEXT", "''", application, "'mechanical'")
-    name = text(design.name or "cam")
-    made = f"Camwright {design.engine_version}, design {design.id}"
-    made_of = data.add("PRODUCT", text(design.id), name, text(made), many([inside]))
-    data.add("PRODUCT_RELATED_PRODUCT_CATEGORY", "'part'", "$", many([made_of]))
-    formation = data.add("PRODUCT_DEFINITION_FORMATION", "''", "''", made_of)
-    whole = data.add("PRODUCT_DEFINITION_CONTEXT", "'part definition'", application, "'design'")
-    definition = data.add("PRODUCT_DEFINITION", "'design'", "''", formation, whole)
-    return data.add("PRODUCT_DEFINITION_SHAPE", "''", "''", definition)
 
 
 def _profile(design: Design, options: ExactOptions) -> FileContent:
