@@ -29,7 +29,7 @@ from synthesis.machines.spatial.cylindrical import (
     CylindricalTranslating,
 )
 from synthesis.machines.spatial.globoidal_indexer import GloboidalIndexer
-from synthesis.machines.spatial.machine import ROLLER_RADIUS, SpatialMachine
+from synthesis.machines.spatial.machine import ROLLER_RADIUS
 from synthesis.numerics.piecewise import Array
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_turn, check_units, placed
@@ -239,7 +239,63 @@ class SpatialCamSpec(BaseModel):
                 {"objective": objective.kind, "kind": self.machine.kind,
                  "own": sought.removesuffix("_mm") or "none"},
             )  # fmt: skip
-        check_well_posed(self.machine, self.limits, self.has_free_law)
+        return self
+
+    @model_validator(mode="after")
+    def _check_well_posed(self) -> SpatialCamSpec:
+        """Refuse a spec whose minimum does not exist or is not bounded away from zero."""
+        machine = self.machine
+        ranges = {name: ends(given) for name, given in machine.sizes().items()}
+        free = [name for name, (low, high) in ranges.items() if low != high]
+        keeps_large = any(limit.bounds_size_below for limit in self.limits)
+        if not free and not self.has_free_law:
+            return self
+        if not machine.can_be_sized:
+            raise PydanticCustomError(
+                "machine_in_full",
+                "A {kind} of this form can be measured but not sized yet, and {what} is left free. "
+                "Give the number, or name the law.",
+                {"kind": machine.kind, "what": free[0] if free else "a law"},
+            )
+        if (self.has_free_law or machine.size_field in free) and not keeps_large:
+            raise PydanticCustomError(
+                "nothing_keeps_large",
+                "{what} is left free, and no limit bounds the size of the cam from below. Add a "
+                "limit on pressure_angle, or give the number or the law.",
+                {"what": machine.size_field if machine.size_field in free else "A law"},
+            )
+        # Rollers may not vanish: neither radius, nor radius and inner end together, go to zero.
+        open_below = [
+            name for name in ranges if name != machine.size_field and ranges[name][0] <= 0.0
+        ]
+        if machine.inner_end_field in open_below and ROLLER_RADIUS in open_below:
+            raise PydanticCustomError(
+                "rollers_vanish",
+                "{place} and {radius} are both left free without a min: the cam becomes smaller "
+                "without end as the rollers become smaller and move towards the turret's axis. "
+                "Give one of them a number or a min.",
+                {"place": machine.inner_end_field, "radius": ROLLER_RADIUS},
+            )
+        sizes = {name: low if low > 0.0 else 1.0 for name, (low, _) in ranges.items()}
+        roller = machine.swept_roller(sizes, 1).roller
+        if ROLLER_RADIUS in open_below and roller.crown > 0.0:
+            raise PydanticCustomError(
+                "rollers_vanish",
+                "{radius} of crowned rollers is left free without a min: below a certain radius "
+                "the crown meets the roller's axis before its ends. Give it a number or a min.",
+                {"radius": ROLLER_RADIUS},
+            )
+        # The largest |r'| is the tangent of the pressure angle that the roller's ends have at rest.
+        slope = float(np.max(np.abs(roller.profile(roller.places(2))[1])))
+        for position, limit in enumerate(self.limits):
+            if isinstance(limit, SpatialPressureAngle) and slope >= limit.max_slope:
+                raise PydanticCustomError(
+                    "crown_leans",
+                    "limits/{position} allows a pressure angle of at most {bound}°, but at the "
+                    "ends of the crowned rollers it is larger even at rest. Increase "
+                    "crown_radius_mm, reduce roller_width_mm, or raise the limit.",
+                    {"position": position, "bound": float(f"{limit.max_deg:.9g}")},
+                )
         return self
 
     @property
@@ -285,64 +341,3 @@ class SpatialCamSpec(BaseModel):
         if any(low != high for low, high in both.values()):
             return None
         return {name: low for name, (low, _) in both.items()}
-
-
-def check_well_posed(machine: SpatialMachine, limits: Sequence[Limit], free_laws: bool) -> None:
-    """Refuse a spec whose minimum does not exist or is not bounded away from zero.
-
-    Args:
-        machine, limits: as in the spec. free_laws: whether some law is left free.
-
-    Raises:
-        PydanticCustomError: the machine is not sized, nothing bounds the cam from below, rollers
-            may vanish, or crowned rollers break the limit on the pressure angle even at rest.
-    """
-    ranges = {name: ends(given) for name, given in machine.sizes().items()}
-    free = [name for name, (low, high) in ranges.items() if low != high]
-    keeps_large = any(limit.bounds_size_below for limit in limits)
-    if not free and not free_laws:
-        return
-    if not machine.can_be_sized:
-        raise PydanticCustomError(
-            "machine_in_full",
-            "A {kind} of this form can be measured but not sized yet, and {what} is left free. "
-            "Give the number, or name the law.",
-            {"kind": machine.kind, "what": free[0] if free else "a law"},
-        )
-    if (free_laws or machine.size_field in free) and not keeps_large:
-        raise PydanticCustomError(
-            "nothing_keeps_large",
-            "{what} is left free, and no limit bounds the size of the cam from below. Add a limit "
-            "on pressure_angle, or give the number or the law.",
-            {"what": machine.size_field if machine.size_field in free else "A law"},
-        )
-    # Rollers may not vanish: their radius, or radius and inner end together, may not go to zero.
-    open_below = [name for name in ranges if name != machine.size_field and ranges[name][0] <= 0.0]
-    if machine.inner_end_field in open_below and ROLLER_RADIUS in open_below:
-        raise PydanticCustomError(
-            "rollers_vanish",
-            "{place} and {radius} are both left free without a min: the cam becomes smaller "
-            "without end as the rollers become smaller and move towards the turret's axis. Give "
-            "one of them a number or a min.",
-            {"place": machine.inner_end_field, "radius": ROLLER_RADIUS},
-        )
-    sizes = {name: low if low > 0.0 else 1.0 for name, (low, _) in ranges.items()}
-    roller = machine.swept_roller(sizes, 1).roller
-    if ROLLER_RADIUS in open_below and roller.crown > 0.0:
-        raise PydanticCustomError(
-            "rollers_vanish",
-            "{radius} of crowned rollers is left free without a min: below a certain radius the "
-            "crown meets the roller's axis before its ends. Give it a number or a min.",
-            {"radius": ROLLER_RADIUS},
-        )
-    # The largest |r'| is the tangent of the pressure angle that the roller's ends have at rest.
-    slope = float(np.max(np.abs(roller.profile(roller.places(2))[1])))
-    for position, limit in enumerate(limits):
-        if isinstance(limit, SpatialPressureAngle) and slope >= limit.max_slope:
-            raise PydanticCustomError(
-                "crown_leans",
-                "limits/{position} allows a pressure angle of at most {bound}°, but at the ends of "
-                "the crowned rollers it is larger even at rest. Increase crown_radius_mm, reduce "
-                "roller_width_mm, or raise the limit.",
-                {"position": position, "bound": float(f"{limit.max_deg:.9g}")},
-            )

@@ -59,13 +59,11 @@ class CutterPoses(NamedTuple):
 
 def roller_poses(cam: SpatialCam, which: Wall, theta: Array) -> CutterPoses:
     """Poses of a cutter of the roller's own form, at cam angles (n,) [rad]."""
-    swept = cam.swept
-    q = cam.place(which.seat, theta).q
+    swept, q = cam.swept, cam.place(which.seat, theta).q
     middle = swept.origin + swept.roller.middle * swept.along
     centre = swept.joint.move_points(middle.reshape(3, 1, 1), q)[:, :, 0]
-    return CutterPoses(
-        theta, centre, swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)[:, :, 0]
-    )
+    direction = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)[:, :, 0]
+    return CutterPoses(theta, centre, direction)
 
 
 def flank_poses(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> CutterPoses:
@@ -102,24 +100,19 @@ def envelope_error(
         poses: ``STEP`` before, at, and ``STEP`` after the same cam angles (n,).
         radius: of the cutter [mm].
     """
-    roller, swept = cam.swept.roller, cam.swept
-    theta = poses[1].theta
-    rho = roller.places(PLACES)
-    point = swept.on_cam(theta, cam.contacts(which, theta, rho).point)
-    before, at, after = (_distance(cam, point, each) for each in poses)
+    swept, theta = cam.swept, poses[1].theta
+    point = swept.on_cam(theta, cam.contacts(which, theta, swept.roller.places(PLACES)).point)
+
+    def distance(pose: CutterPoses) -> Array:
+        """Of the wall's points from the cutter's axis."""
+        centre = swept.on_cam(pose.theta, pose.centre[:, :, None])
+        far = swept.on_cam(pose.theta, (pose.centre + pose.direction)[:, :, None])
+        return norm(cross(point - centre, far - centre))
+
+    before, at, after = map(distance, poses)
     bend = before + after - 2.0 * at
     least = at - np.where(bend > 0.0, (after - before) ** 2 / (8.0 * np.abs(bend)), 0.0)
     return np.asarray(least - radius)
-
-
-def _distance(cam: SpatialCam, point: Array, poses: CutterPoses) -> Array:
-    """Distance of points (3, n, m) of the cam from the cutter's axis."""
-    swept = cam.swept
-    centre = swept.on_cam(poses.theta, poses.centre[:, :, None])
-    far = poses.centre + poses.direction
-    direction = swept.on_cam(poses.theta, far[:, :, None]) - centre
-    away = point - centre
-    return norm(cross(away, direction + 0.0 * away))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,7 +155,7 @@ def _radius(cam: SpatialCam, options: CutterOptions) -> float | None:
     if options.cutter_diameter_mm is None:
         return None
     radius = 0.5 * options.cutter_diameter_mm
-    thinnest = float(np.min(roller.profile(np.array([roller.inner, roller.outer]))[0]))
+    thinnest = float(np.min(roller.profile(roller.places(2))[0]))
     if radius > roller.radius or (roller.crown and radius >= thinnest):
         most = 2.0 * (thinnest if roller.crown else roller.radius)
         raise InputError(

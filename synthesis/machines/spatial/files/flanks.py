@@ -23,7 +23,7 @@ from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.spatial.cam import FRAME, SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialDesign
-from synthesis.numerics.geometry.swept_roller import Contacts
+from synthesis.numerics.geometry.swept_roller import Contacts, dot
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -67,14 +67,13 @@ class Patch:
     """A part of a flank in continuous mesh, as a grid.
 
     Attributes:
-        wall: the flank. part: number of the part, from 1; parts: how many the flank has.
+        wall: the flank. part: number of the part, from 1.
         theta: (n,) cam angles [rad]. rho: (m,) places on the roller's axis [mm].
         contacts: in the machine's frame. points, normals: (3, n, m) in the cam's frame, outward.
     """
 
     wall: Wall
     part: int
-    parts: int
     theta: Array
     rho: Array
     contacts: Contacts
@@ -84,7 +83,11 @@ class Patch:
     @property
     def name(self) -> str:
         """The flank's name, with the number of the part where there are several."""
-        return self.wall.name if self.parts == 1 else f"{self.wall.name}-{self.part}"
+        return self.wall.name if len(self.wall.spans) == 1 else f"{self.wall.name}-{self.part}"
+
+    def distance(self, points: Array) -> float:
+        """The largest distance of points (3, n, m) from the grid's, along the normals [mm]."""
+        return float(np.max(np.abs(dot(points - self.points, self.normals))))
 
 
 def patches(design: SpatialDesign, options: FlankOptions) -> list[Patch]:
@@ -137,7 +140,7 @@ def patch(cam: SpatialCam, wall: Wall, part: int, theta: Array, rho: Array) -> P
     contacts = cam.contacts(wall, theta, rho)
     points = cam.frame_points(theta, contacts.point)
     normals = cam.frame_directions(theta, -contacts.normal)
-    return Patch(wall, part, len(wall.spans), theta, rho, contacts, points, normals)
+    return Patch(wall, part, theta, rho, contacts, points, normals)
 
 
 def spline_error(design: SpatialDesign, flanks: Sequence[Patch]) -> float:
@@ -151,8 +154,7 @@ def spline_error(design: SpatialDesign, flanks: Sequence[Patch]) -> float:
         degree = min(CUBIC, len(each.theta) - 1)
         spline = make_interp_spline(each.theta, each.points, k=degree, axis=1)
         true = patch(design.cam, each.wall, each.part, middle, each.rho)
-        away = np.einsum("inm,inm->nm", spline(middle) - true.points, true.normals)
-        largest = max(largest, float(np.max(np.abs(away))))
+        largest = max(largest, true.distance(spline(middle)))
     return largest
 
 
@@ -198,19 +200,16 @@ def _csv(design: SpatialDesign, options: FlankOptions) -> bytes:
 def _columns(each: Patch) -> list[Column]:
     """A row for every point: all places at one cam angle, then the next angle."""
     shape = each.points.shape[1:]
-    theta = np.broadcast_to(each.theta[:, None], shape).ravel()
-    rho = np.broadcast_to(each.rho, shape).ravel()
-    x, y, z = each.points.reshape(3, -1)
-    nx, ny, nz = each.normals.reshape(3, -1)
+    theta, rho = np.repeat(each.theta, shape[1]), np.tile(each.rho, shape[0])
     return [
         Column("roller", "1", "number of the roller", np.full(len(rho), each.wall.seat.number)),
         Column("side", "1", "1: R, -1: L", np.full(len(rho), each.wall.side)),
         Column("theta_deg", "deg", "cam angle", theta / DEGREE),
         Column("rho_mm", "mm", "place on the roller's axis", rho),
         *(Column(f"{name}_mm", "mm", "point of the flank", values)
-          for name, values in zip("xyz", (x, y, z), strict=True)),
+          for name, values in zip("xyz", each.points.reshape(3, -1), strict=True)),
         *(Column(f"normal_{name}", "1", "unit normal, out of the cam", values)
-          for name, values in zip("xyz", (nx, ny, nz), strict=True)),
+          for name, values in zip("xyz", each.normals.reshape(3, -1), strict=True)),
         Column(
             "pressure_angle_deg", "deg", "between the normal and the roller's velocity",
             each.contacts.pressure_angle.ravel() / DEGREE,

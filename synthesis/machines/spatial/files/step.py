@@ -84,9 +84,7 @@ def _fit_flank(
 
     def distance(spline: NdBSpline, theta: Array, rho: Array) -> float:
         places = np.stack(np.meshgrid(theta, rho, indexing="ij"), axis=-1)
-        there = true(theta, rho)
-        off = np.moveaxis(spline(places), -1, 0) - there.points
-        return float(np.max(np.abs(np.einsum("inm,inm->nm", off, there.normals))))
+        return true(theta, rho).distance(np.moveaxis(spline(places), -1, 0))
 
     (n, m), roller = FIRST, cam.swept.roller
     while True:
@@ -192,10 +190,9 @@ def build_solid(
         builder = Builder(sheets, tolerance, stride)
         try:
             return builder.build(), max(builder.errors)
-        except TooFewDepths:
-            if stride == STRIDES[-1]:
-                raise
-    raise AssertionError
+        except TooFewDepths as why:
+            too_few = why
+    raise too_few
 
 
 def _faceted(design: SpatialDesign, options: FacetedOptions) -> FileContent:
@@ -265,11 +262,12 @@ def merge_planar_faces(mesh: Mesh) -> list[Facet]:
     parts = np.split(order, np.flatnonzero(np.diff(part[order])) + 1)
     merged, rest = list[Facet](), list[int]()
     for triangles in parts:
-        loops = []
-        if len(triangles) > 1:
-            loops = _boundary(mesh, mesh.triangles[triangles], float(normals[triangles[0], 2]))
-            merged += [Facet(normals[triangles[0]], loops)] if loops else []
-        rest += [] if loops else triangles.tolist()
+        normal = normals[triangles[0]]
+        loops = _boundary(mesh, triangles, float(normal[2])) if len(triangles) > 1 else []
+        if loops:
+            merged.append(Facet(normal, loops))
+        else:
+            rest += triangles.tolist()
     return merged + [Facet(normals[k], [mesh.triangles[k].tolist()]) for k in sorted(rest)]
 
 
@@ -287,10 +285,11 @@ def _edges(triangle: Loop) -> list[tuple[int, int]]:
 
 def _boundary(mesh: Mesh, triangles: Whole, up: float) -> list[Loop]:
     """Boundary loops of coplanar triangles, the outer one first; empty: one touches itself."""
-    ends = [edge for triangle in triangles.tolist() for edge in _edges(triangle)]
+    ends = [edge for triangle in mesh.triangles[triangles].tolist() for edge in _edges(triangle)]
     inside = set(ends)
-    after = {a: b for a, b in ends if (b, a) not in inside}
-    if len(after) < sum((b, a) not in inside for a, b in ends):
+    free = [(a, b) for a, b in ends if (b, a) not in inside]
+    after = dict(free)
+    if len(after) < len(free):
         return []
     loops = []
     while after:
@@ -300,14 +299,10 @@ def _boundary(mesh: Mesh, triangles: Whole, up: float) -> list[Loop]:
             loop.append(b)
             b = after.pop(b)
         loops.append(loop)
-    areas = [up * _area(mesh.points[loop, :2]) for loop in loops]
+    corners = (mesh.points[loop].T for loop in loops)
+    areas = [up * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) for x, y, _ in corners]
     outer = int(np.argmax(areas))
     return [loops[outer], *loops[:outer], *loops[outer + 1 :]]
-
-
-def _area(points: Array) -> float:
-    x, y = points.T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
 FLANKS = FileFormat(
