@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC
 from collections.abc import Mapping, Sequence
-from typing import Annotated, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -55,10 +55,7 @@ class CylindricalMachine(SpatialMachine, ABC):
 
     cylinder_radius_mm: Dimension = None
     roller_radius_mm: Dimension = None
-    roller_width_mm: Annotated[
-        float,
-        Field(gt=0.0, le=1e5, description="Roller's width, all of which reaches into the cam."),
-    ]
+    roller_width_mm: float = length("Roller's width, all of which reaches into the cam.", most=1e5)
     crown_radius_mm: CrownRadius = None
 
     @model_validator(mode="after")
@@ -82,12 +79,9 @@ class CylindricalMachine(SpatialMachine, ABC):
     def _swept(
         self, sizes: Mapping[str, float], joint: Joint, origin: Array, hand: int
     ) -> SweptRoller:
-        """The kinematics of the roller against the cam.
+        """The kinematics of the roller, at ``origin`` where q = 0, against the cam.
 
-        Args:
-            sizes: ``cylinder_radius_mm`` and ``roller_radius_mm`` [mm].
-            joint, origin: what the follower moves on, and its roller's place at q = 0.
-            hand: +1 where the cam turns about z as θ grows, −1 about −z.
+        ``hand`` is +1 where the cam turns about z as θ grows, −1 about −z.
         """
         roller = self._roller(sizes, self.wall_radii(sizes)[0])
         return SweptRoller(0.0 * X, Z, joint, origin, X, roller, hand)
@@ -107,14 +101,10 @@ class CylindricalMachine(SpatialMachine, ABC):
         return math.sqrt(max(cylinder**2 - floor**2, 0.0))
 
     def _check_offset(self, arm: float, distance: float, angles: Sequence[float]) -> None:
-        """Refuse a roller whose axis passes beside the cylinder.
+        """Refuse a roller whose axis passes beside even the largest cylinder.
 
-        Args:
-            arm, distance: roller to pivot, and pivot to the cam's axis [mm].
-            angles: of the arm, least and largest [rad].
-
-        Raises:
-            PydanticCustomError: even the largest cylinder is missed somewhere.
+        ``arm`` is from roller to pivot, ``distance`` from pivot to the cam's axis [mm]; the arm
+        moves between ``angles`` [rad].
         """
         largest = ends(self.cylinder_radius_mm)[1]
         if math.isinf(largest):
@@ -130,13 +120,9 @@ class CylindricalMachine(SpatialMachine, ABC):
                 "mm wide reaches into a cylinder of radius {radius} mm only within {allowed} mm. "
                 "Change the distance of the arm's pivot or the turret from the cam's axis, or "
                 "increase cylinder_radius_mm.",
-                {
-                    "offset": six_digits(abs(offset)),
-                    "width": self.roller_width_mm,
-                    "radius": largest,
-                    "allowed": six_digits(allowed),
-                },
-            )
+                {"offset": six_digits(abs(offset)), "width": self.roller_width_mm,
+                 "radius": largest, "allowed": six_digits(allowed)},
+            )  # fmt: skip
 
 
 class CylindricalFollower(CylindricalMachine, ABC):
@@ -224,16 +210,14 @@ class CylindricalOscillating(CylindricalFollower):
         "axis of a single roller meets the cam's axis where the arm is perpendicular to it.",
         None,
     )
-    initial_angle_deg: Annotated[
-        float,
-        Field(
-            gt=-90.0,
-            lt=90.0,
-            description="Angle of the arm at the start of the program, measured from the "
-            "perpendicular to the cam's axis and growing with the motion. Minus half the swing "
-            "makes the swing symmetric.",
-        ),
-    ] = 0.0
+    initial_angle_deg: float = Field(
+        0.0,
+        gt=-90.0,
+        lt=90.0,
+        description="Angle of the arm at the start of the program, measured from the perpendicular "
+        "to the cam's axis and growing with the motion. Minus half the swing makes the swing "
+        "symmetric.",
+    )
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
         return self._swept_on_pivot(sizes, *self._lengths, rotation)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -56,7 +56,7 @@ class GloboidalIndexer(TurretMachine):
     centre_distance_mm: Dimension = None
     roller_radius_mm: Dimension = None
     roller_inner_mm: Dimension = None
-    roller_width_mm: Annotated[float, Field(gt=0.0, le=1e5, description="Roller's width.")]
+    roller_width_mm: float = length("Roller's width.", most=1e5)
     crown_radius_mm: CrownRadius = None
     mesh_angle_deg: MeshAngle = None
     cam_width_mm: float | None = length(
@@ -64,14 +64,10 @@ class GloboidalIndexer(TurretMachine):
         "perpendicular; left out: as far as the rollers mesh.",
         None,
     )
-    bottom_clearance_mm: Annotated[
-        float,
-        Field(
-            ge=0.0,
-            le=1e5,
-            description="Gap between the rollers' ends and the bottoms of the grooves.",
-        ),
-    ] = 0.0
+    bottom_clearance_mm: float = Field(
+        0.0, ge=0.0, le=1e5,
+        description="Gap between the rollers' ends and the bottoms of the grooves.",
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check_dimensions(self) -> GloboidalIndexer:
@@ -101,15 +97,9 @@ class GloboidalIndexer(TurretMachine):
         return self
 
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
-        return SweptRoller(
-            centre=np.array([sizes["centre_distance_mm"], 0.0, 0.0]),
-            axis=Y,
-            joint=Joint.pivot(0.0 * X, Z),
-            origin=0.0 * X,
-            along=X,
-            roller=self._roller(sizes, sizes["roller_inner_mm"]),
-            hand=self.thread_sign,
-        )
+        centre = np.array([sizes["centre_distance_mm"], 0.0, 0.0])
+        roller = self._roller(sizes, sizes["roller_inner_mm"])
+        return SweptRoller(centre, Y, Joint.pivot(0.0 * X, Z), 0.0 * X, X, roller, self.thread_sign)
 
     def dimensions(self, sizes: Mapping[str, float]) -> Mapping[str, float]:
         distance, inner = sizes["centre_distance_mm"], sizes["roller_inner_mm"]
@@ -173,14 +163,8 @@ class GloboidalIndexer(TurretMachine):
         roller = self._roller(sizes, sizes["roller_inner_mm"])
         if roller.crown:
             return ()
-        return (
-            TurretWallRadius(
-                "wall_radius",
-                first=self.seats()[0].start,
-                spacing=self.spacing,
-                length=self.length_scale(sizes),
-                radius=roller.radius + least,
-                places=(roller.inner, roller.outer),
-                mesh=self.mesh_range(sizes)[1],
-            ),
-        )
+        return (TurretWallRadius(
+            "wall_radius", self.length_scale(sizes), self.seats()[0].start, self.spacing,
+            radius=roller.radius + least, places=(roller.inner, roller.outer),
+            mesh=self.mesh_range(sizes)[1],
+        ),)  # fmt: skip

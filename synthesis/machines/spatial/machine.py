@@ -175,12 +175,8 @@ class SpatialMachine(BaseModel, ABC):
     def check_travel(self, gain: float, lowest: float, highest: float) -> None:
         """Refuse a program that moves the follower by ``gain`` in one turn [rad or mm].
 
-        Args:
-            lowest, highest: its least and largest position in the turn, from the start of it.
-
-        Raises:
-            PydanticCustomError: the next turn would not find a roller where this turn ended, or
-                the follower cannot be there.
+        The next turn would not find a roller where this turn ended, or the follower cannot be at
+        its least and largest position, ``lowest`` and ``highest`` from the start of the turn.
         """
 
     # -- sizing: members used where the dimension ``size_field`` is minimised ----------------------
@@ -274,18 +270,14 @@ class TurretMachine(SpatialMachine, ABC):
                 "The program turns the turret by {gain}° in one turn of the cam, which is "
                 "{rollers} times the {spacing}° between two of {count} rollers. Make the lifts of "
                 "the program sum to a whole number of spacings other than 0.",
-                {
-                    "gain": float(f"{gain / DEGREE:.9g}"),
-                    "rollers": float(f"{steps:.9g}"),
-                    "spacing": float(f"{self.spacing / DEGREE:.9g}"),
-                    "count": self.rollers,
-                },
-            )
+                {"gain": float(f"{gain / DEGREE:.9g}"), "rollers": float(f"{steps:.9g}"),
+                 "spacing": float(f"{self.spacing / DEGREE:.9g}"), "count": self.rollers},
+            )  # fmt: skip
 
 
-def length(description: str, default: Any = ...) -> Any:
+def length(description: str, default: Any = ..., most: float = LARGEST) -> Any:
     """A field with a length above 0 [mm]; required unless it has a default."""
-    return Field(default, gt=0.0, le=LARGEST, description=description)
+    return Field(default, gt=0.0, le=most, description=description)
 
 
 def six_digits(value: float) -> float:

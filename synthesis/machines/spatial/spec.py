@@ -105,10 +105,9 @@ class WallRadius(SpatialLimit):
     quantity: ClassVar[str] = "convex_radius"
     field: ClassVar[str] = "min_mm"
 
-    min_mm: Annotated[
-        float,
-        Field(ge=0.0, le=1e6, description="Smallest radius of curvature of a convex wall part."),
-    ]
+    min_mm: float = Field(
+        ge=0.0, le=1e6, description="Smallest radius of curvature of a convex wall part."
+    )
 
     def nonconvex(
         self, segment: PlacedSegment, machine: Machine
@@ -188,35 +187,25 @@ class SpatialCamSpec(BaseModel):
     name: Annotated[Name, Field(description="Shown in reports and files.")] = ""
     speed_rpm: CamSpeed = 60.0
     rotation: CamRotation = "ccw"
-    program: Annotated[
-        list[Segment],
-        Field(
-            min_length=1,
-            max_length=MAX_SEGMENTS,
-            description="Segments in order; their angles sum to 360°. A turret indexes by a whole "
-            "number of rollers in a turn; any other follower ends where it started.",
-        ),
-    ]
+    program: list[Segment] = Field(
+        min_length=1,
+        max_length=MAX_SEGMENTS,
+        description="Segments in order; their angles sum to 360°. A turret indexes by a whole "
+        "number of rollers in a turn; any other follower ends where it started.",
+    )
     machine: Annotated[AnyMachine, Field(description="The machine around the cam.")]
-    limits: Annotated[
-        list[AnySpatialLimit],
-        Field(max_length=50, description="Limits on walls, rollers and motion."),
-    ] = []
-    objective: Annotated[
-        AnySpatialObjective | None,
-        Field(
-            description="The dimension to minimise where something is left free; left out: the "
-            "machine's own, its centre distance or its cylinder's radius."
-        ),
-    ] = None
-    tolerance: Annotated[
-        float,
-        Field(
-            ge=1e-6,
-            le=1.0,
-            description="Relative gap to the lower bound at which the search stops.",
-        ),
-    ] = 1e-3
+    limits: list[AnySpatialLimit] = Field(
+        [], max_length=50, description="Limits on walls, rollers and motion."
+    )
+    objective: AnySpatialObjective | None = Field(
+        None,
+        description="The dimension to minimise where something is left free; left out: the "
+        "machine's own, its centre distance or its cylinder's radius.",
+    )
+    tolerance: float = Field(
+        1e-3, ge=1e-6, le=1.0,
+        description="Relative gap to the lower bound at which the search stops.",
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check_program(self) -> SpatialCamSpec:

@@ -15,13 +15,15 @@ from scipy.spatial import KDTree
 from synthesis.errors import Cancelled
 from synthesis.machines.spatial.cam import SpatialCam
 from synthesis.machines.spatial.design import SpatialDesign, SpatialExtreme
-from synthesis.machines.spatial.measuring import enclosure, walls
+from synthesis.machines.spatial.measuring import enclosure
 from synthesis.machines.spatial.measuring.enclosure import Prover
 from synthesis.machines.spatial.measuring.measure import (
+    RIB,
     contact_counts,
     follower_peaks,
     measure,
     segment_bound_extremes,
+    thinnest_rib,
     to_wire,
 )
 from synthesis.machines.spatial.measuring.patches import Extremum, WallPoints, patches
@@ -312,9 +314,9 @@ def test_ribs_that_rollers_cut_through_make_a_cam_infeasible() -> None:
     asked["program"][0] |= {"lift_deg": 45.0}
     spec = SpatialCamSpec(**asked)
     cam = cam_of(spec)
-    thinnest = walls.thinnest_rib(cam, list(patches(cam)), spec.machine.seats())
+    thinnest = thinnest_rib(cam, list(patches(cam)), spec.machine.seats())
     assert thinnest is not None
-    rib = to_wire(walls.RIB, thinnest, {})
+    rib = to_wire(RIB, thinnest, {})
     assert not rib.holds
     assert rib.value is not None
     assert rib.value < 2.0 * 71.9 * math.sin(math.pi / 8.0) - 58.0 + 1e-9

@@ -1,37 +1,65 @@
-"""Measuring a finished cam: the extremum of every quantity, on the wire, against its bound."""
+"""Measuring a finished cam: the extremum of every quantity, on the wire, against its bound.
+
+``enclosure`` proves what samples of contacts (``patches``) find where rollers are cylindrical.
+
+A rib stands between two consecutive rollers. At a point of the wall that one of them envelops, the
+rib is as thick as the least distance to the other roller over half a turn to either side. Where the
+rollers' swept volumes overlap it is negative: the rib is cut through. The distance is to the roller
+as a solid of revolution about its axis; it uses no formula of contacts.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import mul
 
 import numpy as np
 
 from synthesis.catalogue.limits.motion import EXACT, NAMES, TRAVEL
-from synthesis.machines.spatial.cam import SpatialCam
+from synthesis.machines.spatial.cam import SpatialCam, Wall
 from synthesis.machines.spatial.design import SpatialExtreme
-from synthesis.machines.spatial.machine import LEFT, RIGHT
+from synthesis.machines.spatial.machine import LEFT, RIGHT, Seat
+from synthesis.machines.spatial.measuring.enclosure import (
+    Models,
+    Prover,
+    prove_convex_radius,
+    prove_hollow_radius,
+    prove_pressure_angle,
+    prove_regular,
+)
 from synthesis.machines.spatial.measuring.patches import (
     Bound,
     Bounds,
     Extremum,
+    Patch,
     Quantity,
+    Sampling,
+    WallPoints,
+    find_extremum,
     patches,
     rounded,
 )
-from synthesis.machines.spatial.measuring.walls import (
-    RIB,
-    contact_extrema,
-    first_jump,
-    thinnest_rib,
-)
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
+from synthesis.numerics.geometry.swept_roller import cross, dot, norm, rotate
 from synthesis.numerics.maxima import maximise
+from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
+# The last steps are 6e-5 of those between samples.
+CONTACTS = Sampling(
+    49, 240, 2, 11, 8, 0.25, "measured on a grid of every smooth part of a wall, then closer"
+)
+RIBS = Sampling(
+    25, 72, 3, 7, 13, 0.4,
+    "measured from points of each wall to the next roller, at every cam angle, then closer",
+)  # fmt: skip
+PLACES, RIB_PLACES, RIB_TURNS = 5, 3, 73  # samples on the roller; of the other roller's cam angle
+RIB = Quantity("rib_thickness", "mm", largest=False, required=Bound(0.0))
+JUMP = 1e-9  # of a derivative's largest value: smaller jumps are rounding
 STATIONARY = "stationary points of every piece"
 SHORT = 1e-9  # rad: shorter intervals between ends of walls are rounding
 
@@ -163,3 +191,183 @@ def segment_bound_extremes(
                     Quantity(name, travel.derivative_unit(order), largest, required=allowed),
                     Extremum(value, value, STATIONARY, theta),
                 )
+
+
+# -- contacts and ribs -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ContactQuantity(Quantity):
+    """A quantity of contacts.
+
+    Attributes:
+        of: its values at n angles by m places, (n, m).
+        proof: how its extremum is proven; None: it is measured only.
+    """
+
+    of: Callable[[WallPoints], Array] = field(kw_only=True)
+    proof: Prover | None = None
+
+    def extremum(self, walls: Sequence[WallPoints], how: Sampling) -> Extremum:
+        """The extremum over all walls by samples."""
+        sign = 1.0 if self.largest else -1.0
+
+        def values(at: WallPoints) -> Array:
+            """To be maximised; −∞ beyond the end faces."""
+            return at.between_faces(sign * self.of(at), -np.inf)
+
+        return find_extremum(values, walls, how, sign)
+
+
+def _sliding(at: WallPoints) -> Array:
+    """Sliding per radian, the roller turning so that its middle does not slide across [mm]."""
+    swept = at.cam.swept
+    middle = np.full((*at.rho.shape[:-1], 1), swept.roller.middle)
+    both = replace(at, rho=np.concatenate([at.rho, middle], axis=-1))
+    slip, across = both.contacts.slip, _across(both)
+    across = across / norm(across)
+    spin = dot(across, slip)[:, -1:] / swept.roller.radius
+    return norm(slip - spin * swept.roller.profile(both.rho)[0] * across)[:, :-1]
+
+
+def _spin(at: WallPoints) -> Array:
+    """Speed at which the roller turns then, relative to the cam's."""
+    roller = at.cam.swept.roller
+    middle = replace(at, rho=np.array([roller.middle]))
+    across = _across(middle)
+    rate = np.abs(dot(across, middle.contacts.slip)) / norm(across) / roller.radius
+    return rate + 0.0 * at.rho
+
+
+def _across(at: WallPoints) -> Array:
+    """Directions (3, n, m) across the roller's axis and the wall's normal."""
+    swept = at.cam.swept
+    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), at.state.q)
+    return cross(u, at.contacts.normal)
+
+
+def _radius(curvature: float) -> float:
+    """Radius of a negated curvature; infinite where the curvature has the other sign."""
+    if np.isinf(curvature):
+        return curvature
+    return -1.0 / curvature if curvature < 0.0 else np.inf
+
+
+PRESSURE_ANGLE = ContactQuantity(
+    "pressure_angle", "deg", True, lambda v: v / DEGREE, lambda v: v * DEGREE,
+    of=lambda at: at.contacts.pressure_angle, proof=prove_pressure_angle,
+)  # fmt: skip
+UNDERCUT = ContactQuantity(
+    "undercut", "1", False, required=Bound(0.0),
+    of=lambda at: at.contacts.regular, proof=prove_regular,
+)  # fmt: skip
+# Measured as negated curvatures, which are finite where a wall is flat.
+RADII = (
+    ContactQuantity(
+        "convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
+        of=lambda at: -at.curvatures[0], proof=prove_convex_radius,
+    ),
+    ContactQuantity(
+        "hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
+        of=lambda at: at.curvatures[1], proof=prove_hollow_radius,
+    ),
+)  # fmt: skip
+CORNER = "the velocity jumps there: walls cross on one side and leave a gap on the other"
+NO_RADIUS = Extremum(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
+
+
+def contact_extrema(
+    cam: SpatialCam, parts: Sequence[Patch], omega: float, bounds: Bounds
+) -> Iterator[tuple[Quantity, Extremum]]:
+    """The extremum of every quantity of contacts over all patches; ω of the cam [rad/s]."""
+    if not parts:
+        return
+    walls = list(CONTACTS.walls(parts, cam.swept.roller.places(PLACES)))
+    # The proof is for ruled surfaces: the contacts of a crowned roller are not offsets of one.
+    models = None if cam.swept.roller.crown > 0.0 else Models(cam, parts)
+
+    def over(quantity: ContactQuantity) -> Extremum:
+        bound = bounds.get(quantity.name, quantity.required)
+        allowed = None if bound is None else quantity.from_wire(bound.value)
+        sampled = quantity.extremum(walls, CONTACTS)
+        if models is None or quantity.proof is None or not np.isfinite(sampled.value):
+            return sampled
+        return quantity.proof(models, sampled, allowed)
+
+    yield PRESSURE_ANGLE, over(PRESSURE_ANGLE)
+    corner = first_jump(cam.motion.curve, 1)
+    area = over(UNDERCUT) if corner is None else Extremum(-np.inf, -np.inf, CORNER, corner)
+    yield UNDERCUT, area
+    for radius in RADII:
+        yield radius, over(radius) if area.value > 0.0 else NO_RADIUS
+    per_second, rpm = partial(mul, omega), partial(mul, omega * 60.0 / FULL_TURN)
+    for name, unit, to_wire, of in (
+        ("contact_speed", "mm/s", per_second, lambda at: norm(at.contacts.slip)),
+        ("sliding_speed", "mm/s", per_second, _sliding),
+        ("roller_speed", "rpm", rpm, _spin),
+    ):
+        speed = ContactQuantity(name, unit, True, to_wire, of=of)
+        yield speed, over(speed)
+
+
+def first_jump(curve: Piecewise, order: int) -> float | None:
+    """The first cam angle where a derivative jumps, the end of the turn included [rad]."""
+    ends, pieces = curve.breaks, np.arange(curve.count)
+    after = curve.at(ends[:-1], pieces, order)
+    before = np.roll(curve.at(ends[1:], pieces, order), 1)
+    size = max(float(np.abs(after).max()), float(np.abs(before).max()))
+    jumps = np.flatnonzero(np.abs(after - before) > JUMP * size)
+    return float(ends[jumps[0]]) if len(jumps) else None
+
+
+def thinnest_rib(cam: SpatialCam, parts: Sequence[Patch], seats: Sequence[Seat]) -> Extremum | None:
+    """The least rib thickness; None where the cam has no ribs."""
+    others = {wall: _behind(wall, seats, cam.period) for wall in cam.walls}
+    bounded = [part for part in parts if others[part.wall] is not None]
+    if not bounded:
+        return None
+
+    def thickness(points: WallPoints, offset: Array) -> Array:
+        start = points.repeat([others[patch.wall] or 0.0 for patch in points.patches])
+        return -_rib_thickness(points, start, offset)
+
+    walls = RIBS.walls(bounded, cam.swept.roller.places(RIB_PLACES))
+    offset = np.linspace(-0.5 * FULL_TURN, 0.5 * FULL_TURN, RIB_TURNS)
+    return find_extremum(thickness, walls, RIBS, -1.0, offset)
+
+
+def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> float | None:
+    """Position at q = 0 of the roller beyond the rib behind a wall; None where there is none."""
+    ordered = sorted(seats, key=lambda seat: seat.start)
+    step = -1 if wall.side == LEFT else 1
+    periods, at = divmod(ordered.index(wall.seat) + step, len(ordered))
+    if len(ordered) < 2 or (periods and np.isinf(period)):
+        return None
+    return ordered[at].start + (periods * period if periods else 0.0)
+
+
+def _rib_thickness(wall: WallPoints, start: Array, offset: Array) -> Array:
+    """Distance of a wall's points from other rollers later in the turn: (j, k n, m) [mm].
+
+    Negative inside the roller; infinite where the wall is beyond the end faces.
+
+    Args:
+        start: (k n,) positions at q = 0 of the rollers. offset: (j, 1) or (j, k n) of cam angle.
+    """
+    cam, swept, points = wall.cam, wall.cam.swept, wall.points
+    centre, shape = swept.centre.reshape(3, 1, 1), (len(offset), *points.shape[1:])
+    turned = np.broadcast_to(offset, shape[:2]).ravel()
+    # The wall's points as the cam carries them on, seen along the other roller's axis.
+    away = np.broadcast_to((points - centre)[:, None], (3, *shape)).reshape(3, -1, shape[2])
+    moved = rotate(away, swept.hand * turned, swept.axis) + centre
+    theta = np.tile(wall.theta.ravel(), shape[0]) + turned
+    q = np.tile(start, shape[0]) + cam.motion.derivatives(theta, 0)[0]
+    q = q + cam.gain * np.floor(theta / FULL_TURN)
+    u = swept.joint.turn_direction(swept.along.reshape(3, 1, 1), q)
+    foot = moved - swept.joint.move_points(swept.origin.reshape(3, 1, 1), q)
+    roller, along = swept.roller, dot(u, foot)
+    within = np.clip(along, roller.inner, roller.outer)
+    beyond = np.abs(along - within)
+    over = norm(foot - along * u) - roller.profile(within)[0]
+    distance = np.where(beyond > 0.0, np.hypot(beyond, np.maximum(over, 0.0)), over)
+    return wall.between_faces(distance.reshape(shape), np.inf)

@@ -28,8 +28,8 @@ from synthesis.catalogue.fields import ends
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.machines.spatial.cam import build_cam
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
+from synthesis.machines.spatial.measuring.measure import UNDERCUT, thinnest_rib
 from synthesis.machines.spatial.measuring.patches import Sampling, patches
-from synthesis.machines.spatial.measuring.walls import UNDERCUT, thinnest_rib
 from synthesis.machines.spatial.sizing.sequential_convex import formulate_problem, minimise_size
 from synthesis.machines.spatial.spec import AnySpatialLimit, SpatialCamSpec, WallRadius
 from synthesis.optimise import driver
