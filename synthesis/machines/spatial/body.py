@@ -52,12 +52,10 @@ class BlankOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class Blank:
-    """The body before grooves are cut.
+    """The body before grooves are cut, in the coordinates of a chart.
 
-    Attributes:
-        chart: its coordinates. depth: (m,) from the ribs' tops to the floor [mm].
-        low, high: (m,) places across of its two ends, at every depth.
-        bore: radius of the bore, 0: none [mm].
+    At every ``depth`` (m,) from the ribs' tops to the floor its two ends are at the places across
+    ``low`` and ``high``. ``bore`` is the radius of the bore [mm]; 0: none.
     """
 
     chart: Chart
@@ -211,10 +209,7 @@ def rib_bounds(blank: Blank, grooves: Array) -> Array:
 
 
 def flank_error(cuts: GrooveSections, body: Body) -> float:
-    """Largest distance of the true surface from the body's flat cells, at their middles [mm].
-
-    Of walls, and of circles from their chords.
-    """
+    """Largest distance of walls and circles from the body's flat cells, at their middles [mm]."""
     blank, rows = body.blank, len(body.turn) - 1
     step = FULL_TURN / rows
     sampled = np.arange(0, rows, max(1, rows // SAMPLED_ROWS))

@@ -196,9 +196,8 @@ def _intervals(
 ) -> list[Span]:
     """Intervals between ends and roots of functions, merged where they meet.
 
-    Args:
-        breaks: between which the functions are sampled; tangent roots may be missed.
-        within: whether an interval counts, by its middle.
+    The functions are sampled between ``breaks``; tangent roots may be missed. ``within`` says
+    whether an interval counts, by its middle.
     """
     samples = np.unique(np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(breaks)]))
     roots = set(ends)

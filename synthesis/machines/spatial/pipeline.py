@@ -40,9 +40,7 @@ GIVEN = Certificate(
 def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -> SpatialDesign:
     """Measure a spatial cam that is given in full, or choose what is left free and measure it.
 
-    Args:
-        spec: the question.
-        deadline: ``time.monotonic()`` at which to stop.
+    ``deadline`` is the ``time.monotonic()`` at which to stop.
 
     Raises:
         InputError: numbers of the program are left free.

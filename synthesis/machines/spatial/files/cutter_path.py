@@ -96,9 +96,7 @@ def envelope_error(
 ) -> Array:
     """Deviation of the cutter's envelope from the wall: (n, m), positive where material is left.
 
-    Args:
-        poses: ``STEP`` before, at, and ``STEP`` after the same cam angles (n,).
-        radius: of the cutter [mm].
+    ``poses`` are those ``STEP`` before, at, and ``STEP`` after the same cam angles (n,).
     """
     swept, theta = cam.swept, poses[1].theta
     point = swept.on_cam(theta, cam.contacts(which, theta, swept.roller.places(PLACES)).point)

@@ -79,11 +79,7 @@ class WallCurve:
 
 
 def wall_curve(cam: SpatialCam, seat: Seat, side: int, theta: Array, radius: float) -> WallCurve:
-    """Where a wall crosses the cylinder of this radius [mm]; NaN where it does not.
-
-    Args:
-        side: of the roller; 0 for the path of its axis.
-    """
+    """Where a wall, for side 0 the roller's axis, crosses the cylinder of this radius; else NaN."""
     swept, place = cam.swept, cam.place(seat, theta)
     transverse = np.cross(swept.axis, swept.along)
 
@@ -106,15 +102,10 @@ def wall_curve(cam: SpatialCam, seat: Seat, side: int, theta: Array, radius: flo
 
 
 def offset_errors(cam: SpatialCam, line: WallCurve, drawn: float, radius: float) -> Array:
-    """Departure of a wall from the offset drawn on one cylinder and wrapped to another: (n,).
+    """Departure (n,) of a wall on the cylinder of ``radius`` from the offset drawn on another [mm].
 
-    Args:
-        line: the wall on the cylinder of ``radius`` [mm].
-        drawn: radius of the cylinder on which the roller's path was unrolled and offset [mm].
-
-    Returns:
-        [mm], positive where the drawing removes less than the roller; NaN where the drawing has no
-        point near the wall's.
+    Positive where the drawing removes less than the roller; NaN where it has no point near the
+    wall's. ``drawn`` is the radius on which the roller's path was unrolled and offset.
     """
 
     def path(theta: Array) -> Array:
@@ -160,11 +151,7 @@ class DevelopedOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class Development:
-    """The walls and the paths of the rollers' axes on a cylinder, in continuous runs.
-
-    Attributes:
-        radius: of the cylinder [mm]. curves: on it.
-    """
+    """The walls and the paths of the rollers' axes on a cylinder [mm], in continuous runs."""
 
     radius: float
     curves: list[WallCurve]
@@ -216,8 +203,7 @@ def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
 def _curves(cam: SpatialCam, radius: float, drawn: float, density: float) -> Iterator[WallCurve]:
     """Walls with their departures, and the rollers' axes, in runs in which they reach the cylinder.
 
-    Args:
-        drawn: as in ``offset_errors``. density: points per rad.
+    ``drawn`` is as in ``offset_errors``; ``density``: points per rad.
     """
     pathed = set()
     for wall in cam.walls:

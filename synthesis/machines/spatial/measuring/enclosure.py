@@ -296,12 +296,7 @@ def _prove_radius(
     convex with the radius 1/κ1 − Rr and concave with 1/|κ2| + Rr. No convex radius is below r where
     a roller of radius R = Rr + r would not undercut: (1 − R κ1)(1 − R κ2) > 0 everywhere, which
     has no root and no division. For concave radii R = Rr − r; if negative, on the other side.
-
-    Args:
-        sampled, allowed: negated curvatures [1/mm].
-
-    Returns:
-        the largest claim that is proven; ``sampled`` where none is.
+    ``sampled`` and ``allowed`` are negated curvatures [1/mm].
     """
     if sampled.value >= 0.0:
         return sampled

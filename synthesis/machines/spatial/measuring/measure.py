@@ -198,12 +198,7 @@ def segment_bound_extremes(
 
 @dataclass(frozen=True)
 class ContactQuantity(Quantity):
-    """A quantity of contacts.
-
-    Attributes:
-        of: its values at n angles by m places, (n, m).
-        proof: how its extremum is proven; None: it is measured only.
-    """
+    """A quantity ``of`` contacts, (n, m) values, and how its extremum is proven, if it is."""
 
     of: Callable[[WallPoints], Array] = field(kw_only=True)
     proof: Prover | None = None
@@ -347,12 +342,10 @@ def _behind(wall: Wall, seats: Sequence[Seat], period: float) -> float | None:
 
 
 def _rib_thickness(wall: WallPoints, start: Array, offset: Array) -> Array:
-    """Distance of a wall's points from other rollers later in the turn: (j, k n, m) [mm].
+    """Distance of a wall's points from rollers ``start`` (k n,) at q = 0: (j, k n, m) [mm].
 
-    Negative inside the roller; infinite where the wall is beyond the end faces.
-
-    Args:
-        start: (k n,) positions at q = 0 of the rollers. offset: (j, 1) or (j, k n) of cam angle.
+    It is taken ``offset``, (j, 1) or (j, k n), later in the turn. Negative inside the roller;
+    infinite where the wall is beyond the end faces.
     """
     cam, swept, points = wall.cam, wall.cam.swept, wall.points
     centre, shape = swept.centre.reshape(3, 1, 1), (len(offset), *points.shape[1:])

@@ -96,11 +96,9 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class WallPoints:
-    """Contacts of patches at sample angles, each by the formulas of its own piece of the motion.
+    """Contacts of k patches at cam angles (k, n), each by the formulas of its piece of the motion.
 
-    Attributes:
-        patches: k of them, of any walls. theta: (k, n) cam angles of each [rad].
-        rho: (m,) places on the roller's axis, or (k n, m) others at every angle [mm].
+    ``rho`` are places (m,) on the roller's axis, or (k n, m) others at every angle [mm].
     """
 
     patches: Sequence[Patch]
@@ -184,11 +182,7 @@ class Sampling:
     evidence: str
 
     def walls(self, parts: Sequence[Patch], rho: Array) -> Iterator[WallPoints]:
-        """Sample points of every wall, all its patches together, in the order of the patches.
-
-        Args:
-            parts: the patches, by wall. rho: (m,) places on the roller's axis [mm].
-        """
+        """Sample points of every wall at places (m,), all its patches together, in their order."""
         for _, group in groupby(parts, key=lambda patch: patch.wall):
             own = list(group)
             each = int(np.clip(self.whole // len(own), 1, self.angles))
@@ -209,8 +203,8 @@ def find_extremum(
     Args:
         values: of points and other coordinates, (j, 1) or (j, k n) each, to (…, k n, m).
         walls: sample points, at places (m,) on the roller's axis, whose ends bound ρ.
-        others: evenly spaced values (j,) of the coordinates besides θ and ρ, which are not bounded.
         sign: of the measured quantity in the function.
+        others: evenly spaced values (j,) of the coordinates besides θ and ρ, which are not bounded.
     """
 
     def best(points: WallPoints, *others: Array) -> tuple[Array, NDArray[np.intp]]:

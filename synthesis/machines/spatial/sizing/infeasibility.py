@@ -89,11 +89,9 @@ def _relax(
     minimised: str,
     until: float,
 ) -> Relaxation:
-    """What one number alone would have to be, as far as time allows.
+    """What one number alone would have to be, at most ``far``, as far as time allows.
 
-    Args:
-        far: the farthest value. sizes_with: dimensions of a cam with a number at a value, or None.
-        minimised: field of the dimension that is minimised.
+    ``sizes_with`` gives dimensions of a cam with a number at a value, or None.
     """
     (path,), (value,) = number.paths, number.requested
 

@@ -89,15 +89,14 @@ class PhasePlane:
             [float(v * u) for v, u in zip(g[1:3], units[1:], strict=False)] for g in known
         )
         # Caps are the limits on single derivatives; of their two signs the looser one.
-        sides = {(k, sign): inf for k in (1, 2, 3) for sign in (1, -1)}
+        sides = np.full((4, 2), inf)
         for row in problem.limit_rows(segment):
-            orders = [k for k, factor in enumerate(row.coefficients) if factor]
+            orders = np.flatnonzero(row.coefficients)
             if len(orders) == 1 and orders[0] > 0 and row.interval is None and not any(row.size):
                 factor = row.coefficients[orders[0]]
-                side = orders[0], 1 if factor > 0.0 else -1
+                side = orders[0], int(factor > 0.0)
                 sides[side] = min(sides[side], row.upper / abs(factor))
-        caps = tuple(max(sides[k, 1], sides[k, -1]) for k in (1, 2, 3))
-        return cls(problem, segment, caps, (start, end))
+        return cls(problem, segment, tuple(sides.max(axis=1)[1:].tolist()), (start, end))
 
     def speed_limit(self, p: Array, size: float) -> Array:
         """V at positions p (n,) [mm/rad]; not above 0 where the cam is too small."""

@@ -269,15 +269,11 @@ def _relinearise(
 
 
 def bound_by_chords(state: SolveState, size: float, number: int) -> tuple[SolveState, Bound | None]:
-    """A bound over all laws whose cam is no larger than ``size`` [mm]; the search keeps it.
+    """The state with a bound over all laws whose cam is no larger than ``size`` [mm], and that.
 
     The chord of a concave function over an interval is below it, so that chord rows over tubes
-    hold for every such law; larger cams are above the bound anyway. Weak duality then uses the
-    multipliers as numbers: any nonnegative ones give a valid bound.
-
-    Returns:
-        the state, and the bound; None where no derivative of the laws is bounded, so that no
-        multipliers bound all of them.
+    hold for every such law; larger cams are above the bound anyway. Weak duality takes any
+    nonnegative multipliers. None where no derivative of the laws is bounded: none bound all laws.
     """
     began, problem = time.perf_counter(), state.problem
     bare = formulate(problem, state.grids, 0.0, Tightening(), Region())

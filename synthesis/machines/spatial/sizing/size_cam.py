@@ -287,9 +287,8 @@ def _enlarge_for_walls(
 def _wall_margin(spec: SpatialCamSpec, motion: Motion, sizes: Sizes) -> float:
     """The least clearance, relative, if one is negative, else the least ratio of areas.
 
-    The ratio is that of walls to the surface which the axis of a larger roller sweeps: walls are
-    neither undercut nor rounder than allowed where a roller larger by the least convex radius
-    would not undercut them.
+    That is of walls to the surface which a roller's axis sweeps: they are neither undercut nor
+    rounder than allowed where a roller larger by the least convex radius would not undercut them.
     """
     machine, radius = spec.machine, strictest_minimum(spec.limits, WALL_QUANTITY)
     unit, clearances = sizes[machine.size_field], machine.clearances(sizes).values()
@@ -317,13 +316,9 @@ def _rib_margin(spec: SpatialCamSpec, motion: Motion, sizes: Sizes) -> float:
 
 
 def _boundary(margin: Margin, bad: float, good: float, accuracy: float) -> float | None:
-    """Where a monotone margin becomes nonnegative from one end to the other, on the latter's side.
+    """Where a monotone margin becomes nonnegative from ``bad`` to ``good``, on the latter's side.
 
-    Args:
-        accuracy: of the boundary, relative.
-
-    Returns:
-        ``bad`` where the margin is nonnegative there already; None where it is negative at both.
+    ``bad`` where it is so there already; None where it is negative at both. ``accuracy``: relative.
     """
     if margin(bad) >= 0.0:
         return bad

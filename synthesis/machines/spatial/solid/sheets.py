@@ -224,9 +224,8 @@ def fit_patch(
 ) -> tuple[NdBSpline, float]:
     """A piece of a wall over u and v, and its measured distance from the wall [mm].
 
-    Args:
-        stride: every so many depths of the blank are compared, and every other one of these is
-            interpolated.
+    At every ``stride``-th depth of the blank they are compared, every other of these is
+    interpolated.
 
     Raises:
         TooFewDepths: it takes more depths. NotSmooth: or too many lines along the turn.
