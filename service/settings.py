@@ -21,35 +21,19 @@ class Settings(BaseSettings):
 
     host: str = "127.0.0.1"
     port: int = Field(8000, ge=0, le=65535)
-    database_url: str = Field(
-        "sqlite:///camwright.db", description="SQLAlchemy URL: SQLite by default, or PostgreSQL."
-    )
-    scheduler: str | None = Field(
-        None, description="Address of a Dask scheduler; None: the service starts its own."
-    )
-    workers: int = Field(
-        2, ge=1, le=1024, description="Worker processes of the service's own engine."
-    )
-    time_budget_s: float = Field(
-        30.0, gt=0.0, description="Time budget of a design that requests none [s]."
-    )
-    max_time_budget_s: float = Field(
-        300.0, gt=0.0, description="Largest time budget that a design may request [s]."
-    )
-    grace_s: float = Field(
-        2.0, gt=0.0, description="After the time budget, until the worker is stopped [s]."
-    )
+    database_url: str = "sqlite:///camwright.db"  # SQLAlchemy URL: SQLite, or PostgreSQL
+    scheduler: str | None = None  # address of Dask's; None: the service starts its own
+    workers: int = Field(2, ge=1, le=1024)  # processes of the service's own engine
+    time_budget_s: float = Field(30.0, gt=0.0)  # of a design that requests none [s]
+    max_time_budget_s: float = Field(300.0, gt=0.0)  # that a design may request [s]
+    grace_s: float = Field(2.0, gt=0.0)  # after the time budget, until the worker is stopped [s]
     max_body_bytes: int = Field(1_048_576, ge=1024)
-    max_waiting: int = Field(64, ge=0, description="Designs that may wait for a worker.")
-    max_sweep_items: int = Field(20_000, ge=1, description="Items that a sweep may have.")
-    sweep_lease_s: float = Field(
-        5.0,
-        ge=0.5,
-        le=3600.0,
-        description="After so long without renewal of its lease, another process that shares "
-        "the database continues a sweep [s].",
-    )
-    max_sweeps: int = Field(16, ge=1, description="Sweeps that may run at the same time.")
+    max_waiting: int = Field(64, ge=0)  # designs that may wait for a worker
+    max_sweep_items: int = Field(20_000, ge=1)  # that a sweep may have
+    # After so long without renewal of its lease, another process that shares the database
+    # continues a sweep [s].
+    sweep_lease_s: float = Field(5.0, ge=0.5, le=3600.0)
+    max_sweeps: int = Field(16, ge=1)  # that may run at the same time
     idempotency_hours: float = Field(24.0, gt=0.0)
     cors_origins: list[str] = []
     log_level: str = Field("info", pattern="^(debug|info|warning|error)$")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -30,14 +30,6 @@ from service.commands.terminal import (
 from service.settings import settings_from
 from synthesis.errors import CamwrightError, InputError
 from synthesis.machines.linkages import LINKAGES
-
-if TYPE_CHECKING:
-    from synthesis.design.analysis import Analysis
-    from synthesis.design.cam_set import CamSet
-    from synthesis.design.design import Design
-    from synthesis.machines.dynamics import TrainResponse
-    from synthesis.machines.spatial.design import SpatialDesign
-    from synthesis.studies.measured import ProfileAnalysis
 
 SEPARATORS = re.compile(r"[,;\s]+")
 COLUMNS = (("x_mm", "x"), ("y_mm", "y"))  # what a header may call them
@@ -65,7 +57,7 @@ def design(
     from synthesis.exporters.report import default_files
 
     started = time.perf_counter()
-    design: Design = answer("designs", spec, url)
+    design = answer("designs", spec, url)
     seconds = time.perf_counter() - started
     pictures = [each for each in PICTURES.values() if design.motion or each.without_cam]
     files = files_of("design.json", design, pictures)
@@ -94,7 +86,7 @@ def cam_set(
     """
     from synthesis.exporters.bundle import BundleOptions, bundle_files
 
-    cams: CamSet = answer("cam-sets", spec, url)
+    cams = answer("cam-sets", spec, url)
     print_answer(cams, tables.describe_cam_set(cams))
     files = files_of("cam-set.json", cams)
     if cams.has_cams:
@@ -123,7 +115,7 @@ def analyse(
     Exit codes: 0 every limit holds; 2 the question is invalid or leaves something free; 3 a
     limit is broken.
     """
-    analysis: Analysis = answer("analyses", spec, url)
+    analysis = answer("analyses", spec, url)
     print_answer(analysis, tables.describe_analysis(analysis), as_json)
     if not analysis.holds:
         raise typer.Exit(3)
@@ -201,7 +193,7 @@ def read_back(
         stop(f"{points} is not text in UTF-8.")
     except CamwrightError as error:
         stop(str(error))
-    analysis: ProfileAnalysis = answer("profile-analyses", spec, url, given)
+    analysis = answer("profile-analyses", spec, url, given)
     print_answer(analysis, tables.describe_profile(analysis), as_json)
 
 
@@ -225,7 +217,7 @@ def spatial(
     """
     from synthesis.machines.spatial.files import FORMATS, formats_of
 
-    design: SpatialDesign = answer("spatial-cams", spec, url)
+    design = answer("spatial-cams", spec, url)
     infeasible = design.status == "infeasible"
     print_answer(design, tables.describe_spatial_cam(design), as_json)
     if out_dir is not None:
@@ -262,10 +254,8 @@ def linkage(
     quantities = LINKAGES[kind].summary(result)
     print_answer(result, tables.describe_linkage(result, quantities))
     formats = LINKAGE_FILES[kind].values() if quantities else ()
-    save(
-        files_of("linkage.json", result, (each for each in formats if each.suits(result))),
-        out_dir,
-    )
+    files = files_of("linkage.json", result, (each for each in formats if each.suits(result)))
+    save(files, out_dir)
     if result.status == "infeasible":
         raise typer.Exit(3)
 
@@ -288,7 +278,7 @@ def respond(
     """
     from synthesis.machines.dynamics.files import TRAIN_FILES
 
-    response: TrainResponse = answer("train-responses", spec, url)
+    response = answer("train-responses", spec, url)
     print_answer(response, tables.describe_response(response))
     if out_dir is not None:
         save(files_of("train-response.json", response, TRAIN_FILES), out_dir)
