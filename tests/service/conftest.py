@@ -18,9 +18,6 @@ from service.settings import Settings, listening_socket
 from service.wire.observe import configure_logs
 from service.workers.engine import running_engine
 from tests.service import fake_core
-from tests.service.browsing import browser, closed
-
-__all__ = ["browser", "closed"]
 
 
 class Running:
