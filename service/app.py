@@ -72,13 +72,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         app.include_router(routes.router)
     pages.install(app)
     problem.install(app)
-    _add_middleware(app, settings, metrics)
-    app.openapi = partial(describe, app)  # type: ignore[method-assign]
-    return app
-
-
-def _add_middleware(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
-    """From the innermost to the outermost."""
+    # Middleware, from the innermost to the outermost.
     app.add_middleware(CompressMiddleware, minimum_size=1000)
     app.add_middleware(TagEncodings)
     app.add_middleware(Ranges)
@@ -91,3 +85,5 @@ def _add_middleware(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
             expose_headers=EXPOSED,
         )
     app.add_middleware(Observe, metrics=metrics)
+    app.openapi = partial(describe, app)  # type: ignore[method-assign]
+    return app

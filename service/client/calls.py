@@ -112,9 +112,7 @@ class AsyncClient:
     ) -> AsyncGenerator[Event, None]:
         """All events of a sweep up to ``end``, continued after lost connections.
 
-        Args:
-            after: id of the last item that is known, or empty.
-            items: events for every item; otherwise for progress only.
+        ``after`` is the id of the last item that is known; without ``items`` progress alone.
         """
         last, query = after, {"items": str(items).lower()}
 

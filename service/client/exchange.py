@@ -39,7 +39,6 @@ class Refused(ClientError):
     Attributes:
         problem: the document (RFC 9457) as sent; for another response, such as a proxy's, one made
             from its status.
-        status: the HTTP status.
         retry_after_s: Retry-After of the response [s]; None where there is none.
     """
 
@@ -201,26 +200,18 @@ def _refused(response: httpx2.Response) -> Refused:
     return Refused(problem, status, _retry_after_s(response.headers))
 
 
-@dataclass(frozen=True)
 class Part:
     """The beginning of a file, next to the target, and a note on which file it is a part of."""
 
-    target: Path
-    request: str
-
-    @property
-    def file(self) -> Path:
-        """The bytes received so far."""
-        return self.target.with_name(f"{self.target.name}.part")
-
-    @property
-    def _note(self) -> Path:
-        return self.target.with_name(f"{self.target.name}.part.json")
+    def __init__(self, target: Path, request: str) -> None:
+        self.request = request
+        self.file = target.with_name(f"{target.name}.part")  # the bytes received so far
+        self.note = target.with_name(f"{target.name}.part.json")
 
     def received(self) -> tuple[str, int]:
         """Strong ETag and number of the bytes received; ("", 0) where they cannot be used."""
         try:
-            note = json.loads(self._note.read_text(encoding="utf-8"))
+            note = json.loads(self.note.read_text(encoding="utf-8"))
             size = self.file.stat().st_size
         except (OSError, ValueError):
             return "", 0
@@ -230,21 +221,11 @@ class Part:
     def begin(self, etag: str) -> None:
         """Begin with the first byte; without a strong ETag it cannot be continued later."""
         self.file.parent.mkdir(parents=True, exist_ok=True)
-        self.delete_note()
+        self.note.unlink(missing_ok=True)
         self.file.write_bytes(b"")
         if etag.startswith('"'):
             note = {"request": self.request, "etag": etag}
-            self._note.write_text(json.dumps(note), encoding="utf-8")
-
-    def complete(self) -> Path:
-        """Rename it to the target."""
-        self.file.replace(self.target)
-        self.delete_note()
-        return self.target
-
-    def delete_note(self) -> None:
-        """Make the bytes unusable for continuation."""
-        self._note.unlink(missing_ok=True)
+            self.note.write_text(json.dumps(note), encoding="utf-8")
 
     def is_whole(self, response: httpx2.Response) -> bool:
         """Whether a response says that nothing is left of the file to be sent."""
@@ -269,7 +250,7 @@ class Part:
         else:  # the bytes have to be those that were requested
             span = headers.get("content-range", "")
             if not (headers.get("etag") == etag and span.startswith(f"bytes {have}-")):
-                self.delete_note()
+                self.note.unlink(missing_ok=True)
                 raise httpx2.RemoteProtocolError(f"another range ({span}) than requested")
         length = headers.get("content-length")
         total = None if length is None else have + int(length)
@@ -288,12 +269,8 @@ async def download(
     Until then the bytes are in ``target``.part; called again, it continues with them if the service
     still has the same file (its strong ETag), and begins anew if not.
 
-    Args:
-        progress: called with the bytes received, and the total (None: unknown).
-
-    Raises:
-        Refused, Unreachable: as for every call; every byte resets the number of tries.
-        OSError: the file cannot be written.
+    ``progress`` is called with the bytes received, and the total (None: unknown). Every byte resets
+    the number of tries; OSError where the file cannot be written.
     """
     query = sorted(request.query.items())
     part = Part(target, f"{exchange.http.base_url}{request.path}?{query}")
@@ -309,4 +286,6 @@ async def download(
     ):
         if progress is not None:
             progress(have, total)
-    return part.complete()
+    part.file.replace(target)
+    part.note.unlink(missing_ok=True)
+    return target

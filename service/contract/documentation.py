@@ -25,24 +25,18 @@ from synthesis.studies.sweeps import SweepSpec
 Json = dict[str, Any]
 TITLE = "Camwright"
 DESCRIPTION = Path(__file__).with_name("description.md").read_text(encoding="utf-8")
-TAGS = [
-    {"name": "designs", "description": "Synthesise a cam; get, list and delete designs."},
-    {"name": "analyses", "description": "Analyses of given and of measured cams."},
-    {"name": "cam sets", "description": "Several cams on one shaft, with their phases."},
-    {
-        "name": "spatial cams",
-        "description": "Cams with rollers whose axes are not parallel to the cam's.",
-    },
-    {
-        "name": "follower trains",
-        "description": "Response of masses, springs and dampers that a cam drives.",
-    },
-    {"name": "linkages", "description": "Shapers and palletising arms."},
-    {"name": "sweeps", "description": "Many designs from one base spec, and their trade-offs."},
-    {"name": "files", "description": "Points, curves, pictures and solids of a finished design."},
-    {"name": "catalogue", "description": "What a spec can contain, and the limits of this server."},
-    {"name": "operation", "description": "For those who run the service."},
-]
+TAGS = {
+    "designs": "Synthesise a cam; get, list and delete designs.",
+    "analyses": "Analyses of given and of measured cams.",
+    "cam sets": "Several cams on one shaft, with their phases.",
+    "spatial cams": "Cams with rollers whose axes are not parallel to the cam's.",
+    "follower trains": "Response of masses, springs and dampers that a cam drives.",
+    "linkages": "Shapers and palletising arms.",
+    "sweeps": "Many designs from one base spec, and their trade-offs.",
+    "files": "Points, curves, pictures and solids of a finished design.",
+    "catalogue": "What a spec can contain, and the limits of this server.",
+    "operation": "For those who run the service.",
+}
 # Statuses of several types of problems.
 SEVERAL = {
     404: "Not found",
@@ -122,7 +116,7 @@ def describe(app: FastAPI) -> Json:
             summary="Certified cam synthesis over HTTP",
             description=DESCRIPTION,
             routes=app.routes,
-            tags=TAGS,
+            tags=[{"name": name, "description": text} for name, text in TAGS.items()],
             license_info={"name": "MIT", "identifier": "MIT"},
             separate_input_output_schemas=False,
         )

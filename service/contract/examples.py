@@ -18,8 +18,7 @@ SELF_CHECK = "example-13-6-sized"
 def examples(part: str = "") -> dict[str, dict[str, Any]]:
     """By file name: summary, description and value, the spec. Empty where none were installed.
 
-    Args:
-        part: the folder among the examples; those of designs stand at its top.
+    Those of ``part`` stand in a folder of this name, those of designs above the folders.
     """
     folder = next((folder / part for folder in FOLDERS if folder.is_dir()), None)
     files = sorted(folder.glob("*.json")) if folder else []

@@ -36,10 +36,7 @@ class Jobs:
 
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
-
-        Raises:
-            ServiceError: there is none, or an earlier engine gave it and its spec cannot be read
-                any more; the resource's own kind of it.
+        ServiceError where there is none, or its spec cannot be read any more.
         """
         row = await self.answers.find(id)
         if row is None:
@@ -61,11 +58,7 @@ class Jobs:
         return current
 
     async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
-        """The answer with this id and its body; see ``find``.
-
-        Raises:
-            ServiceError: it is being worked on, or the work failed.
-        """
+        """As ``find``, with its body; ServiceError too where it is not done, or failed."""
         row = await self.find(id)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)

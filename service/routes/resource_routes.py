@@ -8,7 +8,7 @@ import re
 from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from inspect import cleandoc
-from typing import Annotated, Any, Optional, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
 
@@ -111,30 +111,26 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
 
 def _add_list(router: APIRouter, resource: Resource) -> None:
     size = Query(ge=1, le=200, description=f"{resource.plural.capitalize()} on a page.")
+    filters = resource.status is not None
+    kind: Any = (resource.status or str) | None
+    only = Query(description="Only those with this status.", include_in_schema=filters)
 
     async def handler(
         parts: Parts,
         limit: Annotated[int, size] = 50,
         cursor: Cursor = None,
+        status: Annotated[kind, only] = None,
     ) -> Any:
-        return await _page(parts, resource, limit, cursor, None)
-
-    async def handler_by_status(
-        parts: Parts,
-        limit: Annotated[int, size] = 50,
-        cursor: Cursor = None,
-        status: Annotated[
-            Optional[resource.status],  # type: ignore[name-defined]  # noqa: UP045
-            Query(description="Only those with this status."),
-        ] = None,
-    ) -> Any:
-        return await _page(parts, resource, limit, cursor, status)
+        answers = parts.jobs[resource.path].answers
+        rows, following = await newest(answers, limit, cursor, status if filters else None)
+        items = [{**resource.fields_of(row), "status": row.status, **row.summary} for row in rows]
+        return page_of(resource.summary).model_validate({"items": items, "next": following})
 
     router.add_api_route(
-        resource.path, handler if resource.status is None else handler_by_status,
-        methods=["GET"], tags=[resource.tag], name=f"list_{_snake(resource.plural)}",
-        summary=f"List {resource.plural}", description="The newest first.",
-        response_model=page_of(resource.summary), responses=problems(422),
+        resource.path, handler, methods=["GET"], tags=[resource.tag],
+        name=f"list_{_snake(resource.plural)}", summary=f"List {resource.plural}",
+        description="The newest first.", response_model=page_of(resource.summary),
+        responses=problems(422),
     )  # fmt: skip
 
 
@@ -212,14 +208,6 @@ async def newest(
     before = None if cursor is None else position_of(cursor)
     rows = await kept.page(before, limit + 1, state)
     return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
-
-
-async def _page(
-    parts: State, resource: Resource, limit: int, cursor: str | None, status: str | None
-) -> Any:
-    rows, following = await newest(parts.jobs[resource.path].answers, limit, cursor, status)
-    items = [{**resource.fields_of(row), "status": row.status, **row.summary} for row in rows]
-    return page_of(resource.summary).model_validate({"items": items, "next": following})
 
 
 def _done(resource: Resource, row: AnswerRow) -> Response:

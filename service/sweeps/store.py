@@ -140,10 +140,9 @@ class SweepStore:
         await self._do(lambda s: s.execute(change.values(state="running", started=now)))
 
     async def record(self, sweep: int, done: Iterable[Done]) -> SweepRow:
-        """Keep finished items and count them, in one transaction; those kept already stay.
+        """Keep finished items and count them; those kept already stay.
 
-        Raises:
-            LeaseLost: the sweep is not this process's any more.
+        LeaseLost where the sweep is not this process's any more.
         """
         rows = {
             answer.number: {**vars(answer), "sweep": sweep, "axis_values": values}

@@ -247,11 +247,7 @@ async def csv_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
 
 
 def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
-    """The bytes of Apache Parquet, a row group a page.
-
-    Raises:
-        ServiceError: pyarrow is not installed.
-    """
+    """The bytes of Apache Parquet, a row group a page; ServiceError without pyarrow."""
     try:
         import pyarrow as pa
         from pyarrow.parquet import ParquetWriter
@@ -284,8 +280,7 @@ def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
 async def compare_designs(store: SweepStore, sweep: SweepRow, axes: Sequence[Aim]) -> TradeOff:
     """Compare the certified designs of a sweep that have all these quantities.
 
-    Raises:
-        ServiceError: no quantity is named, or one that no design of the sweep has.
+    ServiceError where no quantity is named, or one that no design of the sweep has.
     """
     _check(sweep, [axis.quantity for axis in axes])
     signs = np.array([-1.0 if axis.maximise else 1.0 for axis in axes])

@@ -61,11 +61,7 @@ async def read_body(request: Request, model: type[Model], max_bytes: int) -> tup
 
 
 def validate(body: bytes, model: type[Model]) -> Model:
-    """Bytes as ``model``, in strict mode: no number is read from a text.
-
-    Raises:
-        ServiceError: the bytes are not JSON, or do not satisfy the model.
-    """
+    """Bytes as ``model``, in strict mode; ServiceError where they are no JSON, or of no model."""
     known = all_names(model)
     document, unknown = _decode(body, known)
     if known is not None and unknown > MAX_ITEMISED:
@@ -93,11 +89,7 @@ def validate(body: bytes, model: type[Model]) -> Model:
 
 
 def parse_json(body: bytes) -> Any:
-    """Bytes as plain JSON, without NaN and without repeated names.
-
-    Raises:
-        ServiceError: the bytes are not JSON, which has neither NaN nor Infinity.
-    """
+    """Bytes as plain JSON; ServiceError for NaN, Infinity and repeated names too."""
     return _decode(body, None)[0]
 
 

@@ -56,17 +56,14 @@ def problem_document(
     best: Design | CamSet | None = None,
 ) -> dict[str, Any]:
     """A problem document without what it takes from the request."""
-    body: dict[str, Any] = {
+    return {
         "type": f"/problems/{kind.slug}",
         "title": kind.title,
         "status": kind.status,
         "detail": detail,
+        **({"errors": errors} if errors else {}),
+        **({"best": best.model_dump(mode="json")} if best else {}),
     }
-    if errors:
-        body["errors"] = errors
-    if best is not None:
-        body["best"] = best.model_dump(mode="json")
-    return body
 
 
 def problem_of(error: Exception) -> dict[str, Any]:

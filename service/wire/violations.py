@@ -247,7 +247,8 @@ def _describe(error: Any, path: Sequence[str | int], body: Any, model: Body) -> 
     if kind == "extra_forbidden":
         return violation(value, "is not a field here", _suggest_name(path, body, model))
     if kind in ("union_tag_invalid", "literal_error"):
-        allowed = [word.strip(" '") for word in _allowed(ctx)]
+        listed = str(ctx.get("expected_tags") or ctx["expected"]).replace(" or ", ",")
+        allowed = [word.strip(" '") for word in listed.split(",")]
         tag = ctx.get("tag", value)
         remedy = _suggest(tag, allowed) or "Choose one of these."
         return violation(tag, f"must be one of {', '.join(allowed)}", remedy)
@@ -283,10 +284,6 @@ def _correct_type(kind: str, value: Any) -> str:
     if kind in ("float_type", "int_type") and isinstance(value, str):
         return "Give a number, without quotes and without a unit: the field's name holds the unit."
     return "Correct it; /docs shows the schema and worked examples."
-
-
-def _allowed(ctx: dict[str, Any]) -> list[str]:
-    return str(ctx.get("expected_tags") or ctx.get("expected", "")).replace(" or ", ", ").split(",")
 
 
 def _suggest(given: Any, allowed: Sequence[str]) -> str:
@@ -337,11 +334,7 @@ def _schemas(part: Any) -> Iterator[Schema]:
 def properties_at(
     body: Any, path: Sequence[str | int], model: type[BaseModel] | None
 ) -> dict[str, str]:
-    """Names and descriptions of the fields of the object at ``path``; empty where unknown.
-
-    Args:
-        body: the document. path: a place in it. model: what it ought to be, if that is known.
-    """
+    """Names and descriptions of the fields of the object at ``path``; empty where unknown."""
     if model is None:
         return {}
     whole = _whole(model)

@@ -130,10 +130,7 @@ class Engine:
             )
 
     async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
-        """Run a task: that of designs, or another one.
-
-        Raises what the core raises, or ServiceError, or TimeBudgetExceeded.
-        """
+        """Run a task: that of designs, or another. Raises what the core does, or ServiceError."""
         return await self.run(task or self.task, spec, budget_s, budget_s=budget_s)
 
     async def run(
@@ -177,8 +174,7 @@ class Engine:
     async def cancel(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
         """Cancel work, repeatedly; whether its result is there within ``CANCEL_S``.
 
-        Args:
-            names: given to ``run``. result: what the work leads to.
+        ``names`` were given to ``run``.
         """
         for _ in range(round(CANCEL_S / CANCEL_AGAIN_S)):
             if self._client.status != "running":

@@ -96,11 +96,7 @@ def solve_design(
     objectives: Sequence[Objective] = (),
     warm_start: Neighbour | None = None,
 ) -> Answer:
-    """Synthesise a cam.
-
-    Args:
-        objectives: to be measured besides. warm_start: of a neighbouring design, to begin with.
-    """
+    """Synthesise a cam; measure further objectives, begin with what a neighbour has left."""
     from synthesis.pipeline.synthesise import synthesise
 
     return design_answer(synthesise, spec, budget_s, objectives, warm_start)
