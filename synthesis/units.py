@@ -27,6 +27,7 @@ Masses are in kg everywhere. Every change of units happens in one place:
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -34,6 +35,19 @@ DEGREE: Final = math.pi / 180.0  # rad
 FULL_TURN: Final = 2.0 * math.pi  # rad
 FIELD_SUFFIXES: Final = ("", "_per_s", "_per_s2", "_per_s3")
 """How a field name continues after mm or deg, by the order of the time derivative."""
+SYMBOLS: Final = {"n": "N", "mpa": "MPa", "hz": "Hz"}  # of units that a field spells otherwise
+_PLAIN = rf"(?:mm|deg|rad|rpm|kg|m|s|{'|'.join(SYMBOLS)})[23]?"
+FIELD_UNIT: Final = re.compile(rf"_(?P<over>{_PLAIN}(?:_{_PLAIN})*?)(?:_per_(?P<under>{_PLAIN}))?$")
+
+
+def split_unit(field: str) -> tuple[str, str]:
+    """A field's name without its unit, and the unit: ``max`` and mm/s³ of ``max_mm_per_s3``."""
+    match = FIELD_UNIT.search(field)
+    if match is None:
+        return field, ""
+    words = " ".join(SYMBOLS.get(word, word) for word in match["over"].split("_"))
+    unit = words if match["under"] is None else f"{words}/{match['under']}"
+    return field[: match.start()], unit.translate(str.maketrans("23", "²³"))
 
 
 def rad_per_s(speed_rpm: float) -> float:

@@ -31,12 +31,10 @@ B = TypeVar("B")
 
 @dataclass(frozen=True)
 class Budget:
-    """When a search gives up.
+    """When a search gives up: after so many levels, the first one counted, or boxes.
 
-    Attributes:
-        levels: most levels, the first one counted.
-        boxes: a level that would bring the boxes beyond this number is not begun.
-        total: whether the boxes of all levels count, or those of one level.
+    A level that would bring the boxes beyond their number is not begun; ``total``: whether the
+    boxes of all levels count, or those of one level.
     """
 
     levels: int
@@ -117,11 +115,9 @@ class Boxes:
         counts: Indices,
         active: Mask | None = None,
     ) -> Boxes:
-        """Spans [first, last], each on one piece, cut into equal parts.
+        """Spans [first, last] (k,), each on one of ``pieces`` (k,), cut into equal parts.
 
-        Args:
-            pieces, first, last: (k,). counts: of every piece, into how many boxes.
-            active: (questions, k); None: boxes for no question.
+        ``counts``: of every piece, into how many; ``active``: (questions, k), None for no question.
         """
         active = np.zeros((0, len(pieces)), dtype=bool) if active is None else active
         parts = np.where(last > first, counts[pieces], 1)

@@ -19,11 +19,9 @@ from synthesis.numerics.piecewise import Array, Piecewise
 
 @dataclass(frozen=True, eq=False)
 class SplineSpace:
-    """Splines of one degree with simple inner knots, clamped at 0 and 1 (de Boor).
+    """Splines of degree p, of class C^(p−1), clamped at 0 and 1 (de Boor).
 
-    Attributes:
-        degree: polynomial degree p; the spline is C^(p−1).
-        breaks: (n+1,) knots without repetition, from 0 to 1.
+    ``breaks``: (n+1,) knots without repetition, from 0 to 1.
     """
 
     degree: int
@@ -91,8 +89,7 @@ class SplineSpace:
     def step_slopes(self) -> tuple[Array, Array]:
         """What a coefficient's step stands for: c_i − c_(i+1) = factor · a coefficient of g'.
 
-        Returns:
-            (size − 1,) where on [0, 1] that coefficient of g' stands, and (size − 1,) factors ≤ 0.
+        First where on [0, 1] that coefficient of g' stands, then factors ≤ 0: (size − 1,) each.
         """
         p, knots, count = self.degree, self.knots, self.size - 1
         x = np.mean([knots[2 + j : 2 + j + count] for j in range(p - 1)], axis=0)

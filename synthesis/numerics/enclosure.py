@@ -35,10 +35,7 @@ CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box t
 class Enclosure:
     """A quantity that is proven to lie in [lower, upper].
 
-    Attributes:
-        value: what was found, the function's value at ``angle`` to within rounding.
-        lower, upper: proven ends; the value lies between them.
-        angle: cam angle where it was found [rad].
+    ``value``: what was found, in between: the function's, to rounding, at a cam angle [rad].
     """
 
     value: float
@@ -57,11 +54,9 @@ class ExtremumQuery:
     """On these pieces, how far does a function exceed ``upper``, or fall below ``lower``?
 
     Attributes:
-        pieces: indices of pieces.
         lower, upper: bounds, −inf and inf where there is none. With both at 0 the question is
             for the largest |f|.
         spans: (k, 2) the part of each piece that counts, None where all of them count whole.
-        function: which of the functions.
         relative, absolute: width at which the enclosure is good enough. With an infinite one only
             the end that the first boxes prove is wanted, of ``upper`` or ``lower`` alone; where f
             is nearest to it is not looked for.
@@ -251,7 +246,6 @@ def enclose(
         models: Taylor models of the functions wanted on boxes (piece, lo, hi).
         breaks: (n+1,) ends of the pieces; every piece is taken with both its ends.
         counts: (n,) how many boxes to begin with on each piece.
-        questions: which extremes.
         values: the functions wanted at points (piece, x) in numbers, which are not relied on.
         enough: of each function, by how much wider than its question says an enclosure may be.
     """

@@ -18,11 +18,7 @@ from synthesis.numerics.piecewise import Array, Indices, Piecewise, sorted_uniqu
 
 
 def maximise(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, float]:
-    """Largest value of Σ_k coefficients[k] f^(k) over the closed pieces, and where.
-
-    Returns:
-        value and x.
-    """
+    """Largest value of Σ_k coefficients[k] f^(k) over the closed pieces, and its x."""
     weights = [(k, c) for k, c in enumerate(coefficients) if c != 0.0]
     if not weights:
         return 0.0, float(curve.breaks[0])
@@ -66,10 +62,9 @@ ZOOMS = 4  # each narrows the place of a peak eightfold; then a parabola is exac
 
 
 def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highest: int) -> float:
-    """Largest value of any formula of f to its derivative ``highest`` over the closed pieces.
+    """Largest value over the closed pieces of a formula of f to its derivative ``highest``.
 
-    Args:
-        formula: from (highest + 1, n) values to (n,).
+    It makes (n,) values of (highest + 1, n).
     """
 
     def at(x: Array, piece: Indices) -> Array:
@@ -86,10 +81,7 @@ def maximise_between(
 
     Every interval is sampled, and the largest value is closed in on between its neighbours; two
     peaks of an interval whose heights differ by less than sampling shows are not told apart.
-
-    Args:
-        function: values at points (n, k), k on each of n intervals, whose indices (n,) are given.
-        low, high: ends of the intervals.
+    ``function``: values at points (n, k), k on each of n intervals, whose indices (n,) are given.
     """
     which, reach = np.arange(len(low)), (high - low) / (SAMPLES - 1)
     x = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, SAMPLES)
@@ -143,11 +135,8 @@ def locate_extrema(
     """The highest point of every question's function on its active boxes.
 
     Of several that are equally high the first: roundings do not choose. To be run under
-    ``np.errstate(all="ignore")``: what has no value is passed over.
-
-    Args:
-        boxes: where. heights: of the functions, over their bounds.
-        bounds: (questions,) sizes of these: heights are no better known than to their roundings.
+    ``np.errstate(all="ignore")``: what has no value is passed over. ``heights`` are over ``bounds``
+    (questions,), and no better known than to roundings of these.
 
     Returns:
         question, piece and point (k,) of each; and sorted points (n,) at which to cut boxes, the
@@ -194,8 +183,7 @@ def locate_extrema(
 def _highest(question: Indices, height: Array, grain: Array, count: int) -> Indices:
     """Which (k,) of the sorted questions are the ``count`` highest of each; of equals the first.
 
-    Args:
-        grain: (questions,) by how much heights have to differ to count as different.
+    ``grain``: (questions,) by how much heights have to differ to count as different.
     """
     top = np.full(len(grain), -np.inf)
     np.maximum.at(top, question, height)

@@ -23,11 +23,9 @@ SEED: Final = 20_240_517  # of these: the same answer at every call
 
 @dataclass(frozen=True, eq=False)
 class PeriodicSpline:
-    """A spline of degree 5 that repeats itself.
+    """A spline of degree 5, with coefficients (n, d), that repeats itself after a period.
 
-    Attributes:
-        knots: (n,) increasing in [0, period); one that is repeated takes a derivative away.
-        period: after which it repeats. coefficients: (n, d).
+    ``knots``: (n,) increasing in [0, period); one that is repeated takes a derivative away.
     """
 
     knots: Array
@@ -85,13 +83,9 @@ def _solve(matrix: Any, right: Array) -> Array:
 def fit_least_squares(
     knots: Array, period: float, x: Array, values: Array
 ) -> tuple[PeriodicSpline, Array]:
-    """Least squares on given knots.
+    """The spline through values (k, d) at x (k,) by least squares, and its residuals (k, d).
 
-    Args:
-        knots: (n,) the first at 0. x: (k,) abscissae. values: (k, d).
-
-    Returns:
-        the spline, and its residuals (k, d).
+    The first of the knots (n,) is at 0.
     """
     matrix = design_matrix(knots, period, x)
     normal = (matrix.T @ matrix).tocsc()
@@ -111,9 +105,7 @@ def fit_smoothing(
     the points that decides, among those that keep every residual within the tolerance. The trace
     in it is estimated from random signs (Hutchinson), always the same ones.
 
-    Args:
-        intervals: number of knot intervals. x: (k,) abscissae. values: (k, d).
-        tolerance: of |residual|, over all d components together.
+    The ``tolerance`` is of |residual|, over all d components of values (k, d) at x (k,) together.
 
     Returns:
         the spline, and its residuals (k, d); larger ones than the tolerance where no multiple

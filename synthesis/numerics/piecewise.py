@@ -32,13 +32,10 @@ def sorted_unique(values: Array) -> Array:
 
 
 def horner(falling: Array, t: Array, highest: int) -> Array:
-    """Polynomials and their derivatives up to this one at t, all in one run of Horner's scheme.
+    """Polynomials and their derivatives up to this one at t (…), in one run of Horner's scheme.
 
-    Args:
-        falling: (d+1, …) coefficients, highest power first. t: (…).
-
-    Returns:
-        (highest + 1, …), to within 3 d + 2 roundings of the terms, that of t included.
+    From coefficients (d+1, …), highest power first, to (highest + 1, …) within 3 d + 2 roundings of
+    the terms, that of t included.
     """
     first, *others = falling
     rows = [first]  # f^(k) / k! of what the scheme has come to

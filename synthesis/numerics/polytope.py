@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
+from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
@@ -59,18 +60,18 @@ class Polytope:
         rng, n = np.random.default_rng(1), self.matrix.shape[1]
         found = []
         for _ in range(count):
-            cost, nothing = rng.standard_normal((n,)), (np.zeros((0, n)), np.zeros(0))
-            corner = minimise_linear(cost, nothing, (self.matrix, self.rhs), [(0.0, 1.0)] * n)
+            cost, equal = rng.standard_normal((n,)), (self.matrix, self.rhs)
+            corner = minimise_linear(cost, (None, None), equal, [(0.0, 1.0)] * n)
             if corner is not None:
                 found.append(self.project(corner))
         return found
 
 
+Rows = tuple[Any, Any]  # a matrix and what its product is compared with, or None twice
+
+
 def minimise_linear(
-    cost: Array,
-    below: tuple[Array, Array],
-    equal: tuple[Array, Array],
-    bounds: Sequence[tuple[float | None, float | None]],
+    cost: Array, below: Rows, equal: Rows, bounds: Sequence[tuple[float | None, float | None]]
 ) -> Array | None:
     """Where cost · x is least with A x ≤ b, C x = d and bounds; None where there is no such x."""
     answer = linprog(cost, *below, *equal, bounds=bounds, method="highs")
@@ -107,13 +108,9 @@ def minimise(
     radius: float,
     rounds: int,
 ) -> BundlePoint:
-    """A point where the function is locally least.
+    """A point where the function, None where it has no value, is locally least.
 
-    Args:
-        function: value at a point of the polytope, None where it has none.
-        polytope: where to look. start: from where.
-        radius: how far the first step may go in each direction.
-        rounds: most steps.
+    ``radius``: how far the first step may go in each direction; ``rounds``: most steps.
     """
     best, tangents = start, list[_Tangent]()
     if not polytope.directions.shape[1]:
@@ -164,10 +161,8 @@ def _step(
     for sign, room in ((1.0, 1.0 - best.u), (-1.0, best.u)):
         table += list(np.hstack([sign * directions, np.zeros((len(room), 1))]))
         rhs += list(np.maximum(room, 0.0))
-    nothing = (np.zeros((0, count + 1)), np.zeros(0))
-    bounds: list[tuple[float | None, float | None]] = [(-radius, radius)] * count
     found = minimise_linear(
-        np.append(np.zeros(count), 1.0), (np.array(table), np.array(rhs)), nothing,
-        [*bounds, (None, None)],
+        np.append(np.zeros(count), 1.0), (np.array(table), np.array(rhs)), (None, None),
+        [*[(-radius, radius)] * count, (None, None)],
     )  # fmt: skip
     return (np.zeros(count), 0.0) if found is None else (found[:count], -float(found[count]))

@@ -16,14 +16,8 @@ def synthesise_set(spec: CamSetSpec, *, deadline: float | None = None) -> CamSet
     """Design every cam of a set.
 
     The cams are independent: a phase only rotates a cam on the shaft. Each cam gets its share of
-    the time that is left.
-
-    Args:
-        spec: the cams and their phases.
-        deadline: ``time.monotonic()`` at which to stop; the spec's own budget counts as well.
-
-    Returns:
-        the set; its status is the worst of its cams'.
+    the time that is left until ``deadline``, a ``time.monotonic()``, or within the spec's own
+    budget. The set's status is the worst of its cams'.
 
     Raises:
         TimeBudgetExceeded: time ran out; carries the set with the best of every cam, if each has

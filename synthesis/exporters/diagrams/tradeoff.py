@@ -6,7 +6,6 @@ found on its better side.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -19,14 +18,13 @@ from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.options import Theme
 from synthesis.numerics.piecewise import Array
+from synthesis.units import split_unit
 
 PANEL, LEFT, RIGHT, HEADER, BELOW, GAP = (104.0, 80.0), 24.0, 8.0, 24.0, 12.0, 6.0  # mm
 FOOTER = 12.0  # mm
 CELL = 0.3  # [mm]: items nearer to each other are drawn as one
 NAMED = 16  # on a front with more, items have no numbers
 PAD = 0.06  # of the range, on either side
-UNIT = re.compile(r"_(mm|deg|rad|s|n|nm|mpa|kg|rpm)((?:_per_(?:s|mm)\d?)?)$")
-RAISED = str.maketrans("23", "²³")
 
 
 @dataclass(frozen=True)
@@ -39,13 +37,9 @@ class Aim:
     @property
     def label(self) -> str:
         """Name, unit and which way is better."""
-        name = self.quantity
-        at = UNIT.search(name)
-        if at is not None:
-            unit = (at[1] + at[2].replace("_per_", "/")).translate(RAISED)
-            name = f"{name[: at.start()]}, {svg.unit(unit)}"
-        better = "larger" if self.maximise else "smaller"
-        return f"{name.replace('_', ' ')} ({better} is better)"
+        name, unit = split_unit(self.quantity)
+        told = ", ".join(filter(None, (name.replace("_", " "), svg.unit(unit))))
+        return f"{told} ({'larger' if self.maximise else 'smaller'} is better)"
 
 
 @dataclass(frozen=True, eq=False)

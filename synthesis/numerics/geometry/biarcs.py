@@ -27,12 +27,10 @@ FLAT = 1e-12  # half the angle of an arc that is a straight line [rad]
 
 @dataclass(frozen=True, eq=False)
 class Arcs:
-    """A closed chain of arcs.
+    """A closed chain of arcs, each from one of the points (n, 2) to the next [mm].
 
-    Attributes:
-        points: (n, 2) where each begins [mm]; it ends where the next one begins.
-        bulges: (n,) tan(φ/4) of the angle φ that each turns by, left positive; 0 where straight.
-        error: largest distance from the true curve [mm].
+    ``bulges``: (n,) tan(φ/4) of the angle φ that each turns by, left positive; 0 where straight.
+    ``error``: largest distance from the true curve [mm].
     """
 
     points: Array
@@ -41,10 +39,7 @@ class Arcs:
 
 
 def fit_biarcs(curve: ClosedCurve, tolerance: float) -> Arcs:
-    """The arcs of a closed curve.
-
-    Args:
-        curve: the true curve. tolerance: largest distance from it [mm].
+    """The arcs of a closed curve; ``tolerance``: largest distance from it [mm].
 
     Raises:
         InputError: the tolerance needs more arcs than anybody could want.

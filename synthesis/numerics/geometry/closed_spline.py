@@ -21,7 +21,7 @@ guess at what pays; how far the spline departs is measured afterwards.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval, legvander
@@ -97,10 +97,7 @@ class ClosedSpline:
 
 
 def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
-    """The B-spline of a closed curve.
-
-    Args:
-        curve: the true curve. tolerance: largest distance from it [mm].
+    """The B-spline of a closed curve; ``tolerance``: largest distance from it [mm].
 
     Raises:
         InputError: the tolerance is below what numbers of 16 digits can tell at this size.
@@ -142,9 +139,8 @@ def _merge(curve: ClosedCurve, tolerance: float) -> ClosedCurve:
     pieces = np.clip(departures / (AIM * tolerance), 1e-9, None) ** (1.0 / (DEGREE + 1))
     spacing = np.full(len(curve.span_sizes), np.inf)
     np.minimum.at(spacing, mesh.span, lengths / pieces)
-    return merge_smooth_spans(
-        curve, np.minimum(spacing, WIDEST * float(np.sum(lengths))), tolerance
-    )
+    spacing = np.minimum(spacing, WIDEST * float(np.sum(lengths)))
+    return merge_smooth_spans(curve, spacing, tolerance)
 
 
 def _through(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> tuple[ClosedSpline, Array]:
@@ -177,13 +173,11 @@ def _lengths(curve: ClosedCurve, mesh: Mesh) -> tuple[Array, Array]:
 def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> Array:
     """Points, tangents and curvature vectors at both ends of n pieces, neighbours agreeing.
 
-    Returns:
-        (3, 2, n, 2): which of the three, beginning or end, piece, and component.
+    In a table (3, 2, n, 2): which of the three, beginning or end, piece, and component.
     """
     course = curve.at(*mesh.points_at(np.array([0.0, 1.0])))
-    bend = np.where(
-        np.abs(course.curvature) * tolerance < 1.0, course.curvature, 0.0
-    )  # of a cusp: nothing
+    smooth = np.abs(course.curvature) * tolerance < 1.0  # a cusp has no curvature
+    bend = np.where(smooth, course.curvature, 0.0)
     tx, ty = course.tangent.T
     bent = bend[:, None] * np.column_stack([-ty, tx])
     ends = np.stack([course.points, course.tangent, bent]).reshape(3, -1, 2, 2).swapaxes(1, 2)
@@ -258,11 +252,9 @@ def _departures(
 
 
 class MergedSpans(ClosedCurve):
-    """A curve with some of its spans made one.
+    """A curve with some of its spans made one: they run on in proportion to their sizes.
 
-    Args:
-        curve: whose spans run on in proportion to their sizes where they are joined.
-        starts: (m,) numbers of the spans that begin one of the new ones, the first among them.
+    ``starts``: (m,) numbers of the spans that begin one of the new ones, the first among them.
     """
 
     def __init__(self, curve: ClosedCurve, starts: Indices) -> None:
@@ -282,17 +274,14 @@ class MergedSpans(ClosedCurve):
         part = self.ends[own + 1] - self.ends[own]
         inside = np.where(fraction == 1.0, 1.0, np.clip((place - self.ends[own]) / part, 0.0, 1.0))
         found = self.curve.at(own, inside)
-        return CurvePoints(
-            found.points, found.tangent, found.curvature, found.speed * (size / part)
-        )
+        return replace(found, speed=found.speed * (size / part))
 
 
 def merge_smooth_spans(curve: ClosedCurve, spacing: Array, tolerance: float) -> ClosedCurve:
     """The curve with the spans joined between which nothing happens that a spline would see.
 
-    Args:
-        curve: the curve. spacing: (m,) of nodes along each span that its smoothness asks for [mm].
-        tolerance: largest departure [mm].
+    ``spacing``: (m,) of nodes along each span that its smoothness asks for; ``tolerance``: largest
+    departure [mm].
     """
     count = len(curve.span_sizes)
     near = np.minimum(spacing, np.roll(spacing, 1))

@@ -15,14 +15,7 @@ from synthesis.numerics.piecewise import Array
 
 
 def to_cam(theta: Array, x: Array, y: Array) -> tuple[Array, Array]:
-    """Turn vectors of the machine frame into the frame of a ccw cam at angle θ [rad].
-
-    Args:
-        theta, x, y: (n,).
-
-    Returns:
-        x and y in the cam frame, (n,) each.
-    """
+    """Turn vectors (n,) of the machine frame into the frame of a ccw cam at angles θ (n,) [rad]."""
     cos, sin = np.cos(theta), np.sin(theta)
     return x * cos + y * sin, y * cos - x * sin
 

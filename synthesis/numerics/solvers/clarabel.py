@@ -86,11 +86,7 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
 
 
 def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
-    """Solve to 1e-10 relative where rounding allows.
-
-    Args:
-        program: the matrices.
-        time_limit: seconds after which the solver gives up.
+    """Solve to 1e-10 relative where rounding allows, for ``time_limit`` seconds at most.
 
     Raises:
         Cancelled: nobody waits for it any more.

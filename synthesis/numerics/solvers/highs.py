@@ -59,11 +59,8 @@ def minimise_each(
 ) -> list[LinearMinimum]:
     """Minimise each objective (n,) in turn over the same rows.
 
-    Ends early, with the answer that says so as the last, where a solve does not succeed.
-
-    Args:
-        rows: what holds. objectives: (n,) each.
-        time_limit: seconds after which no further objective is begun.
+    Ends early, with the answer that says so as the last, where a solve does not succeed. After
+    ``time_limit`` seconds no further objective is begun.
 
     Raises:
         Cancelled: nobody waits for it any more.

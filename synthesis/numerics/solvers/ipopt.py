@@ -107,12 +107,9 @@ def solve(
     time_limit: float = math.inf,
     accuracy: float = 1e-9,
 ) -> SmoothSolution:
-    """Solve from a guess; with multipliers it is a warm start.
+    """Solve from a guess, for ``time_limit`` seconds at most; with multipliers it is a warm start.
 
-    Args:
-        program: the program. guess: where to begin.
-        time_limit: seconds after which the solver gives up.
-        accuracy: scaled optimality error; rows are kept to 1e-9 whatever it is.
+    ``accuracy``: scaled optimality error; rows are kept to 1e-9 whatever it is.
 
     Raises:
         Cancelled: nobody waits for it any more.

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.catalogue.followers.base import Follower, InverseKinematics
 from synthesis.errors import InputError
 from synthesis.numerics.periodic_spline import fit_smoothing
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Indices, Mask
 from synthesis.studies.measured.bodies import MeasuredCam, UnreachedHollow
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -35,12 +34,10 @@ CHUNK: Final = 256  # points compared at a time, to bound memory
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The outline at many places; arrays (n,) or (2, n) in the frame of a ccw cam [mm].
+    """The outline at many places: points (2, n), outward normals and signed curvature (n,).
 
-    Attributes:
-        point: profile points. normal: outward unit normals. bend: signed curvature, convex
-            positive [1/mm].
-        points: number of measured points. rms, largest: of their residuals [mm].
+    In the frame of a ccw cam, convex positive. ``points``: number of measured points; ``rms``,
+    ``largest``: of their residuals [mm].
     """
 
     point: Array
@@ -52,11 +49,9 @@ class Outline:
 
 
 def outline(points: Array, tolerance: float) -> Outline:
-    """The smoothest periodic spline within a tolerance of every point.
+    """The smoothest periodic spline within a tolerance of every point (n, 2) [mm].
 
-    Args:
-        points: (n, 2) in order round the cam, in either direction, in the frame of a ccw cam [mm].
-        tolerance: [mm].
+    They are in order round the cam, in either direction, in the frame of a ccw cam.
 
     Raises:
         InputError: too few points, a gap, a curve that crosses itself or misses the axis, or
@@ -162,11 +157,9 @@ def _cross(a: Array, b: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FollowerPath:
-    """Positions of the follower on the outline, by cam angle.
+    """Positions (n,) of the follower on the outline [mm], by increasing cam angle (n,) [rad].
 
-    Attributes:
-        theta: (n,) increasing over one turn [rad]. position: (n,) as ``Follower.posture`` [mm].
-        hollows: those whose bottom it does not touch, in the order of their angles.
+    ``hollows``: those whose bottom it does not touch, in the order of their angles.
     """
 
     theta: Array
@@ -202,17 +195,15 @@ def follow_outline(outline: Outline, cam: MeasuredCam) -> FollowerPath:
             "Check the follower's dimensions and the sense of rotation.",
         )  # fmt: skip
     below = _covered(theta, position)
-    hollows = [_hollow(run, outline, theta, position, cam) for run in cyclic_runs(below)]
-    hollows = [hollow for hollow in hollows if hollow.gap_mm > cam.tolerance_mm]
+    found = (_hollow(run, outline, theta, position, cam) for run in cyclic_runs(below))
+    hollows = [hollow for hollow in found if hollow.gap_mm > cam.tolerance_mm]
     wrapped, height = np.mod(theta[~below], FULL_TURN), position[~below]
     order = np.argsort(wrapped, kind="stable")
-    hollows.sort(key=lambda hollow: hollow.angle_deg)
-    return FollowerPath(wrapped[order], height[order], hollows)
+    in_order = sorted(hollows, key=lambda hollow: hollow.angle_deg)
+    return FollowerPath(wrapped[order], height[order], in_order)
 
 
-def _unreachable(
-    outline: Outline, follower: Follower, theta: Array, lost: NDArray[np.bool_]
-) -> InputError:
+def _unreachable(outline: Outline, follower: Follower, theta: Array, lost: Mask) -> InputError:
     """The error that names the cam angles at which the follower does not reach the profile."""
     x, y = outline.point[:, int(np.argmax(lost))]
     where = "at no cam angle does it touch the profile"
@@ -230,7 +221,7 @@ def _unreachable(
     )  # fmt: skip
 
 
-def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
+def _covered(theta: Array, position: Array) -> Mask:
     """(n,) which postures are below the upper envelope: another part of the cam prevents them."""
     n = len(theta)
     after, higher = np.append(theta[1:], theta[0] + FULL_TURN), np.roll(position, -1)
@@ -256,7 +247,7 @@ def _covered(theta: Array, position: Array) -> NDArray[np.bool_]:
     return below
 
 
-def cyclic_runs(mask: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+def cyclic_runs(mask: Mask) -> list[Indices]:
     """Indices of each cyclic run of True."""
     if mask.all():
         return [np.arange(len(mask))]
@@ -266,7 +257,7 @@ def cyclic_runs(mask: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
 
 
 def _hollow(
-    run: NDArray[np.intp], outline: Outline, theta: Array, position: Array, cam: MeasuredCam
+    run: Indices, outline: Outline, theta: Array, position: Array, cam: MeasuredCam
 ) -> UnreachedHollow:
     """The hollow between two points of contact, at the indices of a run.
 

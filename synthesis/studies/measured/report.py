@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers.base import InverseKinematics, flat_face
@@ -20,7 +19,7 @@ from synthesis.exporters.samples.columns import column_name
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.periodic_spline import DEGREE as SPLINE_DEGREE
 from synthesis.numerics.periodic_spline import PeriodicSpline, fit_least_squares
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Array, Indices, Piecewise
 from synthesis.studies.measured import bodies
 from synthesis.studies.measured.bodies import MeasuredCam, ProfileAnalysis
 from synthesis.studies.measured.follower_path import (
@@ -153,8 +152,7 @@ def _peaks(cam: MeasuredCam, fitted: FittedMotion, fine: CamProfile) -> Iterator
     for order, name in enumerate(CURVES):
         weights = (*(0.0,) * order, 1.0)
         (most, at), (least, low) = (
-            maximise(curve, weights),
-            maximise(curve, tuple(-w for w in weights)),
+            maximise(curve, [sign * w for w in weights]) for sign in (1.0, -1.0)
         )
         factor = travel.wire_factor(order, omega)
         yield bodies.ReadPeak(
@@ -185,12 +183,10 @@ def _table(cam: MeasuredCam, at: CamProfile) -> dict[str, list[float]]:
 
 @dataclass(frozen=True, eq=False)
 class FittedMotion:
-    """The motion of the follower.
+    """The motion of the follower, 0 at its lowest, and the spline that it is [mm over rad].
 
-    Attributes:
-        motion: s(θ), 0 at its lowest. spline: the fitted spline [mm over rad].
-        lowest: position there [mm]. off: largest distance of the spline from the positions [mm].
-        smooth: whether the velocity is continuous, as no hollow is spanned.
+    ``lowest``: position there; ``off``: largest distance of the spline from the positions [mm];
+    ``smooth``: whether the velocity is continuous, as no hollow is spanned.
     """
 
     motion: Motion
@@ -248,15 +244,13 @@ def derivative_uncertainty(curve: Piecewise, error: float) -> tuple[float, ...]:
 def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, float]]:
     """Longest arcs of at least 4° along which s varies by at most twice a tolerance.
 
-    Returns:
-        start [rad], length [rad], mean of s [mm] of each, in the order of the cam angle.
+    Start [rad], length [rad] and mean of s [mm] of each, in the order of the cam angle.
     """
     count, step = DWELL_ANGLES, FULL_TURN / DWELL_ANGLES
     s = motion.derivatives(step * np.arange(count), 0)[0]
-    twice = np.concatenate([s, s])
     if float(np.ptp(s)) <= 2.0 * tolerance:
         return [(0.0, FULL_TURN, float(np.mean(s)))]
-    reach = _longest_runs(twice, 2.0 * tolerance)[:count]
+    reach = _longest_runs(np.tile(s, 2), 2.0 * tolerance)[:count]
     dwells: list[tuple[float, float, float]] = []
     used = np.zeros(count, dtype=bool)
     for i in np.argsort(-reach, kind="stable"):
@@ -269,7 +263,7 @@ def find_dwells(motion: Motion, tolerance: float) -> list[tuple[float, float, fl
     return sorted(dwells)
 
 
-def _longest_runs(s: Array, width: float) -> NDArray[np.intp]:
+def _longest_runs(s: Array, width: float) -> Indices:
     """(n,) number of following samples that stay within a width, by doubling."""
     # Extremes of 2^k samples from each one on.
     lows, highs = [s], [s]

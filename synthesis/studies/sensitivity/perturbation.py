@@ -36,10 +36,9 @@ LOCAL_OPTIMUM = "multipliers of IPOPT's local optimum"
 
 @dataclass(frozen=True, eq=False)
 class FixedKnots:
-    """Splines on the knots of a design, by the index of their segment.
+    """Laws of a design on its knots by the index of their segment, those that smooth a table too.
 
-    Attributes:
-        laws: of the design, those that smooth a table too. size: its size variables [mm].
+    ``size``: its size variables [mm].
     """
 
     laws: dict[int, SplineLaw]
@@ -69,8 +68,7 @@ class FixedKnots:
     def program(self, problem: Problem, level: float = 0.0) -> tuple[ConicModel, int]:
         """The conic program on these knots, and how many of its last limits are the objective.
 
-        Args:
-            problem: the problem. level: trial level of a fractional objective [core units].
+        ``level``: trial level of a fractional objective [core units].
         """
         grids = [
             grid_through(segment, self.laws[segment.index].space.breaks) for segment in problem.free
@@ -144,24 +142,47 @@ class PerturbedDesign:
         """The optimal value of a near spec by solving; None where nothing fits."""
         problem = self.knots.formulate(spec)
         if self.fall is not None:
-            guess = (self.core_value, self.fall)
-            value = _find_level(self.knots, problem, self.optimum, guess, deadline)
+            value = self._level_without_excess(problem, self.fall, deadline)
         else:
             model = self._program(problem)
             optimum = self.optimum.solve_near(model, deadline)
             value = None if optimum is None else in_core_units(model, optimum.value)
         return None if value is None else problem.objective.to_wire(value, problem.machine)
 
+    def _level_without_excess(self, problem: Problem, fall: float, deadline: float) -> float | None:
+        """The optimal value of a fractional objective, by steps with a fixed fall."""
+        level = self.core_value
+        for _ in range(SECANTS):
+            optimum = self.optimum.solve_near(self.knots.program(problem, level)[0], deadline)
+            if optimum is None:
+                return None
+            step = optimum.value / fall
+            level += step
+            if abs(step) <= LEVEL_ACCURACY * level:
+                break
+        return level
+
+    def at_optimal_level(self, deadline: float) -> PerturbedDesign | None:
+        """A fractional objective's optimum at the level without excess, from that at another."""
+        knots, problem, first, level = self.knots, self.problem, self.optimum, self.core_value
+        # The excess at the design's own level and a little above gives its fall.
+        above = first.solve_near(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
+        if above is None or above.value >= first.value:
+            return None
+        fall = (first.value - above.value) / (LEVEL_STEP * level)
+        best = self._level_without_excess(problem, fall, deadline)
+        if best is None:
+            return None
+        optimum = first.solve_near(knots.program(problem, best)[0], deadline)
+        if optimum is None:
+            return None
+        return replace(self, optimum=optimum, core_value=best, fall=fall)
+
 
 def perturbed_designs(
     knots: FixedKnots, spec: DesignSpec, deadline: float = inf
 ) -> Iterator[PerturbedDesign]:
-    """The design as an optimum: of the cone program where it is one, then of the nonlinear one.
-
-    Args:
-        knots: the design's laws and size. spec: its question.
-        deadline: ``time.monotonic()`` at which to stop.
-    """
+    """The design as an optimum: of the cone program where it is one, then of the nonlinear one."""
     problem, level = knots.formulate(spec), 0.0
     fractional = problem.objective.quasiconvex
     if fractional:  # the trial level is the design's own value at first
@@ -177,45 +198,8 @@ def perturbed_designs(
             optimum = ConvexOptimum.solve(model, deadline)
         if optimum is None:
             continue
-        design: PerturbedDesign | None
-        value = in_core_units(model, optimum.value)
+        value = level if fractional else in_core_units(model, optimum.value)
         design = PerturbedDesign(method, knots, problem, optimum, value)
-        if fractional:
-            design = _at_optimal_level(replace(design, core_value=level), deadline)
-        if design is not None:
-            yield design
-
-
-def _at_optimal_level(design: PerturbedDesign, deadline: float) -> PerturbedDesign | None:
-    """A fractional objective's optimum at the level without excess, from that at another level."""
-    knots, problem, first, level = design.knots, design.problem, design.optimum, design.core_value
-    # The excess at the design's own level and a little above gives its fall.
-    above = first.solve_near(knots.program(problem, level * (1.0 + LEVEL_STEP))[0], deadline)
-    if above is None or above.value >= first.value:
-        return None
-    fall = (first.value - above.value) / (LEVEL_STEP * level)
-    best = _find_level(knots, problem, first, (level, fall), deadline)
-    optimum = None if best is None else first.solve_near(knots.program(problem, best)[0], deadline)
-    if best is None or optimum is None:
-        return None
-    return replace(design, optimum=optimum, core_value=best, fall=fall)
-
-
-def _find_level(
-    knots: FixedKnots,
-    problem: Problem,
-    near: PerturbedOptimum,
-    guess: tuple[float, float],
-    deadline: float,
-) -> float | None:
-    """The level without excess, by steps with a fixed fall from a guess (level, fall)."""
-    level, fall = guess
-    for _ in range(SECANTS):
-        optimum = near.solve_near(knots.program(problem, level)[0], deadline)
-        if optimum is None:
-            return None
-        step = optimum.value / fall
-        level += step
-        if abs(step) <= LEVEL_ACCURACY * level:
-            break
-    return level
+        at_best = design.at_optimal_level(deadline) if fractional else design
+        if at_best is not None:
+            yield at_best

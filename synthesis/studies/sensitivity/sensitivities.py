@@ -9,7 +9,6 @@ nothing is reported.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
@@ -29,6 +28,7 @@ from synthesis.studies.sensitivity.perturbation import (
     PerturbedDesign,
     perturbed_designs,
 )
+from synthesis.units import split_unit
 
 SAME_CAM = 2e-3  # relative, beside the tolerance: a local optimum this near is the design itself
 LEVEL = 0.02  # of the value, for a change of a chosen number by all of itself: less is stationary
@@ -41,7 +41,6 @@ NEGLIGIBLE = 1e-5  # of the value, for a change of the number by all of itself: 
 SMALL = 0.1  # of the stroke: size of a number near 0
 DEMANDS = ("windows", "points")  # of a segment
 PLACES = ("from_deg", "to_deg", "angle_deg")  # of these: knots of a law, which are fixed
-UNIT = re.compile(r"(?P<name>.+)_(?P<unit>mm|deg|hz)(?P<per>_per_s(?P<power>[23])?)?")
 
 Path = tuple[str | int, ...]
 T = TypeVar("T")
@@ -49,12 +48,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Number:
-    """One number on which a design depends.
+    """One number on which a design depends, by its JSON pointer.
 
-    Attributes:
-        pointer: its JSON pointer. value: its value. size: the magnitude that steps are relative to.
-        at: the spec with another value; None where that is no valid spec.
-        range: least and largest value, of a number that was chosen.
+    ``size``: the magnitude that steps are relative to; ``at``: the spec with another value, None
+    where that is no valid spec; ``range``: least and largest value, of a number that was chosen.
     """
 
     pointer: str
@@ -66,11 +63,9 @@ class Number:
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Change of the objective per unit of a number.
+    """Change of the objective per unit of a number: its right and its left derivative.
 
-    Attributes:
-        more: right derivative. less: left derivative; both are equal where the objective is smooth.
-            None: on that side there is no cam.
+    They are equal where the objective is smooth; None: on that side there is no cam.
     """
 
     more: float | None
@@ -94,13 +89,12 @@ def differentiate(design: PerturbedDesign, number: Number, deadline: float) -> D
         specs = (number.at(number.value + move) for move in (step, -step))
         return [None if spec is None else function(spec) for spec in specs]
 
-    def negligible(derivative: float) -> bool:
-        return abs(derivative) * max(abs(number.value), 1.0) <= NEGLIGIBLE * abs(design.value)
+    def negligible(side: float | None) -> bool:
+        size = 0.0 if side is None else abs(side) * max(abs(number.value), 1.0)
+        return side is not None and size <= NEGLIGIBLE * abs(design.value)
 
     def without_rounding(*sides: float | None) -> Derivatives:
-        return Derivatives(
-            *(0.0 if side is not None and negligible(side) else side for side in sides)
-        )
+        return Derivatives(*(0.0 if negligible(side) else side for side in sides))
 
     # Multipliers: first-order estimates a little to both sides, or to the one side that exists.
     step = TANGENT_STEP * number.size
@@ -200,9 +194,7 @@ def _numeric_leaves(at: Any, path: Path) -> Iterator[tuple[Path, float]]:
 def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
     """How the first objective changes with every limit and range of a finished design's spec.
 
-    Args:
-        design: the design.
-        deadline: ``time.monotonic()`` at which to stop with what is known by then.
+    ``deadline``: ``time.monotonic()`` at which to stop with what is known by then.
 
     Returns:
         derivatives on which multipliers and solving again agree; numbers where they do not are
@@ -293,9 +285,9 @@ def describe(number: Number, derivatives: Derivatives, objective: str) -> str:
     if more == less == 0.0:
         return f"{number.pointer} has no influence"
     # One unit, or one per cent of a large number.
-    parts = reversed(number.pointer.split("/"))
-    step = f"1 {next((unit for part in parts if (unit := _split_unit(part)[1])), '')}"
-    step = "1 %" if abs(number.value) >= LARGE else step
+    units = (split_unit(part)[1] for part in reversed(number.pointer.split("/")))
+    unit = "%" if abs(number.value) >= LARGE else next(filter(None, units), "")
+    step = f"1 {unit}".rstrip()
     if more is not None and more == less:
         return f"{step} more in {number.pointer} makes {_change(number, more, objective)}"
     sides = []
@@ -310,17 +302,7 @@ def describe(number: Number, derivatives: Derivatives, objective: str) -> str:
 
 
 def _change(number: Number, slope: float, objective: str) -> str:
-    name, unit = _split_unit(objective)
+    name, unit = split_unit(objective)
     change = slope if abs(number.value) < LARGE else 0.01 * slope * abs(number.value)
     way = "larger" if change > 0.0 else "smaller"
-    return f"{name} {abs(change):.4g} {unit} {way}"
-
-
-def _split_unit(field: str) -> tuple[str, str]:
-    """A field's name without its unit, and the unit: max and mm/s³ of max_mm_per_s3."""
-    match = UNIT.fullmatch(field)
-    if match is None:
-        return field, ""
-    power = {"2": "²", "3": "³"}.get(match["power"] or "", "")
-    unit = match["unit"].replace("hz", "Hz")
-    return match["name"], unit + (f"/s{power}" if match["per"] else "")
+    return " ".join(filter(None, (name, f"{abs(change):.4g}", unit, way)))

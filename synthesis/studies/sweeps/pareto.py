@@ -17,9 +17,8 @@ def non_dominated(costs: NDArray[np.float64]) -> NDArray[np.intp]:
     Returns:
         (m,) indices of the front, in ascending order of the first column, then the next ones.
     """
-    distinct, kind = np.unique(
-        costs, axis=0, return_inverse=True
-    )  # sorted by the first column, then the next
+    # sorted by the first column, then the next
+    distinct, kind = np.unique(costs, axis=0, return_inverse=True)
     on_front = np.zeros(len(distinct), dtype=bool)
     front = np.empty_like(distinct[:, 1:])  # first column omitted: later rows are not smaller there
     size = 0

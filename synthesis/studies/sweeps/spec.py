@@ -54,9 +54,9 @@ class SweepAxis(FiniteModel, ABC):
     @property
     def fields(self) -> list[tuple[str, str]]:
         """Every field of the base that the axis changes, with the name of its pointer."""
-        fields = [("pointer", self.pointer)]
-        fields += [("linked_pointers", each) for each in self.linked_pointers]
-        return fields + [("balance_pointer", each) for each in (self.balance_pointer,) if each]
+        linked = [("linked_pointers", each) for each in self.linked_pointers]
+        balance = [("balance_pointer", each) for each in (self.balance_pointer,) if each]
+        return [("pointer", self.pointer), *linked, *balance]
 
     @property
     @abstractmethod
@@ -187,12 +187,12 @@ class GridPlan(Plan):
 
     def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
         counts = _counts(axes)
-
-        def values_of(number: int) -> list[JsonValue]:
-            places = zip(axes, np.unravel_index(number, counts), counts, strict=True)
-            return [axis.at(int(index), count) for axis, index, count in places]
-
-        return values_of
+        return lambda number: [
+            axis.at(int(index), count)
+            for axis, index, count in zip(
+                axes, np.unravel_index(number, counts), counts, strict=True
+            )
+        ]
 
 
 class RowsPlan(Plan):
@@ -201,16 +201,16 @@ class RowsPlan(Plan):
     kind: Literal["rows"]
 
     def size(self, axes: Sequence[SweepAxis]) -> int:
-        counts = _counts(axes)
-        for position, count in enumerate(counts):
-            if count != counts[0]:
+        first, *others = _counts(axes)
+        for position, count in enumerate(others, 1):
+            if count != first:
                 raise PydanticCustomError(
                     "axes_of_unequal_length",
                     "axes/{position} has {count} values, but axes/0 has {first}; in the plan rows "
                     "all axes have the same number. Give as many, or choose the plan grid.",
-                    {"position": position, "count": count, "first": counts[0]},
+                    {"position": position, "count": count, "first": first},
                 )
-        return counts[0]
+        return first
 
     def item_values(self, axes: Sequence[SweepAxis]) -> ItemValues:
         size = self.size(axes)
@@ -242,17 +242,14 @@ AnyPlan = Annotated[GridPlan | RowsPlan | LatinHypercubePlan, Field(discriminato
 
 
 def _counts(axes: Sequence[SweepAxis]) -> list[int]:
-    counts = []
-    for position, axis in enumerate(axes):
-        if axis.size is None:
-            raise PydanticCustomError(
-                "axis_without_count",
-                "axes/{position} has no count; only a Latin hypercube does without one. Give a "
-                "count.",
-                {"position": position},
-            )
-        counts.append(axis.size)
-    return counts
+    counts = [axis.size for axis in axes]
+    if None in counts:
+        raise PydanticCustomError(
+            "axis_without_count",
+            "axes/{position} has no count; only a Latin hypercube does without one. Give a count.",
+            {"position": counts.index(None)},
+        )
+    return [count for count in counts if count is not None]
 
 
 class SweepSpec(FiniteModel):

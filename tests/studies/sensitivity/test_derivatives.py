@@ -10,7 +10,12 @@ from typing import Any
 
 import pytest
 
-from synthesis.studies.sensitivity.sensitivities import Derivatives, Number, differentiate
+from synthesis.studies.sensitivity.sensitivities import (
+    Derivatives,
+    Number,
+    describe,
+    differentiate,
+)
 
 AT = 3.7
 
@@ -74,3 +79,19 @@ def test_curvature_is_no_corner() -> None:
         Known(lambda p: 50.0 + (p - AT) + 0.5 * bend * (p - AT) ** 2, 1.0), NUMBER, inf
     )
     assert found == Derivatives(pytest.approx(1.0), pytest.approx(1.0))
+
+
+@pytest.mark.parametrize(("pointer", "objective", "sentence"), [
+    ("/limits/0/max_n", "peak_drive_force_n",
+     "1 N more in /limits/0/max_n makes peak_drive_force 2.5 N larger"),
+    ("/load/moving_mass_kg", "base_radius_mm",
+     "1 kg more in /load/moving_mass_kg makes base_radius 2.5 mm larger"),
+    ("/load/speeds/max_rpm", "peak_drive_moment_n_m",
+     "1 rpm more in /load/speeds/max_rpm makes peak_drive_moment 2.5 N m larger"),
+    ("/limits/0/max_mm_per_s3", "peak_jerk_mm_per_s3",
+     "1 mm/s³ more in /limits/0/max_mm_per_s3 makes peak_jerk 2.5 mm/s³ larger"),
+    ("/limits/0/damping", "ratio", "1 more in /limits/0/damping makes ratio 2.5 larger"),
+])  # fmt: skip
+def test_units_stand_once_in_a_sentence(pointer: str, objective: str, sentence: str) -> None:
+    number = Number(pointer, AT, AT, lambda _: None)
+    assert describe(number, Derivatives(2.5, 2.5), objective) == sentence
