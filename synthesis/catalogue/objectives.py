@@ -273,7 +273,7 @@ class PeakPressureAngle(Objective):
                 each = [np.where(n > 0.0, np.abs(g) / n, np.inf) for g, n in parts]
             return np.asarray(np.max(each, axis=0))
 
-        return maximise_formula(segment.placed(), slope, 2)
+        return maximise_formula(segment.placed(), slope, 2)[0]
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return atan(value) / DEGREE

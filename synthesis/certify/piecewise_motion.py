@@ -44,7 +44,6 @@ class Jump:
     """
 
     order: int
-    junction: int
     angle: float
     size: float
     allowed: float
@@ -202,7 +201,7 @@ class PiecewiseMotion:
         sizes, allowed, shares = self._jumps
         i = int(junctions[np.argmax(shares[order][junctions])])
         angle = float(self.curve.breaks[i + 1])
-        return Jump(order, i, angle, float(sizes[order, i]), float(allowed[order, i]))
+        return Jump(order, angle, float(sizes[order, i]), float(allowed[order, i]))
 
     def one_sided_values(self, junction: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """s to s''' on the left and on the right of a junction."""

@@ -65,12 +65,11 @@ def _step_responses(
     """
     nu, zeta, h = run.frequency, run.damping, steps.hi - steps.lo
     # Taylor coefficients of s times h^k, without s at the start of the step
-    derivatives = motion.curve.jet(steps.lo, steps.piece, ORDER + 1)
-    s = np.zeros_like(derivatives)
-    factor = np.ones_like(h)
+    s, factor = motion.curve.jet(steps.lo, steps.piece, ORDER + 1), np.ones_like(h)
+    s[0] = 0.0
     for k in range(1, ORDER + 2):
         factor = factor * h / k
-        s[k] = derivatives[k] * factor
+        s[k] *= factor
     # those of z by the recurrence: coefficient k + 2 of z'' from the coefficients k of the rest
     z = np.zeros((ORDER + 1, len(h)))
     for k in range(ORDER - 1):
@@ -103,7 +102,5 @@ def _free_response(run: VibrationBound, length: float) -> Array:
     damped = nu * sqrt(1.0 - zeta**2)
     decay, sine = exp(-zeta * nu * length), np.sin(damped * length)
     cosine, share = np.cos(damped * length), zeta * nu / damped * sine
-    return np.asarray(
-        decay * np.array([[cosine + share, sine / damped],
-                          [-(nu**2) / damped * sine, cosine - share]])
-    )  # fmt: skip
+    free = [[cosine + share, sine / damped], [-(nu**2) / damped * sine, cosine - share]]
+    return np.asarray(decay * np.array(free))

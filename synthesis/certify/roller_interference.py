@@ -81,11 +81,9 @@ TraceFunction = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> p and its d
 
 @dataclass(frozen=True, eq=False)
 class ThickChords:
-    """A plane curve on intervals, each within ``thickness`` of the straight chord middle ± half.
+    """A plane curve on n intervals, each within ``thickness`` of the chord middle ± half [mm].
 
-    Attributes:
-        middle, half: (2, n) midpoint and half vector [mm]. thickness: (n,) [mm].
-        point: (2, n) the curve's point at the interval's centre, to within ``error`` (n,) [mm].
+    ``point``: (2, n) the curve's own at the interval's centre, to within ``error`` (n,) [mm].
     """
 
     middle: Array
@@ -189,7 +187,7 @@ class OffsetProfile:
 
 @dataclass(frozen=True)
 class NearestPair:
-    """How near the roller comes to far parts of the profile.
+    """How near the roller comes to far parts of the profile, in so many pairs of intervals.
 
     Attributes:
         distance: smallest distance found from a roller centre to the profile among the pairs that
@@ -197,7 +195,6 @@ class NearestPair:
         lower_bound: proven lower bound of that distance over all far pairs [mm]; at least
             (1 − 1e-9) R if there is no interference.
         profile_angle, roller_angle: cam angles θ and φ of the pair found [rad].
-        pairs: number of pairs of intervals examined.
     """
 
     distance: float
@@ -240,9 +237,8 @@ def _divided_by_turning(profile: OffsetProfile) -> tuple[Boxes, ProfileModels]:
         models = profile.models(intervals)
         low, high = models.tangent_angle
         wide = ~(high - low <= LARGEST_TURNING)
-        if not wide.any() or np.min((intervals.hi - intervals.lo)[wide]) < NARROWEST:
-            return intervals, models
-        if len(intervals) >= MAX_INTERVALS:
+        narrow = not wide.any() or np.min((intervals.hi - intervals.lo)[wide]) < NARROWEST
+        if narrow or len(intervals) >= MAX_INTERVALS:
             return intervals, models
         finer = intervals.take(np.flatnonzero(wide)).split(PARTS)
         both = intervals.take(np.flatnonzero(~wide)).append(finer)
@@ -252,9 +248,8 @@ def _divided_by_turning(profile: OffsetProfile) -> tuple[Boxes, ProfileModels]:
 def near_groups(first: Indices, low: Array, high: Array) -> Mask:
     """Pairs of groups along one of the arcs between which the tangent turns less than π.
 
-    Args:
-        first: (n,) first interval of every group of consecutive intervals.
-        low, high: ends of the tangent's angle on every interval [rad].
+    ``first``: (n,) first interval of every group of consecutive intervals; ``low``, ``high``: ends
+    of the tangent's angle on every interval [rad].
     """
     # neighbours share a point: their angles there differ by a corner, less than half a turn
     (bottom, top), turn = _continued(first, low, high)
@@ -333,9 +328,8 @@ class _Search(BoxSearch[_Pairs]):
         a, b = profile.half[:, i], traced.half[:, j]
         along = (np.abs(a[0] * dx + a[1] * dy) + np.abs(b[0] * dx + b[1] * dy)) / apart
         size = _length(*profile.middle)[i] + _length(*traced.middle)[j]
-        lower: Array = (
-            apart - along - profile.thickness[i] - traced.thickness[j] - DISTANCE_ROUNDING * size
-        )
+        thickness = profile.thickness[i] + traced.thickness[j]
+        lower: Array = apart - along - thickness - DISTANCE_ROUNDING * size
         # upper bound of the distance of the centres
         found = _length(*(profile.point[:, i] - traced.point[:, j]))
         found = found + profile.error[i] + traced.error[j]

@@ -27,11 +27,7 @@ FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 
 
 class Affine(UfuncDispatch):
-    """A model on each of n boxes; see the module's text.
-
-    Attributes:
-        c: (n,) centres. g: (d, n) slopes over half the box. rem: (n,) bound of the remainder.
-    """
+    """A model on each of n boxes: centres c (n,), slopes g over half the box (d, n), remainders."""
 
     __slots__ = ("c", "g", "rem")
     rules: ClassVar[UfuncRules] = {
@@ -94,9 +90,6 @@ class Affine(UfuncDispatch):
 
     def __truediv__(self, other: Affine | float) -> Affine:
         return self * (other.reciprocal() if isinstance(other, Affine) else 1.0 / other)
-
-    __radd__ = __add__
-    __rmul__ = __mul__
 
     def __rsub__(self, other: float) -> Affine:
         return -self + other

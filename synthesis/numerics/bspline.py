@@ -57,14 +57,13 @@ class SplineSpace:
 
     def end_derivatives(self, x: float, count: int) -> Array:
         """Derivatives 0 to count − 1 of every basis function at an end of [0, 1]: (count, size)."""
-        return self._ends[0.0 if x <= 0.0 else 1.0][:count]
+        return self._ends[0 if x <= 0.0 else 1, :count]
 
     @cached_property
-    def _ends(self) -> dict[float, Array]:
+    def _ends(self) -> Array:
         """Derivatives at both ends of [0, 1], as many as there are and some zeros more."""
-        both = np.array([0.0, 1.0])
-        table = np.stack([self.basis(both, order) for order in range(max(self.degree, 5) + 1)])
-        return {0.0: _kept(table[:, 0]), 1.0: _kept(table[:, 1])}
+        both, orders = np.array([0.0, 1.0]), range(max(self.degree, 5) + 1)
+        return _kept(np.stack([self.basis(both, order) for order in orders], axis=1))
 
     @cached_property
     def control_matrices(self) -> tuple[Array, ...]:

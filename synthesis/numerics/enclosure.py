@@ -210,17 +210,15 @@ class _ExtremumSearch(BoxSearch[Boxes]):
 
     def answers(self) -> list[Extremum]:
         """What is known of each question."""
-        known = (self.best, self.proven, self.value, self.angle, self.boxes)
-        return [
-            self._answer(q, *each)
-            for q, each in enumerate(zip(*(x.tolist() for x in known), strict=True))
-        ]
+        known = (self.best, self.proven, self.value, self.angle, self.boxes, self.lower, self.upper)
+        each = enumerate(zip(*(x.tolist() for x in known), strict=True))
+        return [self._answer(q, *values) for q, values in each]
 
     def _answer(
-        self, q: int, best: float, proven: float, value: float, angle: float, boxes: int
-    ) -> Extremum:
-        side, lower, upper = 1 if self.above[q] else -1, float(self.lower[q]), float(self.upper[q])
-        proven = math.inf if proven > 0.1 * UNBOUNDED else proven
+        self, q: int, best: float, proven: float, value: float, angle: float, boxes: int,
+        lower: float, upper: float,
+    ) -> Extremum:  # fmt: skip
+        side, proven = 1 if self.above[q] else -1, math.inf if proven > 0.1 * UNBOUNDED else proven
         if best < -0.1 * UNBOUNDED:
             low, high = -math.inf, math.inf
             if self.absolute[q] == math.inf:  # what is proven counts by itself

@@ -8,7 +8,7 @@ costs the proof time and nothing else.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -27,11 +27,7 @@ def maximise(curve: Piecewise, coefficients: Sequence[float]) -> tuple[float, fl
         if curve.poly.shape[1] <= 4:
             return _of_cubics(curve)
 
-    def combined(x: Array, piece: Indices) -> Array:
-        f = curve.jet(x.ravel(), np.repeat(piece, x.shape[1]), weights[-1][0])
-        return np.asarray(sum(c * f[k] for k, c in weights)).reshape(x.shape)
-
-    return maximise_between(combined, curve.breaks[:-1], curve.breaks[1:])
+    return maximise_formula(curve, lambda f: sum(c * f[k] for k, c in weights), weights[-1][0])
 
 
 def _of_cubics(curve: Piecewise) -> tuple[float, float]:
@@ -61,8 +57,10 @@ FAN = np.linspace(-1.0, 1.0, 17)  # places about the highest sample, in steps be
 ZOOMS = 4  # each narrows the place of a peak eightfold; then a parabola is exact to rounding
 
 
-def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highest: int) -> float:
-    """Largest value over the closed pieces of a formula of f to its derivative ``highest``.
+def maximise_formula(
+    curve: Piecewise, formula: Callable[[Array], Any], highest: int
+) -> tuple[float, float]:
+    """Largest value over the closed pieces of a formula of f to its derivative ``highest``, and x.
 
     It makes (n,) values of (highest + 1, n).
     """
@@ -71,7 +69,7 @@ def maximise_formula(curve: Piecewise, formula: Callable[[Array], Array], highes
         f = curve.jet(x.ravel(), np.repeat(piece, x.shape[1]), highest)
         return np.asarray(formula(f)).reshape(x.shape)
 
-    return maximise_between(at, curve.breaks[:-1], curve.breaks[1:])[0]
+    return maximise_between(at, curve.breaks[:-1], curve.breaks[1:])
 
 
 def maximise_between(

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import zip_longest
 from math import factorial
 from typing import Literal
 
@@ -87,16 +88,11 @@ class Piecewise:
     ) -> Piecewise:
         """Build from ragged rows: ``poly[i]`` and ``waves[i]`` of any length per piece."""
         ends = np.asarray(breaks, dtype=float)
-        n = len(ends) - 1
         rows = [np.atleast_1d(np.asarray(row, dtype=float)) for row in poly]
-        table = np.zeros((n, max(len(row) for row in rows)))
-        for i, row in enumerate(rows):
-            table[i, : len(row)] = row
-        wave_rows = waves if waves is not None else [[] for _ in range(n)]
-        wave_table = np.zeros((n, max(len(row) for row in wave_rows), 3))
-        for i, wave_row in enumerate(wave_rows):
-            for m, wave in enumerate(wave_row):
-                wave_table[i, m] = wave
+        table = np.array(list(zip_longest(*rows, fillvalue=0.0)), dtype=float).T.copy()
+        wave_table = np.zeros((len(rows), max(map(len, waves or ()), default=0), 3))
+        for i, wave_row in enumerate(waves or ()):
+            wave_table[i, : len(wave_row)] = wave_row or 0.0
         start = ends[:-1].copy() if origins is None else np.asarray(origins, dtype=float)
         return cls(ends, start, table, wave_table)
 

@@ -52,12 +52,17 @@ ARITHMETIC: UfuncRules = MappingProxyType(
 class UfuncDispatch:
     """NumPy's functions on models of functions: np.sqrt(f) and np.float64(2) * f are models again.
 
-    Attributes:
-        rules: NumPy's names for what models do.
+    ``rules`` have NumPy's names for what models do.
     """
 
     __slots__ = ()
     rules: ClassVar[UfuncRules] = ARITHMETIC
+
+    def __radd__(self, other: Any) -> Any:
+        return self + other
+
+    def __rmul__(self, other: Any) -> Any:
+        return self * other
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
         rule = self.rules.get(ufunc)
@@ -69,9 +74,7 @@ class UfuncDispatch:
 class Taylor(UfuncDispatch):
     """A quadratic Taylor model on each of n boxes; see the module's text.
 
-    Attributes:
-        c0, c1, c2: (n,) coefficients. rem: (n,) bound of the remainder.
-        mag: (n,) bound of |f| and of |c0| + |c1| + |c2|.
+    ``rem``: (n,) bound of the remainder; ``mag``: (n,) bound of |f| and of |c0| + |c1| + |c2|.
     """
 
     __slots__ = ("c0", "c1", "c2", "mag", "rem")
@@ -159,14 +162,8 @@ class Taylor(UfuncDispatch):
         rem = residual / _positive(np.abs(b0) - np.abs(b1) - np.abs(b2) - blur)
         return Taylor(c0, c1, c2, rem, size + rem)
 
-    def __radd__(self, other: Array | float) -> Taylor:
-        return self + other
-
     def __rsub__(self, other: Array | float) -> Taylor:
         return -self + other
-
-    def __rmul__(self, other: Array | float) -> Any:
-        return self * other
 
     def __rtruediv__(self, other: Array | float) -> Taylor:
         quotient: Taylor = self.constant(other) / self
@@ -307,11 +304,7 @@ class Jets:
     def derivatives(self, piece: Indices, x: Array) -> tuple[Array, Array]:
         """Values of f^(k)(x) by each piece's own formula, and bounds of their roundings.
 
-        Args:
-            piece: (n,) pieces. x: (n,) points.
-
-        Returns:
-            two arrays (k, n) of all rows that do not vanish, of f to f^(5) at the least.
+        Two arrays (k, n) of all rows that do not vanish, of f to f^(5) at the least.
         """
         t = x - self.curve.origins[piece]
         count = max(self.rows, HIGHEST + 3)
@@ -329,11 +322,7 @@ class Jets:
         return exact, error
 
     def models(self, piece: Indices, lo: Array, hi: Array, highest: int) -> tuple[Taylor, ...]:
-        """f, f', …, f^(highest) on the boxes [lo, hi], each inside its (closed) piece.
-
-        Args:
-            piece: (n,) pieces. lo, hi: (n,) ends of the boxes. highest: at most 3.
-        """
+        """f, f', …, f^(highest), at most f^(3), on boxes [lo, hi], each in its closed piece."""
         centre = 0.5 * (lo + hi)
         # so much wider that the roundings of the centre, and of its distance to the origin, fit in
         r = 0.5 * (hi - lo) + 8.0 * UNIT * (np.abs(centre) + np.abs(self.curve.origins[piece]))

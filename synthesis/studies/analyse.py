@@ -96,12 +96,12 @@ def find_remedy(spec: DesignSpec, cam: Cam, stop: float) -> Remedy:
     sizes = [_smallest_size(spec, cam, offset, stop) for offset in offsets]
     smallest = _smallest_cam(spec, stop)
     conflict = None if smallest is None else smallest.conflict
+    if conflict is None:
+        return Remedy(sizes=sizes, limits=[], relaxations=[], evidence="no conflict was found")
     return Remedy(
-        sizes=sizes,
-        limits=conflict.limits if conflict else [],
-        relaxations=conflict.relaxations if conflict else [],
-        evidence=conflict.evidence if conflict else "no conflict was found",
-    )
+        sizes=sizes, limits=conflict.limits, relaxations=conflict.relaxations,
+        evidence=conflict.evidence,
+    )  # fmt: skip
 
 
 def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> SizeChange:

@@ -282,6 +282,6 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
             still = np.zeros_like(s[0])
             return np.asarray(self._contact([*s, still, still], z)[0])
 
-        near = -maximise_formula(motion.curve, lambda s: -reach(s), 1)
-        far = maximise_formula(motion.curve, reach, 1)
+        near = -maximise_formula(motion.curve, lambda s: -reach(s), 1)[0]
+        far = maximise_formula(motion.curve, reach, 1)[0]
         return {"face_near_mm": near, "face_far_mm": far, "face_width_mm": far - near}

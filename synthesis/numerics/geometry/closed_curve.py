@@ -17,12 +17,10 @@ NEAR_TOLERANCE = 0.99  # of what is allowed: may be too much once rounding is ad
 
 @dataclass(frozen=True, eq=False)
 class CurvePoints:
-    """Where a curve is and how it runs on, at n places.
+    """Where a curve is and how it runs on, at n places: points (n, 2) and unit tangents (n, 2).
 
-    Attributes:
-        points: (n, 2) [mm]. tangent: (n, 2) unit vectors in the sense of running.
-        bend: (n,) signed curvature [1/mm], positive where the curve turns left.
-        speed: (n,) arc length per unit of the span's fraction [mm], not negative.
+    ``curvature``: (n,) signed, positive where the curve turns left; ``speed``: (n,) arc length per
+    unit of the span's fraction [mm], not negative.
     """
 
     points: Array
@@ -49,11 +47,9 @@ class ClosedCurve(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Pieces of spans.
+    """Pieces (n,) of spans: of which one, and from where to where in it.
 
-    Attributes:
-        span: (n,) of which span each is a piece. low, high: (n,) from where to where in it.
-        least: (m,) fewest pieces of each span.
+    ``min_pieces``: (m,) fewest pieces of each span.
     """
 
     span: Indices
@@ -82,12 +78,10 @@ class Mesh:
         return np.repeat(self.span, len(within)), fraction.ravel()
 
     def equidistribute(self, excess: Array, power: int, growing: bool) -> Mesh:
-        """Pieces of even excess: as many as it takes.
+        """Pieces of even excess, in proportion to a power of their lengths: as many as it takes.
 
-        Args:
-            excess: (n,) what each piece departs by, 1 where that is just allowed.
-            power: of a piece's length, in proportion to which it departs.
-            growing: no span loses a piece any more, and one with excess gains one at least.
+        ``excess``: (n,) what each piece departs by, 1 where that is just allowed; ``growing``: no
+        span loses a piece any more, and one with excess gains one at least.
         """
         parts = []
         for span, least in enumerate(self.min_pieces.tolist()):

@@ -63,12 +63,10 @@ BETWEEN = legvander(2.0 * FINE - 1.0, 10) @ np.linalg.inv(legvander(2.0 * PROBES
 
 @dataclass(frozen=True, eq=False)
 class ClosedSpline:
-    """A clamped B-spline whose last control point is its first.
+    """A clamped B-spline of arc length whose last control point is its first [mm].
 
-    Attributes:
-        knots: (n + 6,) arc length [mm]. points: (n, 2) control points [mm].
-        error: largest distance from the true curve, along its normal [mm].
-        nodes: number of places where it lies on the true curve.
+    ``error``: largest distance from the true curve, along its normal; ``nodes``: number of places
+    where it lies on the true curve.
     """
 
     knots: Array

@@ -42,12 +42,10 @@ EDGE = 1e-14  # sin² of the angle between tangents below which they are along o
 
 @dataclass(frozen=True)
 class Roller:
-    """A roller, cylindrical or crowned.
+    """A roller of radius Rr at the middle of its width, cylindrical or crowned [mm].
 
-    Attributes:
-        radius: Rr at the middle of its width [mm].
-        inner, outer: its ends, as places ρ on its axis [mm]; of a turret, from the turret's axis.
-        crown: radius of its bulging outline in a plane through its axis [mm]; 0: cylindrical.
+    ``inner``, ``outer``: its ends, as places ρ on its axis; of a turret, from the turret's axis.
+    ``crown``: radius of its bulging outline in a plane through its axis; 0: cylindrical.
     """
 
     radius: float
@@ -88,9 +86,8 @@ class FollowerState(NamedTuple):
 class Joint:
     """What the follower moves on: a pivot, or a guide. Per unit of q, w(x) = g × (x − f) + d.
 
-    Attributes:
-        point: (3,) f, a point of the pivot's line. axis: (3,) g along it, a unit vector; 0 in a
-            guide. along: (3,) d; 0 on a pivot.
+    ``point``: f, of the pivot's line; ``axis``: g along it, a unit vector, 0 in a guide; ``along``:
+    d, 0 on a pivot; (3,) each.
     """
 
     point: Array
@@ -137,15 +134,13 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """One wall of the cam: contacts of one side of a roller, at cam angles θ by places ρ.
+    """One wall of the cam: contacts of one side of a roller, at n cam angles θ by m places ρ.
 
-    Attributes:
-        point, normal: (3, n, m) contact and unit normal, from the roller's axis into the cam, in
-            the frame of the machine [mm].
-        slip: (3, n, m) velocity of roller against cam there, per radian of cam [mm].
-        pressure_angle: (n, m) angle between the normal and the roller's way, 0 to 90° [rad].
-        regular: (n, m) area of the wall to that of the surface which the roller's axis sweeps, (1 −
-            Rr κ1)(1 − Rr κ2) of a cylinder; 0 or less where the wall is undercut.
+    Vectors are (3, n, m), in the frame of the machine. The normal points from the roller's axis
+    into the cam; ``slip``: velocity of roller against cam, per radian of cam [mm];
+    ``pressure_angle``: between the normal and the roller's way, 0 to 90° [rad]; ``regular``: area
+    of the wall to that of the surface which the roller's axis sweeps, (1 − Rr κ1)(1 − Rr κ2) of a
+    cylinder, 0 or less where the wall is undercut.
     """
 
     point: Array
@@ -159,12 +154,9 @@ class Contacts:
 class SweptRoller:
     """A cam's axis, a follower's joint and a roller on it.
 
-    Attributes:
-        centre, axis: (3,) a point of the cam's axis [mm] and its direction e, a unit vector.
-        joint: what the follower moves on.
-        origin, along: (3,) where the roller's axis has ρ = 0 at q = 0 [mm], and its direction u.
-        roller: what runs on the cam.
-        hand: χ, +1 where the cam turns about +e as θ grows, −1 about −e.
+    ``centre``, ``axis``: a point of the cam's axis [mm] and its direction e, a unit vector (3,).
+    ``origin``, ``along``: where the roller's axis has ρ = 0 at q = 0 [mm], and its direction u.
+    ``hand``: χ, +1 where the cam turns about +e as θ grows, −1 about −e.
     """
 
     centre: Array
@@ -178,9 +170,8 @@ class SweptRoller:
     def contacts(self, place: FollowerState, rho: Array, side: int | Array) -> Contacts:
         """The contacts at all ``place`` (n,) and ``rho``, (m,) or (n, m) [mm].
 
-        Args:
-            side: +1 for those on the side to which the follower moves with growing q, −1 for the
-                others; or (n, 1) one for every place.
+        ``side``: +1 for those on the side to which the follower moves with growing q, −1 for the
+        others; or (n, 1) one for every place.
         """
         touch, wall = self._wall(place, rho, side)
         way = self.joint.velocity_per_q(wall.axis)
@@ -300,11 +291,7 @@ class _Wall(NamedTuple):
 
 
 class _Touch:
-    """The direction m from the roller's axis to the contact, and how it changes.
-
-    Attributes:
-        by_theta, by_rho: derivatives of m in the machine's frame.
-    """
+    """The direction m from the roller's axis to the contact, and its derivatives."""
 
     by_theta: Array
     by_rho: Array

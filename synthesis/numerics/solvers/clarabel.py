@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 
 import clarabel
@@ -64,7 +63,6 @@ class ConeSolution:
     stopped: StopReason
     word: str
     iterations: int
-    seconds: float
 
 
 def project_on_equalities(program: ConeProgram, x: Array) -> Array:
@@ -104,7 +102,6 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
         clarabel.NonnegativeConeT(program.inequalities),
         *(clarabel.SecondOrderConeT(size) for size in program.cones),
     ]
-    started = time.perf_counter()
     solver = clarabel.DefaultSolver(
         program.quadratic, program.linear, program.matrix, program.rhs, kinds, settings
     )
@@ -120,5 +117,4 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
         STATUSES.get(word, StopReason.FAILED),
         word,
         found.iterations,
-        time.perf_counter() - started,
     )

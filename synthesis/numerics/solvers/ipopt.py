@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -98,7 +97,6 @@ class SmoothSolution:
     stopped: StopReason
     word: str
     iterations: int
-    seconds: float
 
 
 def solve(
@@ -114,7 +112,6 @@ def solve(
     Raises:
         Cancelled: nobody waits for it any more.
     """
-    started = time.perf_counter()
     options = OPTIONS | (COLD if guess.rows is None else WARM)
     options |= {"ipopt.tol": accuracy, "ipopt.compl_inf_tol": max(10.0 * accuracy, 1e-8)}
     if math.isfinite(time_limit):
@@ -135,7 +132,7 @@ def solve(
     word = str(stats["return_status"])
     return SmoothSolution(
         _column(found["x"]), _column(found["lam_g"]), _column(found["lam_x"]), stop_reason(word),
-        word, int(stats["iter_count"]), time.perf_counter() - started,
+        word, int(stats["iter_count"]),
     )  # fmt: skip
 
 

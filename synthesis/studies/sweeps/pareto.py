@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from synthesis.numerics.piecewise import Array, Indices
 
 
-def non_dominated(costs: NDArray[np.float64]) -> NDArray[np.intp]:
+def non_dominated(costs: Array) -> Indices:
     """Indices of the rows that no other row dominates (as small in all columns, smaller in one).
 
-    Rows equal in all columns do not dominate each other: all of them stay.
-
-    Args:
-        costs: (n, k), to be minimised in each column.
-
-    Returns:
-        (m,) indices of the front, in ascending order of the first column, then the next ones.
+    Rows equal in all columns do not dominate each other: all of them stay. The ``costs`` (n, k) are
+    to be minimised; indices (m,) are in ascending order of the first column, then the next ones.
     """
     # sorted by the first column, then the next
     distinct, kind = np.unique(costs, axis=0, return_inverse=True)
