@@ -64,14 +64,15 @@ def _deviation(
     angle: float,
     field: str,
     evidence: str,
+    width: float = 0.0,  # of its enclosure; without one it is known to rounding
 ) -> Extreme:
-    """The line of a deviation of s^(order) that is known to rounding, against what is allowed."""
-    value, bound = value * machine.wire_factor(order), allowed * machine.wire_factor(order)
+    """The line of a deviation of s^(order), against what is allowed."""
+    value, bound, width = (each * machine.wire_factor(order) for each in (value, allowed, width))
     finite = math.isfinite(value)
     return Extreme(
         limit=limit, value=value if finite else None, unit=machine.derivative_unit(order),
-        angle_deg=angle / DEGREE, bound=bound, margin=bound - value if finite else None, width=0.0,
-        holds=value <= bound, evidence=evidence, field=field,
+        angle_deg=angle / DEGREE, bound=bound, margin=bound - value if finite else None,
+        width=width, holds=bound - value >= width, evidence=evidence, field=field,
     )  # fmt: skip
 
 
@@ -197,16 +198,11 @@ def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
     bounds = [BACKWARD_TOLERANCE * abs(s.lift) for s in motion.segments]
     # in whole multiples of the bound, so that rounding does not decide which one is named
     worst = max(monotone, key=lambda i: floor(most[i] / bounds[i]))
-    value, bound, width = (
-        float(length) * machine.wire_factor(0)
-        for length in (least[worst], bounds[worst], most[worst] - least[worst])
-    )
-    margin = bound - value
-    yield Extreme(
-        limit="overshoot", value=value, unit=machine.derivative_unit(0),
-        angle_deg=motion.segments[worst].start / DEGREE, bound=bound, margin=margin,
-        width=width, holds=margin >= width, field=f"program/{worst}/law/overshoot",
-        evidence=f"velocity enclosed on {count} pieces and intervals; bound: 1e-9 of the lift",
+    yield _deviation(
+        "overshoot", machine, 0, float(least[worst]), bounds[worst], motion.segments[worst].start,
+        f"program/{worst}/law/overshoot",
+        f"velocity enclosed on {count} pieces and intervals; bound: 1e-9 of the lift",
+        float(most[worst] - least[worst]),
     )  # fmt: skip
 
 

@@ -57,10 +57,8 @@ def _extended(knots: Array, period: float) -> tuple[Array, Any]:
 
     The first knot must be 0, so that [0, period] is a union of pieces.
     """
-    n = len(knots)
-    index = np.arange(-DEGREE, n + DEGREE + 1)
-    extended = knots[index % n] + period * (index // n)
-    return extended, (np.arange(n + DEGREE)) % n
+    around = [knots[-DEGREE:] - period, knots, knots[: DEGREE + 1] + period]
+    return np.concatenate(around), np.arange(len(knots) + DEGREE) % len(knots)
 
 
 def design_matrix(knots: Array, period: float, x: Array) -> sparse.csr_array:

@@ -63,8 +63,7 @@ class Mesh:
         least = np.maximum(1, np.ceil(sizes / LARGEST)).astype(np.intp)
         counts = np.maximum(1, np.ceil(sizes / FIRST)).astype(np.intp)
         span = np.repeat(np.arange(len(counts)), counts)
-        begins = np.repeat(np.cumsum(counts) - counts, counts)
-        k, n = np.arange(len(span)) - begins, counts[span]
+        k, n = np.concatenate([np.arange(count) for count in counts]), counts[span]
         return cls(span, k / n, (k + 1) / n, least)
 
     def select(self, which: Mask) -> Mesh:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -29,7 +30,6 @@ SAMPLES_PER_INTERVAL: Final = 12  # of the outline
 REPEATED: Final = 1e-9  # of the size: nearer points are one
 BLOCK: Final = 48  # sides of the polygon that share a bounding box
 FIELD: Final = "/points_mm"
-CHUNK: Final = 256  # points compared at a time, to bound memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,28 +223,17 @@ def _unreachable(outline: Outline, follower: Follower, theta: Array, lost: Mask)
 
 def _covered(theta: Array, position: Array) -> Mask:
     """(n,) which postures are below the upper envelope: another part of the cam prevents them."""
-    n = len(theta)
-    after, higher = np.append(theta[1:], theta[0] + FULL_TURN), np.roll(position, -1)
-    below = np.zeros(n, dtype=bool)
-    low, high = np.minimum(theta, after), np.maximum(theta, after)
-    # Only angles that occur more than once matter: from where θ first turns back to where it has
-    # caught up again.
-    ahead = np.concatenate([theta - FULL_TURN, theta, theta + FULL_TURN])
-    before = np.maximum.accumulate(ahead)[n : 2 * n] > theta
-    behind = np.minimum.accumulate(ahead[::-1])[::-1][n : 2 * n] < theta
-    zone = np.flatnonzero(before | behind)
-    spans = np.union1d(zone, (zone - 1) % n)
-    for first in range(0, len(zone), CHUNK):
-        part = zone[first : first + CHUNK]
-        # Heights of all sides of the curve (θ, position) at the angles of these points.
-        angle = theta[part][:, None]
-        at = angle - np.round((angle - theta[spans]) / FULL_TURN) * FULL_TURN
-        length = after[spans] - theta[spans]
-        share = (at - theta[spans]) / np.where(length == 0.0, 1.0, length)
-        height = position[spans] + (higher - position)[spans] * share
-        inside = (at > low[spans]) & (at < high[spans])
-        below[part] = np.max(np.where(inside, height, -np.inf), axis=1) > position[part]
-    return below
+    # stretches of the closed curve (θ, position) along which θ runs one way, at the points' angles
+    angle, height = np.append(theta, theta[0] + FULL_TURN), np.append(position, position[0])
+    back = np.diff(angle) < 0.0
+    highest = np.full(len(theta), -np.inf)
+    for first, last in pairwise([0, *np.flatnonzero(back[1:] != back[:-1]) + 1, len(theta)]):
+        way = -1 if back[first] else 1
+        stretch = angle[first : last + 1][::way], height[first : last + 1][::way]
+        for turn in (-FULL_TURN, 0.0, FULL_TURN):
+            there = np.interp(theta + turn, *stretch, left=-np.inf, right=-np.inf)
+            highest = np.maximum(highest, there)
+    return np.asarray(highest > position)
 
 
 def cyclic_runs(mask: Mask) -> list[Indices]:
