@@ -16,12 +16,12 @@ from flint import acb, arb
 
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.catalogue.limits.base import Claim
+from synthesis.certify.second import Remeasured
 from synthesis.certify.second.exact_design import (
     ANGLE_ROUNDING,
-    NOT_MEASURED,
     ExactDesign,
-    Measurement,
     compare,
+    remeasured,
     satisfies,
 )
 from synthesis.certify.second.exact_motion import LawPiece, Maximum, degree, jump
@@ -42,10 +42,10 @@ class _Side:
     blur: float
 
 
-def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
+def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Remeasured:
     """The extreme of a claim's quantity next to the bound that the certificate names."""
     if claim.quantity in FORCES and design.load.has_friction:
-        return NOT_MEASURED  # |sin α| is no power series
+        return remeasured(extreme)  # |sin α| is no power series
     if extreme.value is None and not extreme.holds:
         return _find_infinity(design, claim, extreme)
     each = [
@@ -58,7 +58,7 @@ def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measur
     how = f"branch and bound in ball arithmetic, {boxes} intervals"
     if not sides:  # as of a concave radius on a convex cam: there is no value
         same = extreme.value is None and extreme.holds
-        return Measurement(None, None, True, same, "no such value anywhere on the cam")
+        return remeasured(extreme, None, None, True, same, "no such value anywhere on the cam")
     named = next((side for side in sides if side.bound == extreme.bound), sides[0])
     verdicts = [side.holds for side in sides]
     holds = False if False in verdicts else None if None in verdicts else True
@@ -66,7 +66,7 @@ def measure_claim(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measur
     return compare(extreme, named.low, named.high, holds, how, angle, named.blur)
 
 
-def _find_infinity(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
+def _find_infinity(design: ExactDesign, claim: Claim, extreme: Extreme) -> Remeasured:
     """Whether a derivative below those of the quantity jumps where the certificate says so."""
     orders = range(ORDERS.get(claim.quantity, 2))
     for before, after in junctions_at(design, extreme.angle_deg):
@@ -76,9 +76,9 @@ def _find_infinity(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measu
             if step > JUMP_ROUNDING * scale / before.angle.min(after.angle) ** order:
                 size = float(step * design.rate(order))
                 how = f"infinite: {DERIVATIVES[order]} jumps there by {size:.6g}"
-                return Measurement(None, None, False, True, how, extreme.angle_deg)
+                return remeasured(extreme, None, None, False, True, how, extreme.angle_deg)
     how = "infinite by the certificate, but no discontinuity was found there"
-    return Measurement(None, None, None, None, how)
+    return remeasured(extreme, None, None, None, None, how)
 
 
 def _side(design: ExactDesign, claim: Claim, sign: int, bound: float) -> _Side | None:
@@ -152,7 +152,7 @@ def _angle_at_rest(design: ExactDesign) -> arb:
 # -- residual vibration ----------------------------------------------------------------------------
 
 
-def measure_residual_vibration(design: ExactDesign, claim: Claim, extreme: Extreme) -> Measurement:
+def measure_residual_vibration(design: ExactDesign, claim: Claim, extreme: Extreme) -> Remeasured:
     """The largest amplitude at the end of one of the claim's runs."""
     found = [_amplitude(design, run) for run in claim.vibration]
     low = max((each.lower() for each in found), key=float)

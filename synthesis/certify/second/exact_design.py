@@ -12,6 +12,7 @@ from flint import arb, arb_series
 
 from synthesis.catalogue.followers.kinematics import Link
 from synthesis.catalogue.limits.base import Claim, Machine
+from synthesis.certify.second import Remeasured
 from synthesis.certify.second.exact_motion import (
     ExactMotion,
     Maximum,
@@ -28,25 +29,6 @@ from synthesis.design.design import Design, Extreme
 VALUE_ROUNDING: Final = 16.0 * 2.0**-53  # relative, of a certificate's value in wire units
 ANGLE_ROUNDING: Final = 8.0 * 2.0 * math.pi * 2.0**-53  # of the cam angle where a piece ends [rad]
 DIGITS: Final = 25  # of a reported value
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """The second measurement of one line, in the wire's unit: an enclosure [low, high].
-
-    ``holds``: whether the bound is satisfied; ``agrees``: whether the certificate is right;
-    ``how``: method; ``angle``: cam angle [deg]. None is what is not known, or does not exist.
-    """
-
-    low: arb | None
-    high: arb | None
-    holds: bool | None
-    agrees: bool | None
-    how: str
-    angle: float | None = None
-
-
-NOT_MEASURED: Final = Measurement(None, None, None, None, "not covered by the second judge")
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +126,31 @@ class ExactDesign:
         return coefficient(QUANTITIES[quantity](touching), 0)
 
 
+def remeasured(
+    extreme: Extreme,
+    low: arb | None = None,
+    high: arb | None = None,
+    holds: bool | None = None,
+    agrees: bool | None = None,
+    how: str = "not covered by the second judge",
+    angle: float | None = None,
+) -> Remeasured:
+    """The second measurement of one line, an enclosure [low, high] in the wire's unit.
+
+    ``angle`` [deg]. None is what is not known, or does not exist.
+    """
+    value = width = difference = None
+    if low is not None and high is not None:
+        middle = (low + high) / 2
+        value, width = middle.str(DIGITS, radius=False), float(high - low)
+        difference = None if extreme.value is None else float(middle - arb(extreme.value))
+    return Remeasured(
+        limit=extreme.limit, field=extreme.field, unit=extreme.unit, value=value, width=width,
+        angle_deg=angle, certificate=extreme.value, difference=difference, holds=holds,
+        agrees=agrees, how=how,
+    )  # fmt: skip
+
+
 def compare(
     extreme: Extreme,
     low: arb,
@@ -152,7 +159,7 @@ def compare(
     how: str,
     angle: float | None = None,
     blur: float = 0.0,
-) -> Measurement:
+) -> Remeasured:
     """A finite value beside the certificate's.
 
     They agree if they differ by no more than the certificate's width, rounding of its value, and
@@ -169,7 +176,7 @@ def compare(
         margin = None if extreme.holds else extreme.margin
         refused_for_width = margin is not None and abs(margin) <= extreme.width
         agrees = agrees and (holds == extreme.holds or refused_for_width)
-    return Measurement(low, high, holds, agrees, how, angle)
+    return remeasured(extreme, low, high, holds, agrees, how, angle)
 
 
 def satisfies(low: arb, high: arb, bound: float, direction: int) -> bool | None:

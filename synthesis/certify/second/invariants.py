@@ -9,10 +9,10 @@ from typing import Final
 from flint import arb
 
 from synthesis.catalogue.followers.base import base_gap, paths
+from synthesis.certify.second import Remeasured
 from synthesis.certify.second.exact_design import (
-    NOT_MEASURED,
     ExactDesign,
-    Measurement,
+    remeasured,
     satisfies,
 )
 from synthesis.certify.second.exact_motion import (
@@ -34,7 +34,7 @@ JUMP_ROUNDING: Final = 1e-9  # relative, of both sides of a junction, and of a t
 FINEST_PART: Final = 2.0**-14  # of a segment: the search for backward travel bisects no further
 
 
-def measure_invariant(design: ExactDesign, extreme: Extreme) -> Measurement:
+def measure_invariant(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """The second measurement of a line that is no claim of a limit."""
     name = extreme.limit
     if name.startswith("prime_circle_angle"):
@@ -58,7 +58,7 @@ def _beside(
     *,
     holds: bool | None = None,
     angle: float | None = None,
-) -> Measurement:
+) -> Remeasured:
     """A value beside the certificate's.
 
     They agree if both verdicts are the same and, where ``allowed`` is given, the values differ by
@@ -71,7 +71,7 @@ def _beside(
     if allowed is not None and agrees is not None:
         near = extreme.value is not None and abs(value - arb(extreme.value)) <= allowed
         agrees = agrees and bool(near)
-    return Measurement(low, high, holds, agrees, how, angle)
+    return remeasured(extreme, low, high, holds, agrees, how, angle)
 
 
 # -- size ------------------------------------------------------------------------------------
@@ -94,7 +94,7 @@ def _cam_size(design: ExactDesign) -> arb:
     return abs(_base_radius(design)) + 2 * arb(gap)
 
 
-def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """The pressure angle at rest where the traced curve is nearest to the axis."""
     path = extreme.limit.removeprefix("prime_circle_angle").removeprefix("_")
     trace = paths(design.machine.follower)[path]
@@ -104,7 +104,7 @@ def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Measurement:
     return _beside(extreme, angle, "at rest on the prime circle", arb(SIZE_ROUNDING * 90.0))
 
 
-def _dimension(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """A dimension against its range: from the output link if that has it."""
     stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
     pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
@@ -116,19 +116,19 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Measurement:
     elif stated is not None:
         value, how, allowed = arb(stated), "stated by the design itself", arb(0)
     else:
-        return NOT_MEASURED
+        return remeasured(extreme)
     return _beside(extreme, value, how, allowed, holds=extreme.holds)
 
 
 # -- motion ----------------------------------------------------------------------------------
 
 
-def _junction(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _junction(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """The jump at the junction that the certificate names as the worst."""
     order = DERIVATIVES.index(extreme.limit.rpartition("_")[0])
     here = [abs(jump(*pair, order)) for pair in junctions_at(design, extreme.angle_deg)]
     if not here:
-        return NOT_MEASURED
+        return remeasured(extreme)
     size, angle = here[0] * design.rate(order), extreme.angle_deg
     how = "one-sided values at the junction"
     if extreme.bound is not None:
@@ -147,7 +147,7 @@ def junctions_at(
             yield before, after
 
 
-def _end_state(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _end_state(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """Deviation from the required velocity or acceleration that the certificate names."""
     order = DERIVATIVES.index(extreme.limit.removesuffix("_asked"))
     _, index, end = extreme.field.split("/")
@@ -156,7 +156,7 @@ def _end_state(design: ExactDesign, extreme: Extreme) -> Measurement:
     at_start = end == "start"
     wanted = (segment.start_state if at_start else segment.end_state).known[order - 1]
     if wanted is None:
-        return NOT_MEASURED
+        return remeasured(extreme)
     piece = pieces[0] if at_start else pieces[-1]
     x = piece.law.low if at_start else piece.law.high
     value = coefficient(piece.displacement(x), order) * math.factorial(order)
@@ -164,12 +164,12 @@ def _end_state(design: ExactDesign, extreme: Extreme) -> Measurement:
     return _beside(extreme, miss, f"at the {end} of the segment", angle=extreme.angle_deg)
 
 
-def _table_deviation(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _table_deviation(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """The largest deviation of the motion from a table's rows."""
     index = int(extreme.field.split("/")[1])
     table = design.design.curve.segments[index].table
     if table is None or extreme.bound is None:
-        return NOT_MEASURED
+        return remeasured(extreme)
     worst, pieces = arb(0), design.motion.pieces_of([index])
     for x, s in zip(table.x.tolist(), table.s.tolist(), strict=True):
         piece = next(p for p in pieces if p.law.low <= x <= p.law.high)
@@ -179,7 +179,7 @@ def _table_deviation(design: ExactDesign, extreme: Extreme) -> Measurement:
     return _beside(extreme, worst * design.to_wire, "all rows of the table", allowed)
 
 
-def _overshoot(design: ExactDesign, extreme: Extreme) -> Measurement:
+def _overshoot(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """Backward travel along the segment that the certificate names."""
     index = int(extreme.field.split("/")[1])
     forward = 1 if design.design.curve.segments[index].lift > 0.0 else -1

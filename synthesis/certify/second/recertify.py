@@ -9,7 +9,7 @@ from flint import arb
 from synthesis.catalogue.limits.base import Claim, all_claims
 from synthesis.certify.second import Confirmation, Remeasured, Verdict
 from synthesis.certify.second.claims import measure_claim, measure_residual_vibration
-from synthesis.certify.second.exact_design import DIGITS, ExactDesign, Measurement
+from synthesis.certify.second.exact_design import ExactDesign
 from synthesis.certify.second.exact_motion import BITS, ExactMotion, ball_precision, degree
 from synthesis.certify.second.invariants import measure_invariant
 from synthesis.certify.second.self_intersection import measure_self_intersection
@@ -35,7 +35,7 @@ def recertify(design: Design) -> Confirmation:
     with ball_precision():
         link = spec.follower.link(tuple(arb(z) for z in design.size), degree())
         exact = ExactDesign(design, link, ExactMotion(design))
-        lines = [_line(extreme, _measure(exact, extreme, claims)) for extreme in design.extremes]
+        lines = [_measure(exact, extreme, claims) for extreme in design.extremes]
     verdicts = [line.agrees for line in lines]
     verdict: Verdict = "incomplete" if None in verdicts else "confirmed"
     if False in verdicts:
@@ -43,7 +43,7 @@ def recertify(design: Design) -> Confirmation:
     return Confirmation(id=design.id, name=design.name, verdict=verdict, bits=BITS, lines=lines)
 
 
-def _measure(design: ExactDesign, extreme: Extreme, claims: Claims) -> Measurement:
+def _measure(design: ExactDesign, extreme: Extreme, claims: Claims) -> Remeasured:
     """The second measurement of one line; claims are used up in the certificate's order."""
     if extreme.limit.startswith("self_crossing"):
         return measure_self_intersection(design, extreme)
@@ -54,16 +54,3 @@ def _measure(design: ExactDesign, extreme: Extreme, claims: Claims) -> Measureme
     if claim.vibration:
         return measure_residual_vibration(design, claim, extreme)
     return measure_claim(design, claim, extreme)
-
-
-def _line(extreme: Extreme, found: Measurement) -> Remeasured:
-    value = width = difference = None
-    if found.low is not None and found.high is not None:
-        middle = (found.low + found.high) / 2
-        value, width = middle.str(DIGITS, radius=False), float(found.high - found.low)
-        difference = None if extreme.value is None else float(middle - arb(extreme.value))
-    return Remeasured(
-        limit=extreme.limit, field=extreme.field, unit=extreme.unit, value=value, width=width,
-        angle_deg=found.angle, certificate=extreme.value, difference=difference,
-        holds=found.holds, agrees=found.agrees, how=found.how,
-    )  # fmt: skip

@@ -18,7 +18,8 @@ import numpy as np
 from flint import arb, arb_series
 
 from synthesis.catalogue.followers.kinematics import Flank, Tip
-from synthesis.certify.second.exact_design import NOT_MEASURED, ExactDesign, Measurement
+from synthesis.certify.second import Remeasured
+from synthesis.certify.second.exact_design import ExactDesign, remeasured
 from synthesis.certify.second.exact_motion import (
     MotionPiece,
     SeriesVector,
@@ -42,7 +43,7 @@ EDGE_PARTS: Final = 64  # parts of the stroke on which a knife edge is examined
 Point = tuple[arb, arb]
 
 
-def measure_self_intersection(design: ExactDesign, extreme: Extreme) -> Measurement:
+def measure_self_intersection(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """Whether a flank intersects itself: 0 where it is proven that it does not."""
     name = extreme.limit.removeprefix("self_crossing").removeprefix("_")
     flank = next(f for f in design.machine.follower.flanks if f.name == name)
@@ -51,9 +52,9 @@ def measure_self_intersection(design: ExactDesign, extreme: Extreme) -> Measurem
     else:
         clear, how = _FlankSearch(design, flank).is_clear(), "pairs of boxes in ball arithmetic"
     if clear is None:
-        return NOT_MEASURED
+        return remeasured(extreme)
     value = arb(0) if clear else None
-    return Measurement(value, value, clear, clear == extreme.holds, how)
+    return remeasured(extreme, value, value, clear, clear == extreme.holds, how)
 
 
 def _edge_is_clear(design: ExactDesign, flank: Flank) -> bool | None:
