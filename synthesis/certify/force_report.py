@@ -16,14 +16,7 @@ from synthesis.catalogue.forces.reduced import MILLI, ForceHistory, ReducedLoad,
 from synthesis.catalogue.limits.base import Machine, segment_indices
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.quantities import BOUNDS, MeasuredCam, force_quantity, infinite_by_jump
-from synthesis.design.design import (
-    FlankForces,
-    FloatArc,
-    ForcePeak,
-    Forces,
-    RollerLife,
-    Torque,
-)
+from synthesis.design.design import FlankForces, FloatArc, ForcePeak, Forces, RollerLife, Torque
 from synthesis.numerics.enclosure import ExtremumQuery
 from synthesis.numerics.maxima import maximise_between
 from synthesis.numerics.piecewise import Array, gauss_points

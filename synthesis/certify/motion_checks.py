@@ -18,11 +18,7 @@ from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.followers.kinematics import TracePoint, labelled
 from synthesis.catalogue.limits.base import Machine
-from synthesis.certify.piecewise_motion import (
-    HIGHEST_ORDER,
-    JUNCTION_TOLERANCE,
-    PiecewiseMotion,
-)
+from synthesis.certify.piecewise_motion import HIGHEST_ORDER, JUNCTION_TOLERANCE, PiecewiseMotion
 from synthesis.certify.quantities import MeasuredCam, Size, TracedPoint, pressure_angle
 from synthesis.design.design import Extreme
 from synthesis.numerics.box_search import Boxes, BoxSearch, Budget

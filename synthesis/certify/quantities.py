@@ -19,11 +19,7 @@ import numpy as np
 
 from synthesis.catalogue.followers.base import flat_face, paths, prime_radius
 from synthesis.catalogue.followers.kinematics import Flank, TracePoint, Vector2
-from synthesis.catalogue.forces.reduced import (
-    ContactState,
-    face_pressure_square,
-    pressure_square,
-)
+from synthesis.catalogue.forces.reduced import ContactState, face_pressure_square, pressure_square
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.motion import Motion
 from synthesis.certify.piecewise_motion import Jump, PiecewiseMotion

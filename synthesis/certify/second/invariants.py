@@ -10,11 +10,7 @@ from flint import arb
 
 from synthesis.catalogue.followers.base import base_gap, paths
 from synthesis.certify.second import Remeasured
-from synthesis.certify.second.exact_design import (
-    ExactDesign,
-    remeasured,
-    satisfies,
-)
+from synthesis.certify.second.exact_design import ExactDesign, remeasured, satisfies
 from synthesis.certify.second.exact_motion import (
     MotionPiece,
     coefficient,
