@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from math import floor
+from math import comb, floor
 from typing import Final
 
 import numpy as np
-from scipy.linalg import pascal
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
@@ -245,8 +244,9 @@ class _BackwardTravel(BoxSearch[Boxes]):
         factors = np.cumprod([np.ones_like(h), *(h / k for k in range(1, count))], axis=0)
         terms, rounding = derivatives[1 : count + 1] * factors, errors[1 : count + 1] * factors
         # 2. in Bernstein's basis
-        binomials = pascal(count, kind="lower")
-        back = -self.forward[owner] * (binomials / binomials[-1] @ terms)
+        whole = range(count)
+        to_bernstein = [[comb(k, j) / comb(count - 1, j) for j in whole] for k in whole]
+        back = -self.forward[owner] * (np.array(to_bernstein) @ terms)
         blur = rounding.sum(axis=0) + COEFFICIENT_ROUNDING * np.abs(terms).sum(axis=0)
         # 3. both ends of the travel
         low = np.maximum(h * (back.mean(axis=0) - blur), 0.0)

@@ -117,7 +117,7 @@ class Direct:
 def direct(asked: Problem, grids: Sequence[Grid], level: float = 0.0) -> Direct:
     model = formulate(asked, grids, level)
     solution = solve(model.program)
-    assert solution.stopped in (StopReason.SOLVED, StopReason.INACCURATE), solution.word
+    assert solution.stopped in (StopReason.SOLVED, StopReason.INACCURATE), solution.stopped
     return Direct(model, solution, measured(model, solution))
 
 

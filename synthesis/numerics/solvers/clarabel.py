@@ -61,7 +61,6 @@ class ConeSolution:
     x: Array
     multipliers: Array
     stopped: StopReason
-    word: str
     iterations: int
 
 
@@ -110,11 +109,9 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
         solver.set_termination_callback(lambda _: must_stop())
     found = solver.solve()
     clock.now()
-    word = str(found.status)
     return ConeSolution(
         project_on_equalities(program, np.asarray(found.x)),
         np.asarray(found.z),
-        STATUSES.get(word, StopReason.FAILED),
-        word,
+        STATUSES.get(str(found.status), StopReason.FAILED),
         found.iterations,
     )
