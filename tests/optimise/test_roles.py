@@ -120,7 +120,7 @@ def family(request: pytest.FixtureRequest) -> Family:
         assert found is not None
         segments = [s for s in found.problem.segments if s.index in {f.index for f in problem.free}]
         cams.append(replace(found, problem=problem.with_laws(segments)))
-    problems = tuple(problem.with_objective(objective) for objective in objectives)
+    problems = tuple(replace(problem, objective=objective) for objective in objectives)
     return Family(specs[0], problems, tuple(cams))
 
 
@@ -340,7 +340,7 @@ def bounds_of(problem: Problem, intervals: int) -> Iterator[Bound]:
 def test_no_cam_is_below_a_bound(family: Family):
     for problem in family.problems:
         values = [
-            objective_value(cam.problem.with_objective(problem.objective), cam.size)
+            objective_value(replace(cam.problem, objective=problem.objective), cam.size)
             for cam in family.cams
         ]
         for intervals in MESHES:

@@ -125,7 +125,7 @@ class BoundTask:
     """What is to be proven: no cam has a value below ``target`` [core units].
 
     Attributes:
-        problem: the problem, its laws free to jump in their third derivative: all laws are.
+        problem: its laws free to jump in their third derivative, as all laws are.
         incumbent: the best cam. controls: caps of the free laws' third derivatives.
         deadline: ``time.monotonic()`` at which to stop.
     """
@@ -135,7 +135,6 @@ class BoundTask:
     target: float
     controls: tuple[Control, ...]
     deadline: float
-    thorough: bool
 
     @classmethod
     def of(cls, state: SolveState, incumbent: Candidate, deadline: float) -> Self | None:
@@ -154,7 +153,7 @@ class BoundTask:
         capped = law_controls(formulate(with_value_cap(problem, target), coarse))
         if capped is None or not all(c.order == 3 and np.isfinite(c.cap) for c in capped):
             return None
-        return cls(problem, incumbent, target, tuple(capped), deadline, state.thorough)
+        return cls(problem, incumbent, target, tuple(capped), deadline)
 
 
 def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:

@@ -110,7 +110,7 @@ class TracedNode(Node):
         )  # fmt: skip
 
     def node_limit(self, state: SolveState) -> float:
-        if self.task.thorough:
+        if state.thorough:
             return MAX_NODES
         return FEW_NODES if self.lower < (1.0 - WIDE) * self.task.target else 1
 
@@ -132,7 +132,7 @@ class TracedNode(Node):
         if not self.is_root:
             return state, tighten(inside, replace(self, upper_half=False), TURNS)._processed()
         node = solve_relaxation(inside, self)
-        if not self.task.thorough:
+        if not state.thorough:
             return state, tighten(inside, node, FEW_TURNS)._processed()
         for turns in (FIRST_TURNS, TURNS):
             node = tighten(inside, node, turns)
@@ -177,7 +177,7 @@ class TracedNode(Node):
         """
         leaves = [leaf for leaf in tree.leaves if isinstance(leaf, TracedNode)]
         lowest = min(leaves, key=lambda leaf: leaf.lower)
-        while self.task.thorough and not lowest.is_pruned(state) and state.time_left > 0.0:
+        while state.thorough and not lowest.is_pruned(state) and state.time_left > 0.0:
             finer = solve_relaxation(state, lowest, every_mesh=True)._processed()
             if finer.lower <= lowest.lower + GAIN * (lowest.task.target - lowest.lower):
                 break

@@ -48,15 +48,11 @@ class LawBounds:
         """Bounds of g at any x."""
         left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
         before, after = x - self.nodes[left], self.nodes[left + 1] - x
-        least, most = self._interval_speed_bounds()
-        slow, fast = least[left], most[left]
+        # g' over every interval
+        width = np.diff(self.nodes)
+        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
+        slow = (np.minimum(self.low_speed[:-1], self.low_speed[1:]) - over)[left]
+        fast = (np.maximum(self.high_speed[:-1], self.high_speed[1:]) + over)[left]
         high = np.minimum(self.high[left] + before * fast, self.high[left + 1] - after * slow)
         low = np.maximum(self.low[left] + before * slow, self.low[left + 1] - after * fast)
         return low, high
-
-    def _interval_speed_bounds(self) -> tuple[Array, Array]:
-        """Bounds of g' over every interval."""
-        width = np.diff(self.nodes)
-        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
-        slow = np.minimum(self.low_speed[:-1], self.low_speed[1:]) - over
-        return slow, np.maximum(self.high_speed[:-1], self.high_speed[1:]) + over

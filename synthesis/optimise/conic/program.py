@@ -78,11 +78,6 @@ class ConicModel:
         rows = accumulate((len(block.rhs) for block in blocks), initial=first)
         return tuple(zip(rows, blocks, strict=False))
 
-    def active_blocks(self, z: Array) -> list[tuple[int, LinearBlock]]:
-        """Those of which a row has a multiplier."""
-        each = ((at, block, z[at : at + len(block.rhs)]) for at, block in self.numbered_blocks)
-        return [(at, block) for at, block, own in each if np.count_nonzero(own)]
-
     def recover(self, x: Array) -> tuple[list[SplineLaw], Vector]:
         """The laws and the size variables [length] at a point of the program."""
         laws = [
@@ -281,21 +276,16 @@ def _linear_blocks(
 
 def _size_bounds(problem: Problem, scales: Scales) -> Iterator[LinearBlock]:
     """Upper and lower bounds of the size variables that are not fixed, one after the other."""
-    count = len(problem.sizing.bounds)
-    sides = [
-        (j, sign, sign * bound / scales.size)
-        for j, (low, high) in enumerate(problem.sizing.bounds)
-        if low != high
-        for sign, bound in ((1.0, high), (-1.0, low))
-    ]
-    table = np.zeros((len(sides), count + 1))
-    for own, (j, sign, bound) in zip(table, sides, strict=True):
-        # a far bound is divided by its size: the solver's tolerance is relative to the largest
-        far = max(abs(bound), 1.0)
-        own[j], own[count] = sign / far, bound / far
-    table = round_mantissa(table)
-    if sides:
-        yield LinearBlock.of_size(table[:, :count], table[:, count], "bounds")
+    rows, axes = [], np.eye(len(problem.sizing.bounds))
+    for axis, (low, high) in zip(axes, problem.sizing.bounds, strict=True):
+        for sign, end in ((1.0, high), (-1.0, low)) if low != high else ():
+            # a far bound is divided by its size: the solver's tolerance is relative to the largest
+            bound = sign * end / scales.size
+            far = max(abs(bound), 1.0)
+            rows.append([*(axis * (sign / far)), bound / far])
+    if rows:
+        table = round_mantissa(np.array(rows))
+        yield LinearBlock.of_size(table[:, :-1], table[:, -1], "bounds")
 
 
 def _cone_blocks(

@@ -118,14 +118,6 @@ def dual_bounds(
     return np.where(np.isfinite(total), total - ROUNDING * magnitude, -np.inf)
 
 
-def switching_functions(
-    model: ConicModel, quantities: Quantities, multipliers: Array, costates: Array
-) -> list[tuple[Array, Array]]:
-    """∫ |ψ| of every law, piece by piece: breaks (n+1,) and integrals (q, n)."""
-    lagrangian = _lagrangian(model, quantities, multipliers, costates)
-    return [_absolute_pieces(lagrangian, k) for k in range(len(model.grids))]
-
-
 def _lagrangian(
     model: ConicModel, quantities: Quantities, multipliers: Array, costates: Array
 ) -> Lagrangian:
@@ -262,12 +254,10 @@ class MultiplierDensity:
     def distribute(self, quantities: Quantities, z: Array, costates: Array) -> Array:
         """The other model's multipliers z (q, m) of some quantities as this one's."""
         # ∫ |ψ| between every two rows, with their multipliers at points, and spread between them.
-        points, spread = (
-            switching_functions(
-                self.model, quantities, self._masses(z, [share] * len(self.point_runs)), costates
-            )
-            for share in (0.0, 1.0)
-        )
+        sets = (self._masses(z, [share] * len(self.point_runs)) for share in (0.0, 1.0))
+        both = [_lagrangian(self.model, quantities, masses, costates) for masses in sets]
+        laws = range(len(self.model.grids))
+        points, spread = ([_absolute_pieces(one, k) for k in laws] for one in both)
         chosen: list[NDArray[Any] | float] = []
         for runs, block in zip(self.point_runs, self.model.blocks, strict=True):
             if runs is None or block.segment is None:

@@ -32,7 +32,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from math import factorial, inf, sqrt
 
 import numpy as np
@@ -262,11 +261,11 @@ def _minimum(
         # ‖Mζ + m‖ ≥ y·(Mζ + m) for ‖y‖ ≤ 1: y takes up what the rows leave of ζ
         matrix, shift = np.array(norm.matrix), np.array(norm.shift) / model.scales.size
         if len(matrix) == matrix.shape[1]:
-            y = -size @ inverse_matrix(norm.matrix)
+            inverse = inverse_matrix(norm.matrix)
+            y = -size @ inverse
             # of sizes with a norm larger than this nothing is to be shown
             largest = abs(float(solution.x[model.epigraph])) + float(np.linalg.norm(shift))
-            far = WORSE * _inverse_norm(norm.matrix) * largest
-            reach = np.minimum(reach, far)
+            reach = np.minimum(reach, WORSE * np.linalg.norm(inverse, 2) * largest)
         else:  # all but what the norm does not speak of: that is least at one end of its range
             y = np.linalg.lstsq(matrix.T, -size, rcond=None)[0]
             rest = size + matrix.T @ y
@@ -282,12 +281,6 @@ def _minimum(
     for a, c, each in zip(area, controls, blur, strict=True):
         price += c.rate * (each + a)
     return total / price if price > 0.0 else 0.0
-
-
-@lru_cache(maxsize=64)
-def _inverse_norm(matrix: tuple[tuple[float, ...], ...]) -> float:
-    """The spectral norm of the inverse: how much longer than its image a vector may be."""
-    return float(np.linalg.norm(inverse_matrix(matrix), 2))
 
 
 def _control_integrals(

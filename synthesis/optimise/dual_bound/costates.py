@@ -73,10 +73,8 @@ def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order:
     """The costates (q, laws, order) that multipliers (q, m) imply.
 
     Those of known values make the eliminated last coefficients stationary; those of values that
-    two laws share are the multipliers of their junction's rows.
-
-    Args:
-        gradients: of all but rows and junctions in every law's last coefficients, (q, r) each.
+    two laws share are the multipliers of their junction's rows. ``gradients``: of all but rows and
+    junctions in every law's last coefficients, (q, r) each.
     """
     costates = np.zeros((len(z), len(gradients), order))
     last = [end_coefficients(model, position) for position in range(len(gradients))]

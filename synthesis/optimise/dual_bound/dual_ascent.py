@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from synthesis.numerics import clock
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import Control, law_controls
@@ -26,7 +26,7 @@ from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import stationarity_conditions
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms, shared_derivatives
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, shared_derivatives, sums_at_start
 from synthesis.optimise.problem.grid import SplineLaw
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
@@ -165,7 +165,9 @@ class _DualProgram:
             for each in ([c.cap for c in self.controls], [c.rate for c in self.controls])
         )
         psi, offset = self._effect(lambda rows, k: rows.psi(nodes[k][0]))
-        initial, given = self._effect(lambda rows, k: initial_terms(rows.x, rows.weights).T)
+        initial, given = self._effect(
+            lambda rows, k: sums_at_start(rows.x[:, None], rows.weights[:, None]).T
+        )
         initial, given = initial.reshape(-1, order, n), given.reshape(-1, order)
         for before, after, k, ratio in shared_derivatives(model, order):
             initial[after, k, self.end_costates[before, k]] += ratio
@@ -246,10 +248,9 @@ def _quadrature(
     cubic = np.any((low < middle[:, None]) & (middle[:, None] < high), axis=1)
     tau, shares = list[Array](), list[Array]()
     for count, chosen in ((2, ~cubic), (3, cubic)):
-        node, share = np.polynomial.legendre.leggauss(count)
-        width = np.diff(result)[chosen, None] / 2.0
-        tau.append((middle[chosen, None] + width * node).ravel())
-        shares.append((width * share).ravel())
+        points, weights = gauss_points(result, count)
+        tau.append(points[chosen].ravel())
+        shares.append(weights[chosen].ravel())
     return np.concatenate(tau), np.concatenate(shares)
 
 

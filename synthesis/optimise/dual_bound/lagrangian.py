@@ -126,11 +126,6 @@ class Lagrangian:
         return tuple(result)
 
 
-def initial_terms(x: Array, weights: Array) -> Array:
-    """What weights (n, m) on g, g', … at x (n,) come to in them at 0, by Taylor: (n, m)."""
-    return sums_at_start(x[:, None], weights[:, None])
-
-
 def sums_at_start(x: Array, weights: Array) -> Array:
     """What weights (…, n, m) on g, g', … at x (…, n) come to in them at 0, by Taylor: (…, m)."""
     order = weights.shape[-1]

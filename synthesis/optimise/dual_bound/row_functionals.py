@@ -183,7 +183,9 @@ def row_functionals(
     model: ConicModel, order: int, z: Array | None = None
 ) -> Iterator[RowFunctional]:
     """All rows that speak of arbitrary laws, or of the size alone; those of multipliers z ≠ 0."""
-    for at, block in model.numbered_blocks if z is None else model.active_blocks(z):
+    for at, block in model.numbered_blocks:
+        if z is not None and not np.count_nonzero(z[at : at + len(block.rhs)]):
+            continue
         # Of the others one is the control's own cap, and the rest only hold for splines.
         if block.kind == "monotone":
             speaks = True

@@ -181,7 +181,7 @@ def smooth_start(state: SolveState) -> tuple[SolveState, Candidate | None]:
     if not state.problem.free:
         return state, None
     roughest = min(segment.free.smoothness for segment in state.problem.free if segment.free)
-    smooth = state.problem.with_objective(RmsJerk() if roughest > 1 else RmsAcceleration())
+    smooth = replace(state.problem, objective=RmsJerk() if roughest > 1 else RmsAcceleration())
     model = formulate(smooth, state.grids, 0.0, state.tightening)
     solution = solve(model.program, state.time_left)
     if solution.stopped not in USABLE:

@@ -59,8 +59,12 @@ INWARDS = 0.02
 INSIDE = 0.01
 """Relative tightening of limits while any feasible point is sought: the next search needs room."""
 
-Trial = tuple[BundlePoint, Candidate | None]
-"""A point with its value, and the cam of a whole search there."""
+
+@dataclass(frozen=True, eq=False)
+class Trial(BundlePoint):
+    """A point with its value, and the cam of a whole search there."""
+
+    cam: Candidate | None
 
 
 def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, Stage]:
@@ -160,42 +164,35 @@ def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePo
     """The best point along one number's range, the others as they are; None where nothing fits."""
     for count in (FEW, MANY):
         trials = _along(worth, start, position, count)
-        best, cam = min(trials, key=_value)
-        if cam is not None:
+        best = _best(trials)
+        if best.cam is not None:
             break
     else:
         return None
-    if cam.laws:
-        return min([(best, cam), *_closer(worth, trials, position, ROUGHLY)], key=_value)[0]
+    if best.cam.laws:
+        return _best([best, *_closer(worth, trials, position, ROUGHLY)])
     # Given laws: with the pivot's distance fixed at the cam's, and at the ends of its range.
-    fixable, fixed = cam.problem.machine.follower.fixable_dimension(), list[float | None]([None])
+    fixable, fixed = best.cam.problem.machine.follower.fixable_dimension(), list[float | None]()
     if fixable is not None:
-        at = min(max(fixable.value_in(cam.size), fixable.low), fixable.high)
+        at = min(max(fixable.value_in(best.cam.size), fixable.low), fixable.high)
         near = (x for x in (fixable.low, fixable.high) if x != at and abs(x - at) <= NEAR * at)
         fixed = [at, *near]
-    every: list[Trial] = [(best, cam)]
-    for distance in fixed:
+    every = [best]
+    for distance in fixed or [None]:
         trials = _along(worth, start, position, MANY, distance)
         every += [*trials, *_closer(worth, trials, position, CLOSELY, distance)]
-    return min(every, key=_value)[0]
+    return _best(every)
 
 
 def _along(
     worth: ValueFunction, start: Array, position: int, count: int, fixed: float | None = None
 ) -> list[Trial]:
     points = worth.free_parameters.points_along(start, position, count)
-    return [_trial(worth, u, ROUGH, fixed) for u in points]
+    return [worth.solved(u, ROUGH, fixed) for u in points]
 
 
-def _trial(worth: ValueFunction, u: Array, tolerance: float, fixed: float | None) -> Trial:
-    cam = worth.solved(u, tolerance, fixed)
-    if cam is None:
-        return BundlePoint(u, NOTHING), None
-    return BundlePoint(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine)), cam
-
-
-def _value(trial: Trial) -> float:
-    return trial[0].value
+def _best(trials: Sequence[Trial]) -> Trial:
+    return min(trials, key=lambda trial: trial.value)
 
 
 def _closer(
@@ -203,19 +200,17 @@ def _closer(
     fixed: float | None = None,
 ) -> list[Trial]:  # fmt: skip
     """Points between the neighbours of the best one, to a relative distance."""
-    parameters, more = worth.free_parameters, list[Trial]()
-    at = int(np.argmin([_value(trial) for trial in trials]))
-    best, cam = trials[at]
-    if cam is None:
+    parameters, more, best = worth.free_parameters, list[Trial](), _best(trials)
+    if best.cam is None:
         return []
-    logarithms = [log(parameters.values_at(point.u)[position]) for point, _ in trials]
+    at, last = trials.index(best), len(trials) - 1
+    logarithms = [log(parameters.values_at(trial.u)[position]) for trial in trials]
 
     def value(logarithm: float) -> float:
         u = parameters.with_value(best.u, position, exp(logarithm))
-        more.append(_trial(worth, u, FINE, fixed))
-        return _value(more[-1])
+        more.append(worth.solved(u, FINE, fixed))
+        return more[-1].value
 
-    last = len(trials) - 1
     low, high = logarithms[max(at - 1, 0)], logarithms[min(at + 1, last)]
     if at in (0, last):
         inwards = (high if at == 0 else low) - logarithms[at]
@@ -301,21 +296,22 @@ class ValueFunction:
 
         return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
-    def solved(self, u: Array, tolerance: float, fixed: float | None = None) -> Candidate | None:
-        """The best cam that a whole search finds; None where it finds none.
+    def solved(self, u: Array, tolerance: float, fixed: float | None) -> Trial:
+        """The best cam that a whole search finds at u, if it finds one.
 
-        Args:
-            u: where. tolerance: of a search that has one; half-planes are met exactly.
-            fixed: a value for what can be fixed; None: free, as in the spec.
+        ``fixed``: a value for what can be fixed; None: free, as in the spec.
         """
         problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
-            return None
+            return Trial(u, NOTHING, None)
         self.calls += 1
         fixable = problem.machine.follower.fixable_dimension()
         if fixed is not None and fixable is not None:
             problem = problem.with_follower(fixable.fixed_at(fixed))
-        return optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
+        cam = optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
+        if cam is None:
+            return Trial(u, NOTHING, None)
+        return Trial(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
 
     def excess(self, mesh: Mesh) -> Function:
         """By how much limits must be exceeded at least, in all; 0 where everything fits."""

@@ -23,7 +23,7 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics import clock
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array, gauss_points
-from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
+from synthesis.numerics.solvers.clarabel import ConeProgram, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.problem.boundary import given_end, required_end
 from synthesis.optimise.state.solve_state import Stage
@@ -149,34 +149,19 @@ def _fit(rows: Rows, space: SplineSpace, time_limit: float) -> Fit | None:
         [rows.tolerance / unit * frame.jerk, -sparse.eye(q)],
         [frame.closed, None], [frame.basis, None], [-frame.basis, None],
     ]  # fmt: skip
-    matrix = sparse.csc_matrix(sparse.bmat(blocks))
-    rhs = np.concatenate(
-        [-frame.jerk_before / unit, frame.closed_rhs, frame.miss + slack, slack - frame.miss]
-    )
-    quadratic = sparse.csc_matrix(sparse.diags(np.repeat([0.0, 2.0], [n, q])))
-    quadratic.eliminate_zeros()
-    equalities = q + frame.closed.shape[0]
-    program = ConeProgram(quadratic, np.zeros(n + q), matrix, rhs, equalities, 2 * len(rows.x), ())
-    solution = solve(program, time_limit)
-    if solution.stopped not in USABLE:
-        return None
-    return frame.fit(solution, solution.x[:n], program)
+    rhs = [-frame.jerk_before / unit, frame.closed_rhs, frame.miss + slack, slack - frame.miss]
+    squares = np.repeat([0.0, 2.0], [n, q])
+    fit = frame.solve(squares, np.zeros(n + q), blocks, rhs, time_limit)
+    return fit if fit.stopped in USABLE else None
 
 
 def _nearest(rows: Rows, space: SplineSpace, time_limit: float) -> Fit:
     """The smoothest of the splines that come (almost) as near to the rows as any of the space."""
     frame = _Frame.of(rows, space)
-    n, m = frame.basis.shape[1], len(rows.x)
-    one = sparse.csc_matrix(-np.ones((m, 1)))
+    n, one = frame.basis.shape[1], sparse.csc_matrix(-np.ones((len(rows.x), 1)))
     blocks: list[Any] = [[frame.closed, None], [frame.basis, one], [-frame.basis, one]]
-    matrix = sparse.csc_matrix(sparse.bmat(blocks))
-    rhs = np.concatenate([frame.closed_rhs, frame.miss, -frame.miss])
-    least = np.zeros(n + 1)
-    least[n] = 1.0
-    nothing = sparse.csc_matrix((n + 1, n + 1))
-    program = ConeProgram(nothing, least, matrix, rhs, frame.closed.shape[0], 2 * m, ())
-    solution = solve(program, time_limit)
-    nearest = frame.fit(solution, solution.x[:n], program)
+    rhs = [frame.closed_rhs, frame.miss, -frame.miss]
+    nearest = frame.solve(np.zeros(n + 1), np.eye(n + 1)[n], blocks, rhs, time_limit)
     wider = replace(rows, tolerance=SPARE * max(nearest.deviation, rows.tolerance))
     return _fit(wider, space, time_limit) or nearest
 
@@ -228,16 +213,23 @@ class _Frame:
             sparse.csr_matrix(closed[:, inner]), -closed @ around / rows.tolerance,
         )  # fmt: skip
 
-    def fit(self, solution: ConeSolution, step: Array, program: ConeProgram) -> Fit:
-        """The spline at a point of a program."""
-        coefficients = self.around.copy()
+    def solve(
+        self, squares: Array, linear: Array, blocks: list[Any], rhs: list[Array], time_limit: float
+    ) -> Fit:
+        """The best spline: unknown coefficients come first, rows ≤ rhs of the table last."""
+        quadratic = sparse.csc_matrix(sparse.diags(squares))
+        quadratic.eliminate_zeros()
+        matrix, bounds = sparse.csc_matrix(sparse.bmat(blocks)), np.concatenate(rhs)
+        both = 2 * len(self.miss)
+        program = ConeProgram(quadratic, linear, matrix, bounds, len(bounds) - both, both, ())
+        solution = solve(program, time_limit)
+        step, coefficients = solution.x[: self.basis.shape[1]], self.around.copy()
         coefficients[self.inner] += self.rows.tolerance * step
         miss = self.miss - self.basis @ step
         jerk = self.jerk_before + self.rows.tolerance * (self.jerk @ step)
         deviation = float(np.max(np.abs(miss))) * self.rows.tolerance
-        height, width = program.matrix.shape
         return Fit(
-            self.space, coefficients, deviation, float(jerk @ jerk), width, height,
+            self.space, coefficients, deviation, float(jerk @ jerk), len(squares), len(bounds),
             solution.iterations, solution.stopped,
         )  # fmt: skip
 

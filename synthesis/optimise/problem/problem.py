@@ -193,10 +193,6 @@ class Problem:
         """How far a size can be raised within bounds and cones [length]."""
         return max_enlargement(size, self.sizing.bounds, self.norm_bounds)
 
-    def with_objective(self, objective: Objective) -> Problem:
-        """The same limits with something else to make small."""
-        return replace(self, objective=objective)
-
     def with_follower(self, follower: Follower) -> Problem:
         """The same problem put to a follower with more dimensions given."""
         machine = replace(self.machine, follower=follower)

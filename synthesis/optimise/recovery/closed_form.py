@@ -43,11 +43,8 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
 def closed_form_size(problem: Problem, clear: float = 0.0) -> Vector | None:
     """The size of least prime radius on all half-planes; None where they have no common point.
 
-    Cones and limits that are not convex are not looked at.
-
-    Args:
-        problem: the problem, laws fixed.
-        clear: share of the norm by which the half-planes of curved limits are drawn in.
+    Cones and limits that are not convex are not looked at. ``clear``: share of the norm by which
+    the half-planes of curved limits are drawn in.
     """
     normals, offsets = half_planes(problem)
     size = _nearest_size(problem, normals, offsets)

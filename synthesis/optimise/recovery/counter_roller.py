@@ -100,18 +100,16 @@ class _CounterCam:
         samples, size = sample(self.cam.problem), self.cam.size
         for _ in range(ROUNDS):
             # 1. The first place tried that does at the samples, and where its limit just holds.
-            before, result = low, None
-            for place in _trial_places(low, high):
-                if self.excess(place, samples) > 0.0:
-                    before = place
-                    continue
-                result = place
-                if place != low and clock.now() < self.deadline:
-                    root = brentq(self.excess, before, place, (samples,), xtol=1e-300, rtol=1e-13)
-                    result = min(float(root) * (1.0 + CLEARANCE), high)
-                break
-            if result is None:
+            places = _trial_places(low, high)
+            good = (k for k, place in enumerate(places) if self.excess(place, samples) <= 0.0)
+            first = next(good, None)
+            if first is None:
                 return None
+            result = places[first]
+            if first and clock.now() < self.deadline:
+                before = places[first - 1]
+                root = brentq(self.excess, before, result, (samples,), xtol=1e-300, rtol=1e-13)
+                result = min(float(root) * (1.0 + CLEARANCE), high)
             # 2. Once more with the peaks between the samples, until none is exceeded.
             problem = self.at(result)
             peak_samples = peaks(problem, samples, size)

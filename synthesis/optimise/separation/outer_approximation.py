@@ -91,11 +91,10 @@ def relax(state: SolveState, level: float) -> Relaxed:
 
 def _look_for_cam(state: SolveState) -> SolveState:
     """A local search, once, where no size fits the laws of the cone programs."""
-    if state.last is None or state.local_search_done:
+    last = None if state.local_search_done else state.last
+    if last is None or row_violations(state, last)[1] <= ALLOWED:
         return state
-    if row_violations(state, state.last)[1] <= ALLOWED:
-        return state
-    start = state.incumbent or state.relaxed or state.last
+    start = state.incumbent or state.relaxed or last
     return improve_from(replace(state, local_search_done=True), start)
 
 

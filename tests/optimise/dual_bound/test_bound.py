@@ -16,7 +16,7 @@ from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
-from synthesis.optimise.dual_bound.lagrangian import initial_terms, sums_at_start
+from synthesis.optimise.dual_bound.lagrangian import sums_at_start
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import ObjectiveCap, Problem
 from synthesis.spec.design_spec import DesignSpec
@@ -291,5 +291,5 @@ def test_initial_values_of_many_points_are_summed_as_one_by_one() -> None:
     rng = np.random.default_rng(4)
     for order in (2, 3):
         x, weights = rng.random(7), rng.standard_normal((7, order))
-        each = np.sum(initial_terms(x, weights), axis=0)
+        each = np.sum(sums_at_start(x[:, None], weights[:, None]), axis=0)
         np.testing.assert_allclose(sums_at_start(x, weights), each, rtol=1e-12)

@@ -17,7 +17,7 @@ from synthesis.optimise.dual_bound.bound import (
     bound_from_lagrangian,
 )
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian, initial_terms
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (
     Hats,
     cone_rows,
@@ -63,9 +63,9 @@ def test_a_density_is_many_small_masses(seed: int, order: int, rising: bool) -> 
     ours = seen(hat(left, right, rising, alpha))(tau)
     theirs = switching(points, weights)(tau)
     np.testing.assert_allclose(ours, theirs, atol=2.0 / PARTS * np.abs(alpha).sum())
-    starts = initial_terms(points, weights).sum(axis=0)
+    starts = sums_at_start(points, weights)
     weights = hat(left, right, rising, alpha).weights
-    np.testing.assert_allclose(initial_terms(np.array([left]), weights)[0], starts, atol=1e-6)
+    np.testing.assert_allclose(sums_at_start(np.array([left]), weights), starts, atol=1e-6)
 
 
 def test_shared_masses_are_the_same_in_sum_and_in_the_mean() -> None:

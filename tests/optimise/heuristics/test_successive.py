@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -41,7 +42,7 @@ def tangents(spec: DesignSpec, close: float = CLOSE, intervals: int = 14) -> tup
     """From the law of least mean square jerk, on the size that the relaxation likes."""
     asked = problem(spec)
     grids = [uniform_grid(segment, intervals) for segment in asked.free]
-    quiet = formulate(asked.with_objective(RmsJerk()), grids)
+    quiet = formulate(replace(asked, objective=RmsJerk()), grids)
     model = formulate(asked, grids, region=Region())
     start = recover_cam(asked, *quiet.recover(solve(quiet.program).x))
     return solve_scp(model, start.laws, start.size, inf, ScpTarget(close, 1e-6)), model
