@@ -53,11 +53,7 @@ class Flight(FiniteModel):
 
 
 def simulate_flights(chain: Chain, motion: Motion, omega: float, turns: int) -> Flight | None:
-    """Integrate from rest; None where the fastest mode swings too often.
-
-    Args:
-        chain: the train. motion: of the cam. omega: its speed [rad/s]. turns: how many.
-    """
+    """Integrate from rest, at ω [rad/s]; None where the fastest mode swings too often."""
     fastest = float(np.max(np.abs(chain.modes.rates))) / omega
     if fastest * turns > MAX_RADIANS:
         return None
@@ -88,8 +84,8 @@ class _Simulation:
         peaks, in_flight = {True: 0.0, False: 0.0}, 0.0
         for low, high, jump in self._stages():
             state[n:] -= jump * self.omega  # y' = x' − s' jumps where the cam's velocity does
-            at = low
-            while at < high and len(losses) <= MAX_LOSSES:
+            at, changed = low, True
+            while changed and at < high and len(losses) <= MAX_LOSSES:
                 clock.now()  # so that a cancelled task ends here
                 begin = at
                 at, state, z, changed, peak = self._phase(begin, high, state, z, flying=flying)
@@ -99,8 +95,6 @@ class _Simulation:
                 flying = flying != changed
                 if changed and flying:
                     losses.append(at)
-                if not changed:
-                    break
         turn, angle = divmod(losses[0], FULL_TURN) if losses else (None, None)
         return Flight(
             first_separation_turn=None if turn is None else int(turn),
@@ -152,15 +146,10 @@ class _Simulation:
             dense_output=True,
         )  # fmt: skip
         at, last = float(solution.t[-1]), solution.y[:, -1]
+        z = float(last[2 * n] if flying else last[0])
         between = np.linspace(solution.t[:-1], solution.t[1:], SAMPLES, axis=1).ravel()
         peak = float(np.max(event(solution.sol(between))))
-        return (
-            at,
-            last[: 2 * n],
-            float(last[2 * n] if flying else last[0]),
-            solution.status == 1,
-            peak,
-        )
+        return at, last[: 2 * n], z, solution.status == 1, peak
 
     def _rates(self, flying: bool) -> Callable[[float, Array], Array]:
         """d/dθ of the state."""

@@ -180,10 +180,8 @@ class Limits:
         An angle that no whole turn brings inside stays as near to its range as possible. For base
         and tool, whose range may exceed 360°, every equivalent is given.
         """
-        upper, fore = (
-            _nearest(joints.upper_arm, self.upper_arm),
-            _nearest(joints.forearm, self.forearm),
-        )
+        upper = _nearest(joints.upper_arm, self.upper_arm)
+        fore = _nearest(joints.forearm, self.forearm)
         for base in _equivalents(joints.base, self.base):
             for tool in _equivalents(joints.tool, self.tool):
                 yield Joints(base, upper, fore, tool)

@@ -9,20 +9,8 @@ that keep the limits, as a unit box, and the objectives.
 
 from __future__ import annotations
 
-from synthesis.machines.linkages.shaper.report import SixBarShaper, analyse_shaper
-from synthesis.machines.linkages.shaper.sizing import size_shaper
+from synthesis.machines.linkages.shaper.report import SixBarShaper
+from synthesis.machines.linkages.shaper.sizing import analyse_or_size_shaper
 from synthesis.machines.linkages.shaper.spec import ShaperSpec
 
 __all__ = ["ShaperSpec", "SixBarShaper", "analyse_or_size_shaper"]
-
-
-def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
-    """Analyse a shaper with all lengths given, or choose the lengths that are left free.
-
-    Raises:
-        InputError: it cannot make a full turn, or its crank stops.
-        TimeBudgetExceeded: before lengths were found or excluded.
-    """
-    if spec.free:
-        return size_shaper(spec, deadline)
-    return analyse_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})

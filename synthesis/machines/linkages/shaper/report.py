@@ -17,14 +17,13 @@ from synthesis.catalogue.fields import AnswerModel, doc, ends
 from synthesis.design.design import Conflict, Proof, Status
 from synthesis.design.identity import engine_version, question_id
 from synthesis.errors import InputError
-from synthesis.machines.linkages.shaper.mechanism import SIGN, Drive, Motion, Shaper
+from synthesis.machines.linkages.shaper.mechanism import SIGN, Drive, Motion, Shaper, Value
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.enclosure import Extremum, ExtremumQuery, enclose
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import Taylor
 from synthesis.units import DEGREE, FULL_TURN
 
-Value = Any  # an array, or Taylor models of the same
 Cause = Literal["guide_turns_back", "in_line"]
 KIND: Final = "six-bar shaper"
 BOXES: Final = 64  # crank-angle intervals of the first level of an enclosure
@@ -252,10 +251,7 @@ def check_assembly(shaper: Shaper) -> None:
             not reach the ram's line, or lengths differ by more than a factor of a million.
     """
     a, r = shaper.pivot_distance, shaper.crank
-    lengths = {
-        "crank_mm": r, "guide_mm": shaper.guide, "coupler_mm": shaper.coupler,
-        "pivot_distance_mm": a,
-    }  # fmt: skip
+    lengths = dict(zip(LENGTHS, (r, shaper.guide, shaper.coupler, a), strict=False))
     shortest, longest = (pick(lengths, key=lambda name: lengths[name]) for pick in (min, max))
     if lengths[shortest] < SHORTEST * lengths[longest]:
         raise InputError(
@@ -358,12 +354,8 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
 
 def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, extremum: Extremum) -> ShaperPeak:
     """An enclosure in the wire's unit; where nothing was proven, the value at its angle."""
-    enclosure, unit, phi = (
-        extremum.enclosure,
-        quantity.per_unit,
-        drive.phi(extremum.enclosure.angle),
-    )
-    value = enclosure.value
+    enclosure, unit = extremum.enclosure, quantity.per_unit
+    value, phi = enclosure.value, drive.phi(enclosure.angle)
     if not math.isfinite(value):
         value = float(quantity.of(shaper.motion(phi), drive, enclosure.angle))
     return ShaperPeak(

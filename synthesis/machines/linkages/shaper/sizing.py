@@ -35,7 +35,7 @@ from synthesis.machines.linkages.shaper.report import (
     analyse_shaper,
     report_infeasible,
 )
-from synthesis.machines.linkages.shaper.spec import ShaperSpec
+from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics import clock
 from synthesis.numerics.affine import Affine
 from synthesis.numerics.piecewise import Array
@@ -69,13 +69,16 @@ CLOSED: Final = (
 )
 
 
-def size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
-    """The best shaper for a spec with free lengths.
+def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> SixBarShaper:
+    """Analyse a shaper with all lengths given, or choose the lengths that are left free.
 
     Raises:
-        InputError: the ranges leave rotating guides only.
-        TimeBudgetExceeded: before a shaper was found or excluded.
+        InputError: it cannot make a full turn, its crank stops, or free lengths leave rotating
+            guides only.
+        TimeBudgetExceeded: before lengths were found or excluded.
     """
+    if not spec.free:
+        return analyse_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
     shortest, farthest = ends(spec.crank_mm)[0], ends(spec.pivot_distance_mm)[1]
     if shortest >= farthest:
         raise InputError(
@@ -110,9 +113,8 @@ def _certified(answer: SixBarShaper, objective: ShaperObjective, bound: float) -
     """The answer with the objective as measured on the finished linkage, and its bound."""
     assert answer.least_transmission_angle_deg is not None  # there is a linkage to measure
     peaks = next(one for one in answer.extremes if one.quantity == "ram_acceleration")
-    links = ("crank_mm", "guide_mm", "coupler_mm", "pivot_distance_mm")
     value = {
-        "longest_link_mm": max(answer.dimensions[name] for name in links),
+        "longest_link_mm": max(answer.dimensions[name] for name in LENGTHS[:-1]),
         "least_transmission_angle_deg": answer.least_transmission_angle_deg,
         "ram_acceleration_mm_per_s2": max(abs(peaks.largest.value), abs(peaks.smallest.value)),
     }[objective.name]
@@ -167,23 +169,21 @@ def _explain_coupler(
     spec: ShaperSpec, space: DesignSpace, proven: bool, deadline: float | None
 ) -> Conflict:
     """Why no coupler serves: the best transmission angle, and the shortest coupler that would."""
-    relaxations = []
-    requested = spec.least_transmission_angle_deg
+    relaxations, requested = list[Relaxation](), spec.least_transmission_angle_deg
     if requested is not None:
         angle = OBJECTIVES["transmission_angle"]
         result = global_minimum(replace(space, largest_sine=1.0 - CLEARANCE), angle, GAP, deadline)
-        needed = None if result.u is None else angle.to_wire(result.value, 1.0)
-        note = (
-            "No coupler in its range reaches the ram's line everywhere." if result.u is None else
-            f"Proven: none has more than {angle.to_wire(result.bound, 1.0):.6g}°."
-        )  # fmt: skip
+        needed, note = None, "No coupler in its range reaches the ram's line everywhere."
+        if result.u is not None:
+            needed, most = (angle.to_wire(sine, 1.0) for sine in (result.value, result.bound))
+            note = f"Proven: none has more than {most:.6g}°."
         relaxations.append(Relaxation(
             limit="least_transmission_angle_deg", field="/least_transmission_angle_deg",
             unit="deg", requested=requested, needed=needed, note=note,
         ))  # fmt: skip
     shortest, longest = space.lengths["coupler_mm"]
     range_ = (shortest, LONG_COUPLER * space.lengths["guide_mm"][1])
-    longer = replace(space, lengths={**space.lengths, "coupler_mm": range_})
+    longer = replace(space, lengths=space.lengths | {"coupler_mm": range_})
     result = global_minimum(longer, SHORTEST_COUPLER, GAP, deadline)
     needed = None if result.u is None else result.value
     note = f"Proven: no coupler shorter than {result.bound:.6g} mm serves." if needed else ""
@@ -192,12 +192,11 @@ def _explain_coupler(
         note=note,
     ))  # fmt: skip
     limits = [each.limit for each in relaxations]
-    evidence = (
-        f"No lengths within the ranges can keep {' and '.join(limits)}: excluded by branch and "
-        "bound. Proven."
-    )
-    if not proven:
-        evidence = f"No lengths were found that keep {' and '.join(limits)}. Not proven."
+    names = " and ".join(limits)
+    evidence = f"No lengths were found that keep {names}. Not proven."
+    if proven:
+        evidence = f"No lengths within the ranges can keep {names}: excluded by branch and bound. "
+        evidence += "Proven."
     return Conflict(limits=limits, relaxations=relaxations, evidence=evidence)
 
 
