@@ -21,15 +21,9 @@ from synthesis.exporters.exporter import FileFormat
 from synthesis.exporters.options import Options, Theme
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
+from synthesis.machines.dynamics import response
 from synthesis.machines.dynamics.polydyne import polydyne
 from synthesis.machines.dynamics.report import TrainResponse
-from synthesis.machines.dynamics.response import (
-    Response,
-    Steps,
-    from_rest,
-    residual_spectrum,
-    steady,
-)
 from synthesis.units import DEGREE, FULL_TURN, rad_per_s
 
 MAX_TURNS, MAX_POINTS_PER_DEGREE = 20, 20.0  # so that a file takes seconds
@@ -78,19 +72,21 @@ class ResponseOptions(RowOptions):
     ] = 0
 
 
-def _steps(answer: TrainResponse, per_degree: float) -> Steps:
-    return Steps.of(answer.cam.curve, int(np.ceil(360.0 * per_degree)))
+def _steps(answer: TrainResponse, per_degree: float) -> response.Steps:
+    return response.Steps.of(answer.cam.curve, int(np.ceil(360.0 * per_degree)))
 
 
 def _response_csv(answer: TrainResponse, options: ResponseOptions) -> bytes:
     """Cam, masses and contact force; a cam angle with an impact has two rows."""
     chain, omega = answer.spec.train.chain(), rad_per_s(options.of(answer))
     steps = _steps(answer, options.points_per_degree)
-    turns = from_rest(chain, steps, omega, options.turns) or [steady(chain, steps, omega)]
+    turns = response.from_rest(chain, steps, omega, options.turns) or [
+        response.steady(chain, steps, omega)
+    ]
     return csv_table(concatenate([_columns(k, turn) for k, turn in enumerate(turns)]))
 
 
-def _columns(number: int, turn: Response) -> list[Column]:
+def _columns(number: int, turn: response.Response) -> list[Column]:
     """One turn."""
     theta, cam, deflection = turn.theta, turn.steps.s[0], turn.deflection
     return [
@@ -127,7 +123,7 @@ def _polydyne_csv(answer: TrainResponse, options: RowOptions) -> bytes:
 def _response_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     """Motion of cam and output, the error of the output, its acceleration, the contact force."""
     speed = options.of(answer)
-    turn = steady(answer.spec.train.chain(), _steps(answer, PER_DEGREE), rad_per_s(speed))
+    turn = response.steady(answer.spec.train.chain(), _steps(answer, PER_DEGREE), rad_per_s(speed))
     degrees, error = turn.theta / DEGREE, turn.deflection[-1]
     plots = [
         curve_plot(title, unit, degrees, values)
@@ -156,7 +152,7 @@ def _spectrum_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     rates = modes.rates[modes.independent]
     first = rates[int(np.argmax(np.abs(rates.imag) > 0.0))]
     damping = float(np.clip(-first.real / abs(first), 0.0, 0.99))
-    curves = [residual_spectrum(motion, run, ratios, damping) for run in runs]
+    curves = [response.residual_spectrum(motion, run, ratios, damping) for run in runs]
     # Amplitudes on a logarithmic axis, down from the power of ten above the largest.
     hertz, wide = ratios * rad_per_s(speed) / FULL_TURN, WIDTH - LEFT - RIGHT
     top = int(np.ceil(np.log10(max((float(curve.max()) for curve in curves), default=1.0))))

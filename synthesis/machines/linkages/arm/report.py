@@ -166,12 +166,8 @@ def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
         reach_mm=max(farthest, -nearest),
         regions=parts,
         singular=[
-            ArmsInLine(
-                opening_deg=round((first[0] - first[1]) / DEGREE, 9),
-                from_deg=_degrees(first),
-                to_deg=_degrees(last),
-            )
-            for first, last in limits.singular_segments()
+            ArmsInLine(opening_deg=round(first[0] - first[1], 9), from_deg=first, to_deg=last)
+            for first, last in (map(_degrees, ends) for ends in limits.singular_segments())
         ],
         over_axis=nearest <= 0.0 <= farthest,
         torques=_largest_torques(spec, workspace),

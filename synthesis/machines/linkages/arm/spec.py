@@ -9,15 +9,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from synthesis.catalogue.fields import FiniteModel, Name, Range, ends
-from synthesis.machines.linkages.arm.geometry import (
-    JOINTS,
-    Arm,
-    Joints,
-    Limits,
-    Place,
-    Posture,
-    static_moments,
-)
+from synthesis.machines.linkages.arm import geometry
+from synthesis.machines.linkages.arm.geometry import Arm, Joints, Limits, Place, Posture
 from synthesis.units import DEGREE
 
 LARGEST = 1e6  # mm and kg: far beyond any arm, so that products stay finite
@@ -175,7 +168,7 @@ class ArmSpec(FiniteModel):
     @property
     def limits(self) -> Limits:
         """The joint limits; an open end is infinite."""
-        ranges = (ends(getattr(self, f"{name}_deg")) for name in JOINTS)
+        ranges = (ends(getattr(self, f"{name}_deg")) for name in geometry.JOINTS)
         return Limits(*((DEGREE * low, DEGREE * high) for low, high in ranges))
 
     @property
@@ -183,4 +176,4 @@ class ArmSpec(FiniteModel):
         """Torques of axes 2 and 3 with both arms horizontal, of links and load [N·m]."""
         load = (self.payload_kg, self.upper_arm_mm, self.forearm_mm)
         parts = ((each.mass_kg, each.upper_arm_mm, each.forearm_mm) for each in self.masses)
-        return static_moments([*parts, load])
+        return geometry.static_moments([*parts, load])

@@ -19,27 +19,15 @@ from synthesis.exporters.animations.scene import EDGE, TURN_S, Scene, tag
 from synthesis.exporters.diagrams.plot import curve_plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
+from synthesis.exporters.figures import parts
 from synthesis.exporters.figures.machine import Moving, Tag, moving_group
-from synthesis.exporters.figures.parts import (
-    Box,
-    display_scale,
-    line_style,
-    place,
-    place_in_panel,
-)
+from synthesis.exporters.figures.parts import Box, place
 from synthesis.exporters.options import Options, PictureOptions
 from synthesis.machines.linkages.arm import PalletisingArm, geometry
 from synthesis.machines.linkages.arm.geometry import RIGHT_ANGLE, Arc, Arm, Corner, Span
 from synthesis.machines.linkages.arm.report import ArmPose
 from synthesis.machines.linkages.files import linkage_file as links
-from synthesis.machines.linkages.files.linkage_file import (
-    CSV,
-    PIN,
-    SVG,
-    Drawing,
-    LinkageFile,
-    shifted,
-)
+from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -74,7 +62,7 @@ class Stage:
     def of(cls, answer: PalletisingArm) -> Stage:
         """The stage for an answer."""
         given, limits = answer.spec.arm, answer.spec.limits
-        by = display_scale(given.upper + given.fore)
+        by = parts.display_scale(given.upper + given.fore)
         arm = Arm(*(by * each for each in vars(given).values()))
         reached = geometry.regions(arm, limits)
         points = [arc.point(share) for region in reached for arc in region.border
@@ -127,7 +115,7 @@ class Stage:
             *shifted(arm.shoulder, arm.height, group("upper", links.bar(arm.upper, 2.0 * u))),
             *group("elbow", [plate, *group("fore", links.bar(arm.fore, 1.6 * u)),
                              *shifted(0.0, beside, fore_rod)]),
-            *group("wrist", [hand, tool, svg.circle(PIN, 0.0, 0.0, u), mark]),
+            *group("wrist", [hand, tool, svg.circle(links.PIN, 0.0, 0.0, u), mark]),
         ]  # fmt: skip
 
 
@@ -229,12 +217,12 @@ def _workspace(answer: PalletisingArm, options: PictureOptions) -> bytes:
     ]
     body = [
         *two_lines(name, _about(answer), EDGE, SHEET[0] - EDGE, 1.0),
-        *shifted(EDGE, TOP, place_in_panel([*stage.ground, *arms], stage.extent, size)),
+        *shifted(EDGE, TOP, parts.place_in_panel([*stage.ground, *arms], stage.extent, size)),
         svg.text("tick", EDGE, SHEET[1] - 4.0, "Seen from the side, in the plane through axis 1; "
                  "the tool's point reaches what is shaded."),
     ]  # fmt: skip
     title, text = f"Workspace of {name}", "The arm in its poses, and where its tool gets to."
-    rules = line_style(stage.extent, size)
+    rules = parts.line_style(stage.extent, size)
     return svg.document(*SHEET, 1.0, title, text, body, theme=options.theme, rules=rules)
 
 
@@ -263,7 +251,7 @@ def _scene(answer: PalletisingArm, count: int) -> Scene:
     tool = answer.spec.arm.tool_point(upper, fore)
     torques = geometry.holding_torques(answer.spec.static_moments, upper, fore)
     moving = stage.moving(upper, fore)
-    drawing = Drawing(
+    drawing = links.Drawing(
         stage.by, stage.extent, moving, lambda tag: [*stage.ground, *stage.parts(tag, moving)]
     )
     return links.linkage_scene(

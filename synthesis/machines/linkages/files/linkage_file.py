@@ -8,27 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.exporters.animations.scene import (
-    DIAGRAMS,
-    EDGE,
-    MACHINE,
-    Body,
-    Scene,
-    reading,
-    traced_diagrams,
-)
+from synthesis.exporters.animations import scene
+from synthesis.exporters.animations.scene import DIAGRAMS, EDGE, MACHINE, Body, Scene
 from synthesis.exporters.diagrams.plot import Frame, Plot
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import two_lines
 from synthesis.exporters.exporter import FileFormat, compact_json
+from synthesis.exporters.figures import parts
 from synthesis.exporters.figures.machine import Moving
-from synthesis.exporters.figures.parts import (
-    Box,
-    box_around,
-    line_style,
-    place_in_panel,
-    polygon,
-)
+from synthesis.exporters.figures.parts import Box, box_around
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -89,7 +77,7 @@ def linkage_scene(
         grounds: background of a diagram. texts: other fields of the scene.
     """
     values = [plot.curve.values for plot in plots]
-    points, diagrams = traced_diagrams(
+    points, diagrams = scene.traced_diagrams(
         plots, plots[0].curve.degrees, values, grounds, texts["shaft"]
     )
     name = answer.name.strip() or title
@@ -98,15 +86,15 @@ def linkage_scene(
         about=about,
         key=answer.id,
         heading=two_lines(name, about, EDGE, EDGE + MACHINE[0] + DIAGRAMS[0], 1.0),
-        machine=lambda tag: place_in_panel(drawing.shapes(tag), drawing.extent, MACHINE),
+        machine=lambda tag: parts.place_in_panel(drawing.shapes(tag), drawing.extent, MACHINE),
         diagrams=diagrams,
         moving=[part for part in (*drawing.moving, *points) if part.moves],
         readings=[
-            reading(key, title, unit, values, float(np.max(np.abs(values))))
+            scene.reading(key, title, unit, values, float(np.max(np.abs(values))))
             for key, title, unit, values in readings
         ],
         decimals=DECIMALS,
-        rules=line_style(drawing.extent, MACHINE),
+        rules=parts.line_style(drawing.extent, MACHINE),
         **texts,
     )
 
@@ -147,7 +135,7 @@ def bearing(x: float, y: float, u: float) -> list[str]:
     """A pivot on the ground."""
     foot = [(0.0, 0.0), (-4.6 * u, -3.0 * u), (-4.6 * u, 3.0 * u)]
     ground = hatched(x - 4.0 * u, x + 4.0 * u, y - 4.6 * u, u)
-    return [polygon("outline rest", complex(x, y), 1j, foot), *ground]
+    return [parts.polygon("outline rest", complex(x, y), 1j, foot), *ground]
 
 
 def hatched(left: float, right: float, y: float, u: float) -> list[str]:

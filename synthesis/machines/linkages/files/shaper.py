@@ -24,14 +24,7 @@ from synthesis.exporters.options import MotionOptions, Options, PictureOptions
 from synthesis.exporters.samples.columns import Column
 from synthesis.exporters.tables import csv_table
 from synthesis.machines.linkages.files import linkage_file as links
-from synthesis.machines.linkages.files.linkage_file import (
-    CSV,
-    PIN,
-    SVG,
-    Drawing,
-    LinkageFile,
-    shifted,
-)
+from synthesis.machines.linkages.files.linkage_file import CSV, SVG, LinkageFile, shifted
 from synthesis.machines.linkages.shaper import SixBarShaper
 from synthesis.machines.linkages.shaper.mechanism import Drive, Motion, Shaper, angle
 from synthesis.numerics.piecewise import Array
@@ -232,7 +225,7 @@ def _motion(answer: SixBarShaper, options: PictureOptions) -> bytes:
     return svg.document(WIDTH, height, 1.0, title, text, body, theme=options.theme)
 
 
-def _drawing(turn: SampledTurn) -> Drawing:
+def _drawing(turn: SampledTurn) -> links.Drawing:
     """Bearings, the crank's circle, the ram's ways, and the links; the guide's pivot is 0."""
     shaper, motion = turn.shaper, turn.motion
     r, a = shaper.crank, shaper.pivot_distance
@@ -260,21 +253,21 @@ def _drawing(turn: SampledTurn) -> Drawing:
         def group(name: str, body: list[str]) -> list[str]:
             return moving_group(name, tag, moving, body)
 
-        swinging = [*links.bar(max(guide, slot), 2.0 * u), svg.circle(PIN, guide, 0.0, 0.9 * u)]
+        pin = svg.circle(links.PIN, guide, 0.0, 0.9 * u)
         return [
             *(svg.line("line axis", low, level + k * 3.0 * u, high, level + k * 3.0 * u)
               for k in (-1.0, 1.0)),
             svg.circle("line circle", 0.0, a, r),
             *links.bearing(0.0, 0.0, u),
             *links.bearing(0.0, a, u),
-            *group("guide", swinging),
+            *group("guide", [*links.bar(max(guide, slot), 2.0 * u), pin]),
             *group("ram", links.block(9.0 * u, 6.0 * u)),
             *group("coupler", group("coupler-turn", links.bar(coupler, 1.4 * u))),
             *shifted(0.0, a, group("crank", links.bar(r, 1.7 * u))),
             *group("block", group("block-turn", links.block(7.0 * u, 4.6 * u))),
         ]  # fmt: skip
 
-    return Drawing(by, extent, moving, shapes)
+    return links.Drawing(by, extent, moving, shapes)
 
 
 def _scene(answer: SixBarShaper, count: int) -> Scene:

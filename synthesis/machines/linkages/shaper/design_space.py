@@ -22,7 +22,7 @@ from typing import Final
 import numpy as np
 
 from synthesis.catalogue.fields import ends
-from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, Value, identity
+from synthesis.machines.linkages.shaper.mechanism import Narrowing, Shaper, Value
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
@@ -56,7 +56,7 @@ class ShaperBatch:
     coupler: Value
     middle_sine: Value  # sin γ at the middle of the swing, (H − L)/c
     deficit: Value  # length that the coupler lacks to reach everywhere; positive: infeasible
-    narrow: Narrowing = identity  # narrows sin γ to its range, where it is a model
+    narrow: Narrowing = lambda sine: sine  # narrows sin γ to its range, where it is a model
 
     @property
     def ram_line(self) -> Value:

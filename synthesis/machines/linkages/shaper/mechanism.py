@@ -35,11 +35,6 @@ Side = Literal["left", "right"]
 SIGN: dict[Side, float] = {"left": -1.0, "right": 1.0}
 
 
-def identity(value: Value) -> Value:
-    """No narrowing."""
-    return value
-
-
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Positions of the links and their derivatives by the crank angle [mm, rad]."""
@@ -81,7 +76,7 @@ class Shaper:
         """sin γ of the coupler for sin ψ of the guide; beyond ±1 the coupler does not reach."""
         return (self.ram_line - self.guide * sine) / self.coupler
 
-    def motion(self, phi: Value, narrow: Narrowing = identity) -> Motion:
+    def motion(self, phi: Value, narrow: Narrowing = lambda sine: sine) -> Motion:
         """The motion at crank angles φ [rad], counted from the x axis, counter-clockwise.
 
         ``narrow`` narrows sin γ by what is narrow of it, where lengths are models.

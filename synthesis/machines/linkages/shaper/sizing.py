@@ -19,6 +19,7 @@ import numpy as np
 from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Proof, Relaxation, Status
 from synthesis.errors import InputError, TimeBudgetExceeded
+from synthesis.machines.linkages.shaper import report
 from synthesis.machines.linkages.shaper.design_space import (
     CLEARANCE,
     CRANK_ANGLES,
@@ -30,11 +31,7 @@ from synthesis.machines.linkages.shaper.design_space import (
     Span,
     quick_return_ratio_of,
 )
-from synthesis.machines.linkages.shaper.report import (
-    SixBarShaper,
-    analyse_shaper,
-    report_infeasible,
-)
+from synthesis.machines.linkages.shaper.report import SixBarShaper
 from synthesis.machines.linkages.shaper.spec import LENGTHS, ShaperSpec
 from synthesis.numerics import clock
 from synthesis.numerics.affine import Affine
@@ -78,7 +75,9 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
         TimeBudgetExceeded: before lengths were found or excluded.
     """
     if not spec.free:
-        return analyse_shaper(spec, {name: low for name, (low, _) in spec.length_ranges().items()})
+        return report.analyse_shaper(
+            spec, {name: low for name, (low, _) in spec.length_ranges().items()}
+        )
     shortest, farthest = ends(spec.crank_mm)[0], ends(spec.pivot_distance_mm)[1]
     if shortest >= farthest:
         raise InputError(
@@ -93,7 +92,7 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
         # Two fields have disjoint ranges of s = r/a.
         lowest = max(space.sines, key=lambda name: space.sines[name][0])
         highest = min(space.sines, key=lambda name: space.sines[name][1])
-        return report_infeasible(spec, Conflict(
+        return report.report_infeasible(spec, Conflict(
             limits=sorted({lowest, highest}), evidence=CLOSED,
             relaxations=list(_closed_form_relaxations(spec, space, deadline)),
         ))  # fmt: skip
@@ -104,9 +103,9 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
         proven = math.isinf(result.bound)
         if not proven and deadline is not None and clock.now() >= deadline:
             raise TimeBudgetExceeded(spec.time_budget_s or 0.0)
-        return report_infeasible(spec, _explain_coupler(spec, space, proven, deadline))
+        return report.report_infeasible(spec, _explain_coupler(spec, space, proven, deadline))
     bound = objective.to_wire(result.bound, rad_per_s(spec.speed_rpm))
-    return _certified(analyse_shaper(spec, lengths), objective, bound)
+    return _certified(report.analyse_shaper(spec, lengths), objective, bound)
 
 
 def _certified(answer: SixBarShaper, objective: ShaperObjective, bound: float) -> SixBarShaper:
@@ -209,6 +208,7 @@ class SearchResult:
     bound: float  # no feasible shaper has a smaller value; inf: there is no feasible shaper
 
 
+@np.errstate(all="ignore")
 def global_minimum(
     space: DesignSpace, objective: ShaperObjective, tolerance: float, deadline: float | None
 ) -> SearchResult:
@@ -216,20 +216,18 @@ def global_minimum(
     low, high = space.sine_range()
     if low > high:
         return SearchResult(None, np.inf, np.inf)
-    with np.errstate(all="ignore"):
-        result = _branch_and_bound(
-            space, objective, _descend(space, objective), tolerance, deadline
-        )
-        if result.u is None:
-            return result
-        # Preferred coordinates wherever they do not cost anything.
-        u, value = result.u, _values(space, objective, result.u[None])[0]
-        for k, preferred in PREFERRED:
-            other = u.copy()
-            other[k] = preferred
-            if _values(space, objective, other[None])[0] <= value * (1.0 + ROUNDING):
-                u = other
-        return replace(result, u=u)
+    start = _descend(space, objective)
+    result = _branch_and_bound(space, objective, start, tolerance, deadline)
+    if result.u is None:
+        return result
+    # Preferred coordinates wherever they do not cost anything.
+    u, value = result.u, _values(space, objective, result.u[None])[0]
+    for k, preferred in PREFERRED:
+        other = u.copy()
+        other[k] = preferred
+        if _values(space, objective, other[None])[0] <= value * (1.0 + ROUNDING):
+            u = other
+    return replace(result, u=u)
 
 
 def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
