@@ -28,7 +28,8 @@ SVG = "{http://www.w3.org/2000/svg}"
 DPI = 100.0  # pixels per inch of a PNG
 RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
 FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
-STEP = re.compile(r"([MLA])([^MLAZ]*)|(Z)")
+FACTORS = {"scale": "scale", "translate": "translate", "rotate": "rotate_deg"}  # of Affine2D
+STEP = re.compile(r"([MLAZ])([^MLAZ]*)")
 UNKNOWN = "\u25a1"  # for a letter that the font has not
 FONT = "DejaVu Sans"
 ANCHORS = {"start": 0.0, "middle": 0.5, "end": 1.0}
@@ -86,13 +87,7 @@ def _elements(root: ET.Element, place: Affine2D) -> Iterator[tuple[ET.Element, A
     for element in root:
         own = Affine2D()
         for name, numbers in reversed(FACTOR.findall(element.get("transform", ""))):
-            values = [float(n) for n in numbers.split()]
-            if name == "scale":
-                own.scale(*values)
-            elif name == "translate":
-                own.translate(*values)
-            else:
-                own.rotate_deg(*values)
+            getattr(own, FACTORS[name])(*map(float, numbers.split()))
         where = Affine2D(place.get_matrix() @ own.get_matrix())
         yield element, where
         yield from _elements(element, where)
@@ -117,16 +112,17 @@ def _paint(
                               "joinstyle": "round", "capstyle": "butt"}  # fmt: skip
     if dashes:
         common["linestyle"] = (0.0, dashes)
-    if element.tag == f"{SVG}text":  # a halo lies under its letters
-        if stroke != "none":
-            figure.add_artist(PathPatch(shape, facecolor="none", edgecolor=stroke, **common))
-        figure.add_artist(PathPatch(shape, facecolor=filled, edgecolor="none", transform=where))
-        return
+    layers = []
     if filled != "none":
-        figure.add_artist(PathPatch(shape, facecolor=filled, edgecolor="none", transform=where,
-                                    alpha=float(look.get("fill-opacity", 1.0))))  # fmt: skip
+        opacity = float(look.get("fill-opacity", 1.0))
+        fill = {"facecolor": filled, "edgecolor": "none", "alpha": opacity}
+        layers.append(PathPatch(shape, transform=where, **fill))
     if stroke != "none":
-        figure.add_artist(PathPatch(shape, facecolor="none", edgecolor=stroke, **common))
+        layers.append(PathPatch(shape, facecolor="none", edgecolor=stroke, **common))
+    if element.tag == f"{SVG}text":  # a halo lies under its letters
+        layers.reverse()
+    for layer in layers:
+        figure.add_artist(layer)
 
 
 def _shape(element: ET.Element, look: Look) -> Path | None:
@@ -158,19 +154,14 @@ def _path(steps: str) -> Path:
 
     vertices: list[tuple[float, float]] = []
     codes: list[Any] = []
-    for kind, body, closed in STEP.findall(steps):
-        if closed:
-            vertices.append(vertices[-1])
-            codes.append(Path.CLOSEPOLY)
-            continue
-        given = [float(n) for n in body.split()]
+    code = {"M": Path.MOVETO, "L": Path.LINETO, "A": Path.LINETO, "Z": Path.CLOSEPOLY}
+    for kind, body in STEP.findall(steps):
+        *form, x, y = map(float, body.split()) if body else vertices[-1]
+        places = [(x, y)]
         if kind == "A":
-            around = _arc(vertices[-1], (given[5], given[6]), given[0], given[4] > 0.0)
-            vertices += around
-            codes += [Path.LINETO] * len(around)
-        else:
-            vertices.append((given[0], given[1]))
-            codes.append(Path.MOVETO if kind == "M" else Path.LINETO)
+            places = _arc(vertices[-1], (x, y), form[0], form[4] > 0.0)
+        vertices += places
+        codes += [code[kind]] * len(places)
     return Path(vertices, codes)
 
 

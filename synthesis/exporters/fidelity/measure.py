@@ -270,9 +270,7 @@ def _between(theta: Array) -> Array:
 
 def _clockwise(cam: Cam, written: Written, turn_deg: float) -> tuple[Array, Array]:
     """Cam angles, increasing, and points in the frame of a ccw cam."""
-    turn = -turn_deg * DEGREE
-    x, y = written.points.T
-    x, y = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
+    x, y = to_cam(np.asarray(turn_deg * DEGREE), *written.points.T)
     points = np.column_stack([-x if cam.rotation == "cw" else x, y])
     theta = np.unwrap(written.theta)
     if theta[-1] < theta[0]:
@@ -348,7 +346,9 @@ def _polyline(
     rounds = cam.gap > 0.0 and flat_face(cam.follower) is None and bool(np.all(sharp >= 0.0))
     if rounds:
         corner = np.full(len(theta), SHARP)
-        parts += [(points, _turned(before, part * sharp), corner, theta) for part in CORNER]
+        # a direction is turned to the right as into a cam
+        turned = (np.stack(to_cam(part * sharp, *before)) for part in CORNER)
+        parts += [(points, tangent, corner, theta) for tangent in turned]
     (x, y), (tx, ty), curvature, near = (
         np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)
     )
@@ -357,9 +357,3 @@ def _polyline(
     if not rounds:
         acceleration = Deviation(float("inf"), velocity.angle_deg)
     return Fidelity("polyline", form, velocity, acceleration)
-
-
-def _turned(direction: Array, angle: Array) -> Array:
-    """Unit vectors (2, n) turned to the right."""
-    (x, y), cos, sin = direction, np.cos(angle), np.sin(angle)
-    return np.stack([x * cos + y * sin, y * cos - x * sin])

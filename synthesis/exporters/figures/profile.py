@@ -113,8 +113,7 @@ class Scene:
         )
         points = [-reach, reach]
         for _, at in self.flanks:
-            points += [complex(at.pitch_x.min(), at.pitch_y.min()),
-                       complex(at.pitch_x.max(), at.pitch_y.max())]  # fmt: skip
+            points += [complex(end(at.pitch_x), end(at.pitch_y)) for end in (np.min, np.max)]
         points += [self.centre + self.roller * to for to in (-square, square)]
         points += [self.centre + to * self.along for to in (-left, right)]
         points.append(self.centre + (self.roller + STEM * self.u) * self.drive)
@@ -132,11 +131,8 @@ class Scene:
         """Radius of the rotation arrow, its first and last polar angle [rad]."""
         middle = math.radians(225.0 if self.offset >= 0.0 else 315.0)
         half = 0.5 * self.rotation * ARC_SPAN
-        return (
-            max(0.45 * self.design.dimensions["base_radius_mm"], 7.0 * self.u),
-            middle - half,
-            middle + half,
-        )
+        radius = max(0.45 * self.design.dimensions["base_radius_mm"], 7.0 * self.u)
+        return radius, middle - half, middle + half
 
 
 def shapes(scene: Scene) -> list[str]:
@@ -188,10 +184,10 @@ def _centre_lines(scene: Scene) -> list[str]:
         inside, level = abs(x) > 7.0 * u, low + 2.0 * u
         first, last, over = min(x, 0.0), max(x, 0.0), 0.0 if inside else 4.0 * u
         turns = (math.pi, 0.0) if inside else (0.0, math.pi)
-        body.append(svg.line("axis", first - over, level, last + over, level))
         body += [
-            svg.arrow_head("solid", end, level, turn, 2.0 * u)
-            for end, turn in zip((first, last), turns, strict=True)
+            svg.line("axis", first - over, level, last + over, level),
+            svg.arrow_head("solid", first, level, turns[0], 2.0 * u),
+            svg.arrow_head("solid", last, level, turns[1], 2.0 * u),
         ]
     return body
 
@@ -215,8 +211,8 @@ def _follower(scene: Scene) -> list[str]:
     u, centre, pivot, roller = scene.u, scene.centre, scene.pivot, scene.roller
     half, end = parts.half_width(roller, u), roller + STEM * u
     foot = math.sqrt(max(roller**2 - half**2, 0.0))
-    wheel = [parts.circle("line outline", centre, roller),
-             parts.circle("line axis", centre, min(0.25 * roller, HUB * u))]  # fmt: skip
+    radii = {"line outline": roller, "line axis": min(0.25 * roller, HUB * u)}
+    wheel = [parts.circle(kind, centre, radius) for kind, radius in radii.items()]
     if any(scene.face):
         return _face(scene)
     if pivot is not None:
