@@ -1,4 +1,4 @@
-"""Files made from a design. A new format is an ``Exporter`` and its name in a registry here.
+"""Files made from a design. A new format is a ``design_format`` and its name in a registry here.
 
 In: a Design and the options of a format. Out: bytes with metadata, the same for the same question.
 Formats stand in rooms by what comes out: ``tables``, ``points``, ``curves``, ``solids``,

@@ -19,7 +19,7 @@ from pydantic import Field
 from scipy.interpolate import BPoly
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, asset, format_rows
+from synthesis.exporters.exporter import Exporter, asset, design_format, format_rows
 from synthesis.exporters.fidelity.measure import Deviation, interpolate
 from synthesis.exporters.fidelity.report import (
     DERIVATIVES,
@@ -118,21 +118,11 @@ class DriveTable:
 
 
 class Layout(NamedTuple):
-    """A controller's table: an entry of ``assets/drives.toml``, which says what stands in each.
+    """Of a controller's table: a row, what stands before and after; see ``assets/drives.toml``."""
 
-    ``title``, ``media_type`` and ``purpose`` are as of ``FileFormat``.
-    """
-
-    name: str
-    title: str
-    media_type: str
-    purpose: str
     row: str
     head: str = ""
     tail: str = ""
-
-
-LAYOUTS = [Layout(**each) for each in tomllib.loads(asset("drives.toml"))["layouts"]]
 
 
 def drive_fidelity(design: Design, options: DriveOptions) -> dict[str, Any]:
@@ -173,25 +163,24 @@ def drive_header(design: Design, options: DriveOptions) -> Mapping[str, str]:
     return {"Fidelity": "; ".join(lines)}
 
 
-def _exporter(layout: Layout) -> Exporter[DriveOptions]:
+def _exporter(name: str, title: str, purpose: str, **told: str) -> Exporter[DriveOptions]:
+    media_type, layout = told.pop("media_type"), Layout(**told)
+
     def write(design: Design, options: DriveOptions) -> bytes:
         return DriveTable.of(design, options).text(layout).encode("ascii")
 
     return Exporter(
-        layout.name, f"Electronic cam: {layout.title}", layout.media_type, f".{layout.name}", write,
-        DriveOptions, layout.purpose, by_default=False, measure=drive_header,
+        name, f"Electronic cam: {title}", media_type, f".{name}", write, DriveOptions, purpose,
+        by_default=False, measure=drive_header,
     )  # fmt: skip
 
 
 MOTIONS = (
-    *map(_exporter, LAYOUTS),
-    Exporter(
-        "fidelity.json", "What drives make of a table's rows", "application/json",
-        ".fidelity.json",
+    *(_exporter(**each) for each in tomllib.loads(asset("drives.toml"))["layouts"]),
+    design_format(
+        "motion",
+        "fidelity.json",
         lambda design, options: fidelity_file(design, options, drive_fidelity(design, options)),
         DriveOptions,
-        "Before a table goes to a drive: what linear, cubic and quintic interpolation of its "
-        "rounded rows do to displacement, velocity and acceleration.",
-        by_default=False,
     ),
-)  # fmt: skip
+)

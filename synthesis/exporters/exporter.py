@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache
 from importlib import resources
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 
@@ -113,3 +114,18 @@ class Exporter(FileFormat[Design, Choice]):
 
     placeable: bool = True
     without_cam: bool = False
+
+
+_DESCRIBED = tomllib.loads(asset("formats.toml"))
+
+
+def design_format(
+    part: Literal["profile", "motion", "solid", "picture"],
+    name: str,
+    make: Callable[[Design, Choice], FileContent | bytes],
+    options: type[Choice],
+    measure: Callable[[Design, Choice], Mapping[str, str]] | None = None,
+) -> Exporter[Choice]:
+    """A format as ``assets/formats.toml`` describes it: title, media type, purpose and the rest."""
+    told = {"name": name, "extension": f".{name}", **_DESCRIBED[part][name]}
+    return Exporter(make=make, options=options, measure=measure, **told)

@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import design_format
 from synthesis.exporters.fidelity.measure import polyline_form
 from synthesis.exporters.options import CurveName, PointOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
@@ -345,17 +345,5 @@ def _program(blocks: Iterable[str], with_numbers: bool) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-MILLING = Exporter(
-    "nc", "Program for milling, X and Y", "text/plain; charset=us-ascii", ".nc",
-    _milling, MillingOptions,
-    "Milling, wire erosion, lasers: path of the tool's centre (curve=cutter and its diameter), "
-    "feed constant along the profile.",
-    by_default=False,
-)  # fmt: skip
-GRINDING = Exporter(
-    "grinding.nc", "Program for grinding, C and X", "text/plain; charset=us-ascii", ".grinding.nc",
-    _grinding, GrindingOptions,
-    "Cam grinding: pairs of the cam's angle and the wheel's distance, feed constant along the "
-    "profile.",
-    by_default=False,
-)  # fmt: skip
+MILLING = design_format("profile", "nc", _milling, MillingOptions)
+GRINDING = design_format("profile", "grinding.nc", _grinding, GrindingOptions)

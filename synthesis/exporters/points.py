@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, format_rows
+from synthesis.exporters.exporter import design_format, format_rows
 from synthesis.exporters.fidelity.report import fidelity_header
 from synthesis.exporters.options import PointOptions
 from synthesis.exporters.samples.cutting import checked_cam
@@ -110,25 +110,7 @@ def _xlsx(design: Design, options: PointOptions) -> bytes:
     return packed.getvalue()
 
 
-ASCII = "text/plain; charset=us-ascii"
-TXT = Exporter(
-    "txt", "Points x y z for CAD", ASCII, ".txt", _txt, PointOptions,
-    "Curve through points in most CAD systems and in coordinate measuring machines.",
-    measure=fidelity_header,
-)  # fmt: skip
-IBL = Exporter(
-    "ibl", "Datum curve for Creo", ASCII, ".ibl", _ibl, IblOptions,
-    "Creo and Pro/ENGINEER: Get Data, Import, or a datum curve from a file.", by_default=False,
-    measure=fidelity_header,
-)  # fmt: skip
-SLDCRV = Exporter(
-    "sldcrv", "Curve for SOLIDWORKS", ASCII, ".sldcrv", _sldcrv, PointOptions,
-    "SOLIDWORKS: Insert, Curve, Curve Through XYZ Points.", by_default=False,
-    measure=fidelity_header,
-)  # fmt: skip
-XLSX = Exporter(
-    "xlsx", "Points for Inventor",
-    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", ".xlsx", _xlsx,
-    PointOptions, "Autodesk Inventor: Import Points in a sketch. Any spreadsheet.",
-    by_default=False, measure=fidelity_header,
-)  # fmt: skip
+TXT = design_format("profile", "txt", _txt, PointOptions, fidelity_header)
+IBL = design_format("profile", "ibl", _ibl, IblOptions, fidelity_header)
+SLDCRV = design_format("profile", "sldcrv", _sldcrv, PointOptions, fidelity_header)
+XLSX = design_format("profile", "xlsx", _xlsx, PointOptions, fidelity_header)

@@ -19,7 +19,7 @@ from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
-from synthesis.exporters.exporter import Exporter, asset
+from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
@@ -52,11 +52,7 @@ def report_with(
         body = "\n".join(parts)
         return html.page(f"{name}: report", asset("report.css"), body, options.theme)
 
-    return Exporter(
-        "report.html", "Report to print", "text/html; charset=utf-8", ".html", write,
-        PictureOptions, "What was asked, found and proven, with drawings and hashes of the files.",
-        without_cam=True,
-    )  # fmt: skip
+    return design_format("picture", "report.html", write, PictureOptions)
 
 
 def _head(design: Design, name: str) -> str:

@@ -16,7 +16,7 @@ from pydantic import Field
 from pydantic_core import to_json
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter, compact_json
+from synthesis.exporters.exporter import compact_json, design_format
 from synthesis.exporters.fidelity.report import MAX_ROWS, as_points, fidelity_block, fidelity_header
 from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.cam import Cam
@@ -151,6 +151,10 @@ def _motion_and_forces(design: Design, options: MotionOptions) -> list[Column]:
     return [*motion_columns(cam, options), *force_columns(design, cam, options)]
 
 
+def _csv_motion(design: Design, options: MotionOptions) -> bytes:
+    return csv_table(_motion_and_forces(design, options))
+
+
 def _txt_motion(design: Design, options: MotionOptions) -> bytes:
     """For programs that read bare numbers: `numpy.loadtxt`, a spreadsheet's text import."""
     columns = [column.values.tolist() for column in motion_columns(Cam.of(design), options)]
@@ -158,20 +162,14 @@ def _txt_motion(design: Design, options: MotionOptions) -> bytes:
     return "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode("ascii")
 
 
-CSV = "Table, comma separated", "text/csv; charset=utf-8; header=present", ".csv"
-JSON = "Columns with units and metadata", "application/json", ".json"
-CSV_PROFILE = Exporter(
-    "csv", *CSV,
+CSV_PROFILE = design_format(
+    "profile",
+    "csv",
     lambda design, options: csv_table(profile_columns(checked_cam(design, options), options)),
-    ProfileOptions, measure=lambda design, options: fidelity_header(design, as_points(options)),
-)  # fmt: skip
-CSV_MOTION = Exporter(
-    "csv", *CSV, lambda design, options: csv_table(_motion_and_forces(design, options)),
-    MotionOptions,
-)  # fmt: skip
-JSON_PROFILE = Exporter("json", *JSON, _json_profile, JsonOptions)
-JSON_MOTION = Exporter("json", *JSON, _json_motion, MotionOptions)
-TXT_MOTION = Exporter(
-    "txt", "Table, space separated, no header: the columns of csv in their order",
-    "text/plain; charset=us-ascii", ".txt", _txt_motion, MotionOptions,
-)  # fmt: skip
+    ProfileOptions,
+    lambda design, options: fidelity_header(design, as_points(options)),
+)
+CSV_MOTION = design_format("motion", "csv", _csv_motion, MotionOptions)
+JSON_PROFILE = design_format("profile", "json", _json_profile, JsonOptions)
+JSON_MOTION = design_format("motion", "json", _json_motion, MotionOptions)
+TXT_MOTION = design_format("motion", "txt", _txt_motion, MotionOptions)

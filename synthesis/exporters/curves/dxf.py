@@ -16,7 +16,7 @@ from pydantic import Field
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import MIN_ERROR_UM, Contour
-from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.exporter import FileContent, design_format
 from synthesis.exporters.options import BoreDiameter, CurveName, PlacedCurve, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import checked_cam
@@ -129,9 +129,4 @@ def _draw(space: Any, curve: CurveName, cam: Cam, options: DrawingOptions) -> fl
     return spline.error
 
 
-PROFILE = Exporter(
-    "dxf", "DXF, exact curves on layers", "image/vnd.dxf", ".dxf", _profile, DrawingOptions,
-    "Drawing for CAD and CAM: the cam's curves as splines, or as arcs without corners, on layers "
-    "CAM_PROFILE, PITCH_CURVE, CUTTER_PATH, BASE_CIRCLE and BORE, in mm.",
-    by_default=False,
-)  # fmt: skip
+PROFILE = design_format("profile", "dxf", _profile, DrawingOptions)

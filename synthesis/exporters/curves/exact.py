@@ -23,7 +23,7 @@ from pydantic import Field
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import Exporter, FileContent, compact_json
+from synthesis.exporters.exporter import FileContent, compact_json, design_format
 from synthesis.exporters.options import CurveName, PlacedCurve
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.cutting import checked_cam
@@ -277,9 +277,4 @@ def _json(design: Design, options: ExactOptions) -> FileContent:
     return curve.file(compact_json(body) + b"\n")
 
 
-NURBS_JSON = Exporter(
-    "nurbs.json", "Exact curve as B-spline", "application/json", ".nurbs.json", _json, ExactOptions,
-    "Degree, knots and control points of the exact curve, for programs: with its error, length and "
-    "the area it encloses.",
-    by_default=False,
-)  # fmt: skip
+NURBS_JSON = design_format("profile", "nurbs.json", _json, ExactOptions)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import FINEST, ExactCurve, ExactOptions
 from synthesis.exporters.curves.step import real
-from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.exporter import FileContent, design_format
 
 NO_TIME = "19800101.000000"  # the same design, the same bytes: no clock
 TEXT, DATA = 72, 64  # columns
@@ -97,9 +97,4 @@ def _ascii(value: str) -> str:
     return "".join(letter if " " <= letter <= "~" else "?" for letter in value)
 
 
-PROFILE = Exporter(
-    "igs", "IGES 5.3, exact curve", "model/iges", ".igs", _profile, ExactOptions,
-    "For CAD systems that read no STEP: one closed B-spline curve (entity 126) within tolerance_um "
-    "of the true curve, in mm.",
-    by_default=False,
-)  # fmt: skip
+PROFILE = design_format("profile", "igs", _profile, ExactOptions)

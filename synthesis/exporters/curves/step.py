@@ -7,7 +7,7 @@ from typing import Protocol
 
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import FINEST, ExactCurve, ExactOptions
-from synthesis.exporters.exporter import Exporter, FileContent, asset
+from synthesis.exporters.exporter import FileContent, asset, design_format
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
 CONTEXT, PLACED = "#5", "#9"  # entities of ``context.step``: units and accuracy, the origin
@@ -141,9 +141,4 @@ def _spline(data: Entities, curve: ExactCurve) -> str:
     )  # fmt: skip
 
 
-PROFILE = Exporter(
-    "step", "STEP AP242, exact curve", "model/step", ".step", _profile, ExactOptions,
-    "Master geometry for CAD: one closed B-spline curve within tolerance_um of the true curve, in "
-    "mm, as wireframe.",
-    by_default=False,
-)  # fmt: skip
+PROFILE = design_format("profile", "step", _profile, ExactOptions)

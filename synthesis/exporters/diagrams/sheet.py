@@ -29,7 +29,7 @@ from synthesis.exporters.diagrams.plot import (
 )
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import heading
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import design_format
 from synthesis.exporters.options import DiagramOptions, PictureOptions, Theme
 from synthesis.exporters.samples.cam import Cam, Turn
 from synthesis.exporters.samples.columns import force_samples
@@ -280,9 +280,5 @@ def _traces(
         yield Trace(rows.degrees, rows.side, value(rows))
 
 
-MOTION = Exporter("svg", "Diagrams of the motion", "image/svg+xml", ".svg", _motion, DiagramOptions)
-CONTACT = Exporter(
-    "contact.svg", "Pressure angle and profile radius", "image/svg+xml", ".svg", _contact,
-    PictureOptions, "Diagrams over the cam angle, of every roller's path and every flank; with a "
-    "load contact force, Hertz pressure and torque, too.",
-)  # fmt: skip
+MOTION = design_format("motion", "svg", _motion, DiagramOptions)
+CONTACT = design_format("picture", "contact.svg", _contact, PictureOptions)

@@ -109,9 +109,8 @@ def _paint(
     points = 72.0 / DPI * scale
     dashes = [points * float(n) for n in look.get("stroke-dasharray", "").split()]
     common: dict[str, Any] = {"transform": where, "linewidth": points * width,
-                              "joinstyle": "round", "capstyle": "butt"}  # fmt: skip
-    if dashes:
-        common["linestyle"] = (0.0, dashes)
+                              "joinstyle": "round", "capstyle": "butt",
+                              "linestyle": (0.0, dashes) if dashes else "solid"}  # fmt: skip
     layers = []
     if filled != "none":
         opacity = float(look.get("fill-opacity", 1.0))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from synthesis.design.design import Design
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import design_format
 from synthesis.exporters.fidelity.measure import Deviation, fidelities
 from synthesis.exporters.options import CurveOptions, Options, PointOptions
 from synthesis.exporters.samples.cam import Cam
@@ -117,10 +117,4 @@ def _profile(design: Design, options: PointOptions) -> bytes:
     return fidelity_file(design, options, block)
 
 
-PROFILE = Exporter(
-    "fidelity.json", "What readers make of the points", "application/json", ".fidelity.json",
-    _profile, PointOptions,
-    "Before a point file goes to CAD: what straight lines and periodic, not-a-knot and natural "
-    "splines through its rounded points do to the form and to the follower's acceleration.",
-    by_default=False,
-)  # fmt: skip
+PROFILE = design_format("profile", "fidelity.json", _profile, PointOptions)

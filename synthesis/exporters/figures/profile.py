@@ -19,7 +19,7 @@ from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, heading
-from synthesis.exporters.exporter import Exporter
+from synthesis.exporters.exporter import design_format
 from synthesis.exporters.figures import parts
 from synthesis.exporters.figures.mechanism import Mechanism, face_at_rest
 from synthesis.exporters.figures.parts import HUB, PIVOT, STEM, Box, Flanks
@@ -375,7 +375,4 @@ def _offset_text(scene: Scene, x: float, y: float) -> list[str]:
     return [svg.text("label", x + max(scene.centre.real, 0.0) + 5.0 * u, level + 1.0 * u, text)]
 
 
-PROFILE = Exporter(
-    "svg", "Drawing of the cam", "image/svg+xml", ".svg", _profile, CamDrawingOptions,
-    placeable=False,
-)  # fmt: skip
+PROFILE = design_format("profile", "svg", _profile, CamDrawingOptions)

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.step import exchange_file, text
-from synthesis.exporters.exporter import Exporter, FileContent
+from synthesis.exporters.exporter import FileContent, design_format
 from synthesis.exporters.solids.blank import SolidOptions, blank
 
 
@@ -23,9 +23,4 @@ def _solid(design: Design, options: SolidOptions) -> FileContent:
     return FileContent(exchange_file(design, title, lines), facts)
 
 
-SOLID = Exporter(
-    "step", "STEP AP242, solid", "model/step", ".step", _solid, SolidOptions,
-    "The finished cam for CAD: a plate, a ring or a grooved disc with bore, keyway by DIN 6885-1 "
-    "and hub, in mm. Needs the optional part `cad` on the workers; without it the answer is 501.",
-    by_default=False, in_worker=True,
-)  # fmt: skip
+SOLID = design_format("solid", "step", _solid, SolidOptions)
