@@ -9,10 +9,9 @@ A profile without undercut is shown to be simple in one of three ways, by what t
   equal distances mean equal s, so the same point of the machine and the same cam angle: the curve
   is simple. Checked by the sign of p · dp/ds.
 * **Flat face**: the profile is the envelope of a line that, seen from the cam, turns steadily and
-  once round. Where its radius is positive everywhere it is a closed convex curve with total
-  curvature 2π, which is simple; its support function is the face's distance. If the turning
-  stopped anywhere, the radius, which divides by it, could not be enclosed. So the limit
-  ``profile_radius`` is sufficient, and no line is added here.
+  once round. Where its radius, which divides by the rate of turning, is positive everywhere it is a
+  closed convex curve with total curvature 2π, which is simple. So the limit ``profile_radius`` is
+  sufficient, and no line is added here.
 """
 
 from __future__ import annotations

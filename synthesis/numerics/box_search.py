@@ -4,16 +4,14 @@ A subclass of ``BoxSearch`` says what a box is and how a function is bounded on 
 rest, level by level, with all boxes of a level at once. It maximises: negate what is to be small.
 ``Boxes`` are intervals of one variable.
 
-* **Bound.** ``bound`` gives a proven upper bound of the function on each box. On the way it may
-  improve the incumbent, the largest value that is known to be reached.
+* **Bound.** ``bound`` gives a proven upper bound of the function on each box, or not a number where
+  nothing is known. It may improve the incumbent, the largest value that is known to be reached.
 * **Prune.** A box whose bound does not exceed ``threshold`` (the incumbent plus the width that is
-  good enough) cannot change the answer. Its bound stays in ``proven``, so that ``proven`` is above
-  the function on every box that was left, now or earlier.
+  good enough) cannot change the answer. Its bound stays in ``proven``, which is above the function
+  on every box that was left.
 * **Split.** ``split`` cuts the other boxes into parts.
 * **Stop** when no box is open, or when the budget is used up. Then the open boxes are left too:
   ``proven`` is valid in either case, it is only wider in the second.
-
-Not a number as a bound means that nothing is known: such a box stays open.
 """
 
 from __future__ import annotations

@@ -3,19 +3,15 @@
 The parameter is the arc length. Nodes lie on the curve, and every place where the curve's law
 changes is one: there the spline has the curve's own point, tangent and curvature, and is as smooth
 as the curve, no smoother. In between it has four continuous derivatives and one control point a
-node. How far it departs from the curve, along the curve's normal, is measured on every piece; where
-that is too far nodes are added, in proportion to the sixth root of the departure, where it is less
-than needed they are taken away.
-
-The departure of a piece is smooth and is known at eleven of its places; a polynomial through these
-tells its largest value in between.
+node. How far it departs from the curve, along the curve's normal, is measured at eleven places of
+every piece and between them, by a polynomial through these; where that is too far nodes are added,
+in proportion to the sixth root of the departure, where it is less than needed they are taken away.
 
 A motion law of many knots makes a curve of many spans, and a spline with the curve's own curvature
 at each of their ends needs three control points there. Where curvature is continuous and its first
 and second derivative by the arc length jump by J and K, a spline of degree 5 that knows nothing of
-it, with nodes every h, departs by some J h³/300 + K h⁴/1200, a part of the cubic and the quartic
-that it cannot follow: where that is far below the tolerance the spans may as well be one. This is a
-guess at what pays; how far the spline departs is measured afterwards.
+it, with nodes every h, departs by some J h³/300 + K h⁴/1200: where that is far below the tolerance
+the spans may as well be one. This is a guess at what pays; the departure is measured afterwards.
 """
 
 from __future__ import annotations
