@@ -111,20 +111,18 @@ def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> S
     left_out = {**dict.fromkeys(follower.redundant_fields), **opened}
     freed = {"base_radius_mm": None, "follower": follower.model_copy(update=left_out)}
     smallest = _smallest_cam(spec.model_copy(update=freed), stop)
-    if smallest is None or smallest.status == "infeasible":
-        return SizeChange(
-            offset=offset, status=None if smallest is None else smallest.status, dimensions={},
-            base_radius_change_mm=None, offset_change_mm=None, gap=None,
-        )  # fmt: skip
-    old, new = spec.follower.dimensions(cam.size), smallest.dimensions
+    found = None if smallest is None or smallest.status == "infeasible" else smallest
+    old, new = spec.follower.dimensions(cam.size), {} if found is None else found.dimensions
+    changes = {name: new[name] - old[name] for name in ("base_radius_mm", "offset_mm", *opened)
+               if name in new}  # fmt: skip
     return SizeChange(
         offset=offset,
-        status=smallest.status,
+        status=None if smallest is None else smallest.status,
         dimensions=new,
-        base_radius_change_mm=new["base_radius_mm"] - old["base_radius_mm"],
-        offset_change_mm=new["offset_mm"] - old["offset_mm"] if "offset_mm" in new else None,
-        changes={name: new[name] - old[name] for name in opened},
-        gap=smallest.certificate.gap,
+        base_radius_change_mm=changes.get("base_radius_mm"),
+        offset_change_mm=changes.get("offset_mm"),
+        changes={name: changes[name] for name in opened if name in changes},
+        gap=None if found is None else found.certificate.gap,
     )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import compress, pairwise, product
 from typing import Final
 
 import numpy as np
@@ -136,13 +136,8 @@ class _FlankSearch(BoxSearch[Pairs]):
         return math.inf if self.interferes else 0.0
 
     def split(self, boxes: Pairs, keep: Mask) -> Pairs:
-        return [
-            (x, y)
-            for (a, b), near in zip(boxes, keep.tolist(), strict=True)
-            if near
-            for x in self._halves(a)
-            for y in self._halves(b)
-        ]
+        near = compress(boxes, keep.tolist())
+        return [pair for a, b in near for pair in product(self._halves(a), self._halves(b))]
 
     def _is_apart(self, flank: Point, centre: Point) -> bool:
         """Whether a part of the flank keeps its distance from the roller's centre."""
