@@ -11,14 +11,8 @@ from pydantic import BaseModel, Field
 from service.state import Parts
 from service.workers.tasks import DESIGN_FORMATS
 from synthesis.catalogue.followers import FOLLOWERS
-from synthesis.catalogue.laws import (
-    LAWS,
-    TASKS,
-    Characteristics,
-    EndKinds,
-    SplineLaw,
-    characteristics,
-)
+from synthesis.catalogue.laws import LAWS, SplineLaw
+from synthesis.catalogue.laws.base import TASKS, Characteristics, EndKinds, characteristics
 from synthesis.catalogue.limits import LIMITS
 from synthesis.catalogue.objectives import OBJECTIVES
 from synthesis.exporters import PICTURES, form

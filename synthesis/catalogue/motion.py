@@ -20,11 +20,7 @@ SegmentKind = Literal["rise", "dwell", "return", "table"]
 
 @dataclass(frozen=True)
 class EndState:
-    """Required state of the motion at one end of a segment; None: the neighbour determines it.
-
-    Attributes:
-        velocity, acceleration: s' and s'' just inside the segment [length per rad, per rad²].
-    """
+    """Required s' and s'' just inside one end of a segment; None: the neighbour determines it."""
 
     velocity: float | None = None
     acceleration: float | None = None
@@ -56,7 +52,7 @@ class FreeLaw:
     """A free law: a spline of class C^smoothness that the optimiser chooses.
 
     Attributes:
-        smoothness: number of continuous derivatives inside. overshoot: may it move backwards.
+        smoothness: inside. overshoot: may it move backwards.
         end_continuity: how many derivatives it shares with its neighbours at start and end; fewer
             than the smoothness where the required state is not the neighbour's.
         knots: x in (0, 1) where it must be free to bend: ends of windows, points on the way.
@@ -74,11 +70,9 @@ class FreeLaw:
 
 @dataclass(frozen=True, eq=False)
 class TablePoints:
-    """A table that a segment has to follow.
+    """A table that a segment has to follow: s [mm] at x, fractions of the segment, (m,) each.
 
-    Attributes:
-        x: (m,) where, as fractions of the segment. s: (m,) displacement there [mm].
-        tolerance: how far the motion may pass them [mm]. field: of the segment, that sets it.
+    ``tolerance``: how far the motion may pass it [mm]. ``field``: of the segment, that sets that.
     """
 
     x: Array
@@ -169,10 +163,7 @@ class PlacedSegment:
         return self.law.rescale(self.start, self.angle, self.s_start, self.scale)
 
     def end_derivatives(self, highest: int, *, at_start: bool) -> Array:
-        """s to s^(highest) just inside one end [mm per rad^k]: (highest + 1,); its law is known.
-
-        At the end its displacement is ``s_end``, to the last digit.
-        """
+        """s to s^(highest) just inside one end [mm per rad^k]: (highest + 1,); its law is known."""
         assert self.law is not None
         if self.law.is_constant:
             value = np.zeros(highest + 1)

@@ -15,8 +15,6 @@ from synthesis.design.identity import design_id, question_id
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec.design_spec import DesignSpec
 
-# -- forces ----------------------------------------------------------------------------------------
-
 
 class ForcePeak(AnswerModel):
     """A largest or smallest value, proven for every cam angle."""
@@ -91,8 +89,6 @@ class Forces(AnswerModel):
     )
     rollers: list[RollerLife] = doc("The rollers.")
 
-
-# -- the answer ------------------------------------------------------------------------------------
 
 Status = Literal["optimal", "feasible", "infeasible"]
 
@@ -299,18 +295,16 @@ class Design(AnswerModel):
     @cached_property
     def resolved_spec(self) -> DesignSpec:
         """The spec with the chosen values of its free parameters."""
-        searched = self.spec.free_parameters.parameters if self.free_parameters else ()
-        numbers = [self.free_parameters[parameter.field] for parameter in searched]
-        spec = self.spec.with_values(numbers) if numbers else self.spec
-        if spec.load is None or not self.free_parameters:
+        chosen = self.free_parameters
+        if not chosen:
+            return self.spec
+        fields = [parameter.field for parameter in self.spec.free_parameters.parameters]
+        spec = self.spec.with_values([chosen[field] for field in fields])
+        if spec.load is None:
             return spec
-        named = {name: f"load/spring/{name}" for name in spec.load.free_spring}
-        spring = {
-            name: self.free_parameters[key]
-            for name, key in named.items()
-            if key in self.free_parameters
-        }
-        return spec.model_copy(update={"load": spec.load.with_spring(spring)})
+        spring = {name: chosen.get(f"load/spring/{name}") for name in spec.load.free_spring}
+        known = {name: value for name, value in spring.items() if value is not None}
+        return spec.model_copy(update={"load": spec.load.with_spring(known)})
 
     @cached_property
     def curve(self) -> Motion:

@@ -12,9 +12,8 @@ ENGINE_NUMBER = 5
 """The engine's number: part of every id, and so of everything that is stored under one.
 
 Raise it by 1 whenever an answer may change: its numbers, its fields, what it says, the bytes of its
-files, whose ETags hold the number. Answers stored
-under an earlier number are then computed anew when they are asked for. A test compares the numbers
-of some answers with those kept for this number, and fails where they differ; it knows no files.
+files, whose ETags hold the number. Answers stored under an earlier one are then computed anew. A
+test compares the numbers of some answers with those kept for this number; it knows no files.
 """
 
 
@@ -25,10 +24,7 @@ def engine_version() -> str:
 
 
 def question_id(spec: BaseModel, *kind: str) -> str:
-    """The id of a question: a hash of its spec and the engine's number, 32 hexadecimal digits.
-
-    The same question has the same id. ``kind`` keeps questions of different kinds apart.
-    """
+    """The id of a question of a kind: a hash of its spec and the engine's number, 32 hex digits."""
     return identity(*kind, spec.model_dump_json())
 
 

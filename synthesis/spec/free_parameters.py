@@ -108,8 +108,7 @@ class FreeParameters:
 
     def points_along(self, middle: Array, position: int, count: int) -> list[Array]:
         """Points along one number's range, evenly in its logarithm, ends included."""
-        low, high = self.parameters[position].low, self.parameters[position].high
-        values = np.geomspace(low, high, count)
+        values = np.geomspace(self.parameters[position].low, self.parameters[position].high, count)
         return [self.with_value(middle, position, float(value)) for value in values]
 
     def with_value(self, u: Array, position: int, value: float) -> Array:
@@ -137,13 +136,13 @@ class FreeParameters:
             else:
                 return
         low, high = ends(self.parameters[position].requested)
+        both = f"with the shortest, {why[0]}; with the longest, {why[-1]}"
         raise PydanticCustomError(
             "no_length_serves",
             "{name} from {low} to {high} leaves no length that serves: {why}. Widen its range, or "
             "change what it has to reach.",
             {"name": self.parameters[position].name, "low": low, "high": high,
-             "why": why[-1] if why[0] == why[-1]
-             else f"with the shortest, {why[0]}; with the longest, {why[-1]}"},
+             "why": why[-1] if why[0] == why[-1] else both},
         )  # fmt: skip
 
     def tied_otherwise(self, name: str) -> bool:

@@ -225,9 +225,9 @@ def _join(
 
 def _check_forward(segment: PlacedSegment, end: str, state: EndState, units: MotionUnits) -> None:
     """A free law that may not move backwards cannot have a state that makes it."""
-    required = segment.end_state if end == "end" else segment.start_state
     if segment.free is None:
         return
+    required = segment.end_state if end == "end" else segment.start_state
     if state.velocity is None and required.acceleration is not None:
         raise _error(
             units, "acceleration_alone", (required.acceleration, 2), segment.index, end,

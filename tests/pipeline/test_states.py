@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, analyse, synthesise
-from synthesis.catalogue.laws import TASKS
+from synthesis.catalogue.laws.base import TASKS
 from synthesis.catalogue.motion import Motion
 
 OMEGA = 58.0 * pi / 30.0

@@ -28,9 +28,8 @@ SAMPLES = 721  # per segment: a crossing is bracketed to a 720th of it
 class ArmGeometry:
     """Arm and pivot as far as they are given.
 
-    Attributes:
-        length: l [mm]. distance: ends of d [mm], open ones infinite.
-        angle: ends of ψ0 [rad], open ones infinite. gap: prime radius less base radius [mm].
+    ``length`` l, ends of ``distance`` d [mm] and of ``angle`` ψ0 [rad], open ones infinite;
+    ``gap``: prime radius less base radius [mm].
     """
 
     length: float
@@ -58,8 +57,7 @@ class ArmGeometry:
     def _least_angle(self) -> float:
         """ψ0 at which Rp is larger than at 0 by no more than rounding of a design shows [rad].
 
-        On the line of centres itself the cam drives the arm nowhere: the least of all prime
-        radii, |l − d|, is approached and not reached.
+        At ψ0 = 0 the cam drives the arm nowhere: the least of all prime radii is not reached.
         """
         l, d = self.length, self.pivot or math.inf
         return math.sqrt(2.0 * LEAST_EXCESS * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0

@@ -34,9 +34,7 @@ class FixableDimension:
         name: as in a message to a user.
         low, high: its range [mm], ends may be infinite. unit: its order of magnitude [mm].
         value_in: its value at size variables of the follower for which it is free.
-        fixed_at: the follower with it fixed at a value.
-        full_size: maps a value, and the size variables of the follower fixed there, to size
-            variables of the follower for which it is free.
+        full_size: the inverse, from a value and the size variables of the follower fixed there.
     """
 
     name: str
@@ -98,8 +96,6 @@ class Follower(FiniteModel, TracePoint, ABC):
     def link(self, z: Any, degree: Any) -> Link:
         """The output link at displacement 0, in the arithmetic of z; ``degree``: π/180 in it."""
 
-    # -- the size --------------------------------------------------------------------------------
-
     @abstractmethod
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         """Domain of z for base radii between two ends."""
@@ -119,10 +115,9 @@ class Follower(FiniteModel, TracePoint, ABC):
         return {}
 
     def searched_dimensions(self, base_radius: Ends) -> Mapping[str, tuple[float | Range, Ends]]:
-        """Dimensions that an outer search varies where they are left free.
+        """Dimensions that an outer search varies where they are left free, for base radii [mm].
 
-        By field the requested value, and the ends [mm] between which a cam can exist at all, the
-        base radius lying between two ends [mm], open ones infinite.
+        By field: the requested value, and the ends [mm] between which a cam can exist at all.
         """
         return {}
 
@@ -160,8 +155,6 @@ class Follower(FiniteModel, TracePoint, ABC):
         """Largest radius of the traced curve ≤ largest where ``outer_radius_norm`` is None."""
         return ()
 
-    # -- dimensions ------------------------------------------------------------------------------
-
     @abstractmethod
     def dimensions(self, z: Vector) -> Mapping[str, float]:
         """The cam's dimensions as named on the wire [mm, deg]."""
@@ -186,13 +179,9 @@ class InverseKinematics(ABC):
     def pose(self, point: Any, normal: Any) -> tuple[Any, Any]:
         """Where the follower has its trace point at a point of the cam.
 
-        Args:
-            point: of the cam [mm]. normal: outward unit normal there. Both (2, n), in the frame
-                of a ccw cam.
-
-        Returns:
-            cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a
-            place that is the family's own. Not a number where the follower does not reach.
+        Point [mm] and outward unit normal, (2, n) each, are in the frame of a ccw cam. Out come the
+        cam angle θ [rad], any turn, and position [mm], (n,) each: the displacement from a place
+        that is the family's own. Not a number where the follower does not reach.
         """
 
     @abstractmethod
@@ -201,11 +190,9 @@ class InverseKinematics(ABC):
 
     @abstractmethod
     def clearance(self, away: Any, up: Any) -> Any:
-        """How far points lie outside the follower's body [mm].
+        """How far points, (2, n) from the trace point, lie outside the follower's body [mm].
 
-        Args:
-            away: (2, n) from the trace point [mm]. up: (2,) the drive direction, both in the cam's
-                frame.
+        ``up``: (2,) the drive direction; both in the cam's frame.
         """
 
 

@@ -132,16 +132,10 @@ class Conjugate(Closure, ABC):
     kind: Literal["conjugate"] = "conjugate"
     counter_paths: ClassVar[tuple[str, ...]] = ("counter",)
     field: ClassVar[str]  # of its place
-    dimension: ClassVar[str]  # the same among the dimensions
     given_field: ClassVar[str]  # a further dimension, which is always given
     roller_radius_mm: float = Field(
         ge=0.0, le=1e6, description="Radius of the counter cam's roller."
     )
-
-    @property
-    def place(self) -> Any:
-        """Its place, as far as it is given: a number, a range or None."""
-        return getattr(self, self.field)
 
     @abstractmethod
     def counter(self, trace: TracePoint) -> TracePoint:
@@ -150,7 +144,7 @@ class Conjugate(Closure, ABC):
     @property
     def given(self) -> float:
         """Its place where it is a number."""
-        low, high = ends(self.place)
+        low, high = ends(getattr(self, self.field))
         if low != high:
             raise ValueError("the place of the counter roller is still free")
         return low
@@ -162,21 +156,21 @@ class Conjugate(Closure, ABC):
         )
 
     def counter_dimensions(self) -> Mapping[str, tuple[str, float | Range | None]]:
-        return {f"closure/{self.field}": (self.dimension, self.place)}
+        return {f"closure/{self.field}": (f"counter_{self.field}", getattr(self, self.field))}
 
     def without_free_counter(self) -> Closure:
-        low, high = ends(self.place)
+        low, high = ends(getattr(self, self.field))
         return self if low == high else Force()
 
     def counter_only(self, values: Mapping[str, float]) -> Closure:
         return CounterCamOnly(pair=self.with_counter(values))
 
     def with_counter(self, values: Mapping[str, float]) -> Self:
-        return self.model_copy(update={self.field: values[self.dimension]})
+        return self.model_copy(update={self.field: values[f"counter_{self.field}"]})
 
     def dimensions(self, roller_radius: float) -> Mapping[str, float]:
         return {
-            self.dimension: self.given,
+            f"counter_{self.field}": self.given,
             "counter_roller_radius_mm": self.roller_radius_mm,
             f"counter_{self.given_field}": getattr(self, self.given_field),
         }
@@ -195,7 +189,6 @@ class ConjugateSlide(Conjugate):
 
     title: ClassVar[str] = "Main and counter cam, two rollers on one slide"
     field: ClassVar[str] = "distance_mm"
-    dimension: ClassVar[str] = "counter_distance_mm"
     given_field: ClassVar[str] = "offset_mm"
     offset_mm: float = Field(
         0.0,
@@ -225,7 +218,6 @@ class ConjugateArm(Conjugate):
 
     title: ClassVar[str] = "Main and counter cam, two arms at one pivot"
     field: ClassVar[str] = "angle_deg"
-    dimension: ClassVar[str] = "counter_angle_deg"
     given_field: ClassVar[str] = "arm_mm"
     eased_by_distance: ClassVar[bool] = False
     arm_mm: float = Field(gt=0.0, le=1e6, description="Length of the counter arm.")

@@ -58,12 +58,11 @@ class SpeedRange(FiniteModel):
 
 @dataclass(frozen=True)
 class WireLoad:
-    """A load in the units of the wire: of a slide N and m, of an arm N m and rad.
+    """A load in the units of the wire: of a slide N, kg and m, of an arm N m, kg m² and rad.
 
     Attributes:
-        mass, damping, rate, preload, weight: kg or kg m², with the displacement in mm or rad.
         points: cam angle [deg] and process force or moment.
-        metre: metres or radians in a unit of the displacement.
+        metre: metres or radians in a unit of the displacement, which is mm or rad.
         lever: what a force in N times a lever in the unit of displacement comes to: 1, or 1e-3.
     """
 
@@ -132,7 +131,7 @@ class Load(FiniteModel, ABC):
 
     def reduced(self, follower: Follower, omega: float) -> ReducedLoad:
         """The load along the follower's displacement; what is free of the spring, at its least."""
-        given, flanks = self.wire_values, follower.without_free_counter().flanks
+        given, both_ways = self.wire_values, self.pushed_both_ways(follower)
         # s is in mm, or the arc lφ in mm of an arm: a moment in N m is 1000/l N along it
         length = follower.travel.per_unit / (1.0 if given.lever == 1.0 else DEGREE)
         force = 1.0 / (given.lever * length)
@@ -146,12 +145,12 @@ class Load(FiniteModel, ABC):
             preload=given.preload * force,
             weight=given.weight * force,
             process=force_course(given.points, force),
-            side=1 if self.pushed_both_ways(follower) else flanks[0].side,
+            side=1 if both_ways else follower.without_free_counter().flanks[0].side,
             friction=self.friction,
             contact=self.contact,
             bearing=self.bearing,
             speeds=speeds,
-            pushed_both_ways=self.pushed_both_ways(follower),
+            pushed_both_ways=both_ways,
         )
 
     @staticmethod

@@ -14,13 +14,7 @@ from typing import Annotated, get_args
 
 from pydantic import Field
 
-from synthesis.catalogue.laws.base import (
-    TASKS,
-    Characteristics,
-    EndKinds,
-    MotionLaw,
-    characteristics,
-)
+from synthesis.catalogue.laws.base import MotionLaw
 from synthesis.catalogue.laws.boundary_polynomial import BoundaryPolynomial
 from synthesis.catalogue.laws.dwell_turn import DwellTurn
 from synthesis.catalogue.laws.rest_to_rest import (
@@ -54,13 +48,4 @@ LAWS: Mapping[str, MotionLaw] = MappingProxyType(
 )
 """Every named law by its kind, as published (inflection in the middle, turn at the top)."""
 
-__all__ = [
-    "LAWS",
-    "TASKS",
-    "AnyLaw",
-    "Characteristics",
-    "EndKinds",
-    "MotionLaw",
-    "SplineLaw",
-    "characteristics",
-]
+__all__ = ["LAWS", "AnyLaw", "MotionLaw", "SplineLaw"]

@@ -152,16 +152,18 @@ class SegmentBound(Limit):
         """Natural size of the quantity on the wire: lift ω^k/β^k."""
         return abs(segment.lift) / segment.angle**self.order * machine.wire_factor(self.order)
 
-    def _factor(self, segment: PlacedSegment, machine: Machine) -> float:
-        """What the derivative per radian is multiplied by to give the wire's value."""
-        backwards = self.order == TRAVEL and segment.lift < 0.0
-        return -machine.wire_factor(TRAVEL) if backwards else machine.wire_factor(self.order)
+    def _to_wire(self, segment: PlacedSegment, machine: Machine) -> tuple[float, float]:
+        """Factor on the derivative per radian, and what is subtracted, to give the wire's value."""
+        factor = machine.wire_factor(self.order)
+        if self.order != TRAVEL:
+            return factor, 0.0
+        factor = -factor if segment.lift < 0.0 else factor
+        return factor, factor * segment.s_start
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         if segment.index != self.segment:
             return ()
-        factor = self._factor(segment, machine)
-        start = factor * segment.s_start if self.order == TRAVEL else 0.0
+        factor, start = self._to_wire(segment, machine)
         sides = ((1.0, self.max), (-1.0, None if self.equality else self.min))
         scale = abs(factor)
         room = inf if self.min is None or self.max is None else (self.max - self.min) / scale
@@ -178,8 +180,7 @@ class SegmentBound(Limit):
         segment = next((s for s in segments if s.index == self.segment), None)
         if segment is None:
             return ()
-        factor = self._factor(segment, machine)
-        start = factor * segment.s_start if self.order == TRAVEL else 0.0
+        factor, start = self._to_wire(segment, machine)
         spare = EXACT * self.unit(segment, machine) if self.equality else 0.0
         low = None if self.min is None else (self.min - spare + start) / factor
         high = None if self.max is None else (self.max + spare + start) / factor

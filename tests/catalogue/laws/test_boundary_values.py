@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from synthesis.catalogue.laws import LAWS, TASKS
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.base import TASKS
 from synthesis.catalogue.laws.boundary_polynomial import hermite
 from synthesis.numerics.piecewise import Piecewise
 

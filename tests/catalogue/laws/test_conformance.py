@@ -5,8 +5,8 @@ from typing import Literal, cast
 import numpy as np
 import pytest
 
-from synthesis.catalogue.laws import LAWS, characteristics
-from synthesis.catalogue.laws.base import extremes
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.base import characteristics, extremes
 from synthesis.catalogue.motion import Motion
 from synthesis.spec.program import Dwell, Return, Rise
 

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from synthesis.catalogue.laws import LAWS, MotionLaw, characteristics
+from synthesis.catalogue.laws import LAWS, MotionLaw
+from synthesis.catalogue.laws.base import characteristics
 from synthesis.catalogue.motion import Motion
 from synthesis.spec.program import Return
 

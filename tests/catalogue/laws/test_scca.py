@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from synthesis.catalogue.laws import LAWS, characteristics
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.base import characteristics
 from synthesis.catalogue.laws.rest_to_rest import GeneralScca
 
 PARTS = {

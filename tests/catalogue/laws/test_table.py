@@ -2,7 +2,8 @@
 
 import pytest
 
-from synthesis.catalogue.laws import LAWS, Characteristics, characteristics
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.base import Characteristics, characteristics
 
 INF = None
 # kind: Cv, Ca max, Ca min, Cj max, Cj min. Typed from the document, not from the code; a text
