@@ -143,13 +143,10 @@ class NormBounds:
 
 @dataclass(frozen=True)
 class SizeDomain:
-    """Domain of the size variables.
+    """Domain of the size variables: finite bounds of each, and second-order cones.
 
-    Attributes:
-        bounds: (lower, upper) of every size variable, finite.
-        norm_bounds: second-order cones that bound them further.
-        min_norm: smallest value of ``radius_norm``: reverse convex, so that bounds and cones
-            contain points that break it.
+    ``min_norm``: smallest value of ``radius_norm``: reverse convex, so that bounds and cones
+    contain points that break it.
     """
 
     bounds: tuple[Ends, ...]
@@ -311,12 +308,9 @@ class SlideCoordinates:
 
 @dataclass(frozen=True, eq=False)
 class MotionBox:
-    """Bounds of s, s' and s'' at n cam angles: the domain of a relaxation with a force in it.
+    """Bounds (3, n) of s, s' and s'' at n cam angles: the domain of a relaxation with forces.
 
-    Attributes:
-        theta: (n,) cam angles [rad].
-        low, high: (3, n) bounds of s, s' and s''.
-        about: (3, n) where inequalities shall be tight; None: the middle of the box.
+    ``about``: (3, n) where inequalities shall be tight; None: the middle of the box.
     """
 
     theta: Array

@@ -186,13 +186,10 @@ DwellAngle = Annotated[
 
 def ends(dimension: float | Range | None) -> tuple[float, float]:
     """Lower and upper end of a dimension, −inf and inf where open."""
-    if isinstance(dimension, Range):
-        low = -math.inf if dimension.min is None else dimension.min
-        high = math.inf if dimension.max is None else dimension.max
-        return low, high
-    if dimension is None:
-        return -math.inf, math.inf
-    return dimension, dimension
+    if isinstance(dimension, float | int):
+        return dimension, dimension
+    low, high = (None, None) if dimension is None else (dimension.min, dimension.max)
+    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 def without_end(dimension: float | Range | None, end: str) -> Range | None:

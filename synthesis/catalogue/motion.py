@@ -93,8 +93,7 @@ class PlacedSegment:
         law: the normalised law g(x), 0 to 1 over x in [0, 1] (of a table: to lift/unit), so that
             s = s_start + unit · g((θ − start)/β); None while it is free.
         free: what a free law must satisfy; None where the law is given.
-        start_state, end_state: required states at its two ends.
-        table: the table that it has to follow, None where it follows none.
+        start_state, end_state: required at its ends. table: that it has to follow.
     """
 
     index: int

@@ -29,10 +29,7 @@ from synthesis.units import DEGREE
 
 
 class Objective(FiniteModel, ABC):
-    """One quantity to minimise. It is stated in one of three forms; the other two are empty.
-
-    The forms: ``norm`` of the size, ``energy_order`` for a mean square, ``rows`` with the epigraph
-    variable P.
+    """One quantity to minimise, as ``norm``, ``energy_order`` or ``rows``; the others are empty.
 
     Attributes:
         title: for people.

@@ -27,8 +27,7 @@ ProgramAndFollower = tuple[list[Segment], AnyFollower]
 class FreeParameter:
     """One number that is left free: field ``name`` of a segment or, with None, of the follower.
 
-    Attributes:
-        requested: as it stands in the spec. low, high: ends of the part of it that is searched.
+    ``requested``: as it stands in the spec; ``low``, ``high``: ends of what of it is searched.
     """
 
     segment: int | None

@@ -240,19 +240,14 @@ def _check_forward(segment: PlacedSegment, end: str, state: EndState, units: Mot
     scale = abs(segment.lift) / segment.angle
     v, a = state.velocity, required.acceleration
     outward = forward if end == "start" else -forward
-    words = (
-        "at the {end} of program/{segment} makes the {kind} move backwards. Turn its sign, or "
-        "allow overshoot in the segment's law"
-    )
-    if v is not None and v * forward < -SAME * scale:
+    back = v is not None and v * forward < -SAME * scale
+    still = v is not None and abs(v) <= SAME * scale
+    if back or (still and a is not None and a * outward < 0.0):
+        value, words = ((v, 1), "{per_s} ") if back else ((a, 2), "{per_s2} and no velocity ")
         raise _error(
-            units, "state_backwards", (v, 1), segment.index, end,
-            "{per_s} " + words, kind=segment.kind,
-        )  # fmt: skip
-    if v is not None and a is not None and abs(v) <= SAME * scale and a * outward < 0.0:
-        raise _error(
-            units, "state_backwards", (a, 2), segment.index, end,
-            "{per_s2} and no velocity " + words, kind=segment.kind,
+            units, "state_backwards", value, segment.index, end,
+            words + "at the {end} of program/{segment} makes the {kind} move backwards. Turn its "
+            "sign, or allow overshoot in the segment's law", kind=segment.kind,
         )  # fmt: skip
 
 

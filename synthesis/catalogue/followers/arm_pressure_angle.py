@@ -225,14 +225,12 @@ def majorant_plane(
     """The lowest plane above d cos(ψ + turn) that is as steep as this is at a place.
 
     Args:
-        turn: c [rad].
         corners: (p, q) of a polygon in which the pivot lies [mm].
         swing: lower and upper end of φ, (n,) each [rad].
         at: φ (n,) and (p, q) of the place.
 
     Returns:
-        along, size and height of the plane along · φ + size · (p, q) + height [mm]: (n,), (2, n)
-        and (n,).
+        (n,), (2, n) and (n,) of the plane along · φ + size · (p, q) + height [mm].
     """
     # The tangent plane's slopes at the place.
     phi, (p, q) = at[0] + turn, at[1]

@@ -1,7 +1,5 @@
-"""What keeps a roller on its cam, and with it: which curves the cam is made of.
-
-A new closure is a class here, or in a module of its own as ``conjugate``, and its name in
-``SlideClosure`` or ``ArmClosure`` there.
+"""What keeps a roller on its cam. A new closure is a class here, or in a module of its own as
+``conjugate``, and its name in ``SlideClosure`` or ``ArmClosure`` there.
 """
 
 from __future__ import annotations

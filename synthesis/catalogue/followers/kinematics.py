@@ -6,10 +6,10 @@ convex positive. Vectors are in the machine frame: origin on the cam's axis, y a
 follower, the cam turning counter-clockwise (a clockwise cam is the mirror image). Lengths are in
 the unit of s.
 
-Below: the output link as a bare mechanism (``Link``), positions at displacement 0 and nothing else,
-so that a reader can derive velocities, normals and curvatures without a formula of the family's
-own; and the flanks, the working curves of a cam. A roller's centre traces p(θ), whose curve has the
-curvature κ, ρ = 1/κ, and the outward normal n. A flank at the distance D is the curve p − σ D n:
+``Link`` is the output link as a bare mechanism, positions at displacement 0 and nothing else, so
+that a reader can derive all the rest without a formula of the family's own. A ``Flank`` is a
+working curve of a cam. A roller's centre traces p(θ), whose curve has the curvature κ, ρ = 1/κ, and
+the outward normal n. A flank at the distance D is the curve p − σ D n:
 
     σ = +1  the cam lies within the traced curve and is touched from outside
     σ = −1  the cam lies around it, as a ring does, and is touched from inside
@@ -55,8 +55,8 @@ class TracePoint(ABC):
     def lever(self, s: Any, z: Any) -> Any:
         """λ: how far the follower's material at the contact moves along g, per unit of s.
 
-        By virtual work a force N along the unit normal n does N (n · g) times this much per unit
-        of s. Negative where the follower moves against the direction of drive as s grows.
+        By virtual work a force N along the unit normal n does N (n · g) λ per unit of s. Negative
+        where the follower moves against the direction of drive as s grows.
         """
         return 1.0
 
@@ -117,11 +117,9 @@ def pressure_angle_sine_cosine(path: TracePoint, s: Any, z: Any) -> tuple[Any, A
 
 @dataclass(frozen=True)
 class Tip:
-    """A roller's centre or a knife edge on the link.
+    """A roller's centre or a knife edge on the link, and the name of the curve that it traces.
 
-    Attributes:
-        path: name of the curve that it traces. at: its place.
-        outward: +1 where its cam drives the link the way displacement grows, −1 the other way.
+    ``outward``: +1 where its cam drives the link the way displacement grows, −1 the other way.
     """
 
     path: str
@@ -131,11 +129,9 @@ class Tip:
 
 @dataclass(frozen=True)
 class Face:
-    """A flat face on the link.
+    """A flat face on the link: the point from which its reach is measured, and unit vectors.
 
-    Attributes:
-        at: a point of it, from which its reach is measured.
-        along: unit vector in the sense of positive reach. normal: unit vector away from the cam.
+    ``along`` points in the sense of positive reach, ``normal`` away from the cam.
     """
 
     at: Vector2

@@ -81,13 +81,8 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     closure: ArmClosure = Force()
 
     @property
-    def length(self) -> float:
-        """Length of the arm [mm]; the smallest one while it is left free."""
-        return ends(self.arm_mm)[0]
-
-    @property
     def reference(self) -> float:
-        return self.length
+        return ends(self.arm_mm)[0]  # the arm's length, the smallest one while it is left free
 
     def searched_dimensions(self, base_radius: Ends) -> Mapping[str, tuple[float | Range, Ends]]:
         low, high = ends(self.arm_mm)
@@ -111,12 +106,12 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def check_dimensions(self, base_radius: Ends, segments: Segments) -> None:
         self.closure.check(self.roller_radius_mm, base_radius[1], base_gap(self))
         self._arm.check(self.prime_radii(base_radius), segments)
-        if self.length <= self.roller_radius_mm:
+        if self.reference <= self.roller_radius_mm:
             raise PydanticCustomError(
                 "roller_on_pivot",
                 "arm_mm = {arm} is not longer than roller_radius_mm = {roller}: the roller would "
                 "lie over its own pivot. Take a longer arm or a smaller roller.",
-                {"arm": self.length, "roller": self.roller_radius_mm},
+                {"arm": self.reference, "roller": self.roller_radius_mm},
             )
 
     def feasible_base_radii(self, base_radius: Ends, stroke: float) -> Ends:
@@ -129,10 +124,10 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def _arm(self) -> ArmGeometry:
         low, high = ends(self.initial_angle_deg)
         angle = low * DEGREE, high * DEGREE
-        return ArmGeometry(self.length, ends(self.centre_distance_mm), angle, base_gap(self))
+        return ArmGeometry(self.reference, ends(self.centre_distance_mm), angle, base_gap(self))
 
     def size_domain(self, base_radius: Ends) -> SizeDomain:
-        prime, arm, l = self.prime_radii(base_radius), self._arm, self.length
+        prime, arm, l = self.prime_radii(base_radius), self._arm, self.reference
         if arm.pivot is not None:
             low, high = arm.angles(prime)
             return SizeDomain(((l * low, l * high),), (), 0.0)  # the bounds say it all
@@ -154,13 +149,13 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     def radius_from_norm(self, value: float) -> float:
         if self.distance is None:
             return value
-        angle = min(max(value / self.length, 0.0), math.pi)
-        return third_side(self.length, self.distance, angle)
+        angle = min(max(value / self.reference, 0.0), math.pi)
+        return third_side(self.reference, self.distance, angle)
 
     def norm_from_radius(self, radius: float) -> float:
         if self.distance is None:
             return radius
-        return self.length * enclosed_angle(self.length, self.distance, radius)
+        return self.reference * enclosed_angle(self.reference, self.distance, radius)
 
     def fixable_dimension(self) -> FixableDimension | None:
         if self.distance is not None:
@@ -171,22 +166,28 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             return self.model_copy(update={"centre_distance_mm": distance})
 
         def whole(distance: float, z: Vector) -> Vector:
-            angle = z[0] / self.length
+            angle = z[0] / self.reference
             return distance * math.cos(angle), distance * math.sin(angle)
 
         return FixableDimension(
-            "centre distance", max(low, 0.0), high, self.length, lambda z: math.hypot(*z), at, whole
+            "centre distance",
+            max(low, 0.0),
+            high,
+            self.reference,
+            lambda z: math.hypot(*z),
+            at,
+            whole,
         )
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
         # R grows with ψ: at the highest lift it is the length of (l − d cosψ, d sinψ)
         if self.distance is not None:
             return AffineNorm(((1.0,),), (s_max,))  # lψ, with which R grows
-        cos, sin = math.cos(s_max / self.length), math.sin(s_max / self.length)
-        return AffineNorm(((-cos, sin), (sin, cos)), (self.length, 0.0))
+        cos, sin = math.cos(s_max / self.reference), math.sin(s_max / self.reference)
+        return AffineNorm(((-cos, sin), (sin, cos)), (self.reference, 0.0))
 
     def pressure_angle_constraints(self, slope: float) -> NonconvexConstraints:
-        arm, sigma = self.length, self.sigma
+        arm, sigma = self.reference, self.sigma
         if self.distance is None:
             return (FreePivotPressureAngle("pressure_angle", arm, sigma, slope),)
         return (FixedPivotPressureAngle("pressure_angle", arm, self.distance, sigma, slope),)
@@ -195,14 +196,14 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         if self.distance is None:
             p, q = z
             return p, q
-        angle = z[0] / self.length
+        angle = z[0] / self.reference
         return self.distance * np.cos(angle), self.distance * np.sin(angle)
 
     def initial_angle(self, z: Vector) -> float:
-        return z[0] / self.length if self.distance is not None else math.atan2(z[1], z[0])
+        return z[0] / self.reference if self.distance is not None else math.atan2(z[1], z[0])
 
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
-        l, (u, g), (_, (x, y)) = self.length, self.frame(s, z), self.pivot_position(z)
+        l, (u, g), (_, (x, y)) = self.reference, self.frame(s, z), self.pivot_position(z)
         turn = s[1] / l
         along, driven = -s[1] * turn, s[2]  # u' = (s'/l) g, g' = −(s'/l) u
         further, jerked = -3.0 * s[2] * turn, s[3] - s[1] * turn * turn
@@ -220,7 +221,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     def pose(self, point: Any, normal: Any) -> tuple[Any, Any]:
         # the triangle of axis, pivot and centre gives ψ; the position is the arc lψ
-        (x, y), l, (d, _) = point, self.length, ends(self.centre_distance_mm)
+        (x, y), l, (d, _) = point, self.reference, ends(self.centre_distance_mm)
         cos = d * d + l * l - x * x - y * y  # 2dl cosψ
         with np.errstate(invalid="ignore"):
             sin = np.sqrt(4.0 * d * d * l * l - cos * cos) if d > 0.0 else np.nan * cos
@@ -233,11 +234,11 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
 
     def drive_direction(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         u, g = self.frame(s, z)
-        turn = s[1] / self.length
+        turn = s[1] / self.reference
         return g, (-turn * u[0], -turn * u[1])
 
     def curvature_terms(self, s: Any, z: Any) -> tuple[Any, Any]:
-        l, sigma = self.length, self.sigma
+        l, sigma = self.reference, self.sigma
         along, across = self.axis_from_pivot(s, z)
         ahead = l + sigma * s[1]
         lever = ahead - along
@@ -251,7 +252,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             "base_radius_mm": prime - base_gap(self),
             "prime_radius_mm": prime,
             "roller_radius_mm": self.roller_radius_mm,
-            "arm_mm": self.length,
+            "arm_mm": self.reference,
             "centre_distance_mm": float(self.pivot_position(z)[0]),
             "initial_angle_deg": self.initial_angle(z) / DEGREE,
             **self.closure.dimensions(self.roller_radius_mm),

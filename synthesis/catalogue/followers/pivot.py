@@ -35,11 +35,9 @@ PivotDirection = Annotated[
 
 
 class PivotedFollower(Follower, ABC):
-    """A follower on a pivot; a lift is an angle.
+    """A follower on a pivot; a lift is an angle. It lifts while ψ is in the ``swing_range`` [rad].
 
-    Attributes:
-        size_charts: of a given and of a free centre distance, in this order.
-        swing_range: ψ between which the follower lifts [rad].
+    Its ``size_charts`` are those of a given and of a free centre distance, in this order.
     """
 
     swing_range: ClassVar[tuple[float, float]]

@@ -43,7 +43,7 @@ class ReducedLoad:
         friction: of a slide's guide.
         contact, bearing: of the line contact and the roller; None where not given.
         speeds: least and largest speed of the cam at which it must not float [rad/s].
-        pushed_both_ways: whether the cam pushes it inwards as well as outwards.
+        pushed_both_ways: inwards as well as outwards.
     """
 
     mass: float
@@ -81,10 +81,7 @@ class ReducedLoad:
         return np.where(ends, self.process(inside, 0, "left"), self.process(inside))
 
     def split_at_jumps(self, segment: PlacedSegment) -> PlacedSegment:
-        """The segment with pieces of its law that end just before and just after a jump of P.
-
-        So both sides of the jump are among the ends of pieces, wherever these are looked at.
-        """
+        """The segment with pieces of its law that end just before and just after a jump of P."""
         inner = self._breaks_inside(segment)
         jumps = inner[self.process(inner) != self.process(inner, 0, "left")]
         if segment.law is None or not len(jumps):
@@ -159,9 +156,6 @@ def pressure_square(load: ReducedLoad, flank: Flank, force: Any, curvature: Any)
 
     The profile's curvature, 1/R2 = σκ/(1 − Dσκ), has the sign of the flank: hollow flanks fit the
     roller and lower the pressure. With R1 its radius p² = N (1/R1 + 1/R2)/B.
-
-    Args:
-        force: N [N], as ``contact_force`` says. curvature: κ of the traced curve [1/mm].
     """
     assert load.contact is not None
     bend = curvature * flank.side

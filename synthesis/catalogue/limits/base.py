@@ -94,8 +94,7 @@ class Limit(UnitFields, ABC):
     Attributes:
         kind: name on the wire. title: name for people.
         needs_load: it is about a force, so that the spec has to give the load on the follower.
-        same_on_every_segment: its smooth constraints do not depend on the segment, so that one
-            evaluation serves several segments.
+        same_on_every_segment: whether one evaluation of its smooth form serves several segments.
     """
 
     kind: str
@@ -118,10 +117,7 @@ class Limit(UnitFields, ABC):
         return 0.0
 
     def check(self, segments: Segments, machine: Machine, position: int) -> None:
-        """Refuse a bound that no such cam can keep, of which no motion speaks, or without its load.
-
-        ``position``: index of the limit in the spec, for the message.
-        """
+        """Refuse a bound that no such cam can keep, that no motion meets, or without its load."""
         return None
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:

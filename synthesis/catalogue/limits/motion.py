@@ -117,12 +117,11 @@ class SegmentBound(Limit):
     """min ≤ one derivative ≤ max on a part of one segment; equal where both are.
 
     Attributes:
-        segment: index of the segment in the program.
-        place: where it stands in the segment, as in ``windows/0``.
+        segment: its index in the program. place: in the segment, as in ``windows/0``.
         field: path of what sets it, from the program on.
         order: 0 for the travel since the segment's start, positive in the sense of the move;
             k for the k-th derivative by time, positive away from the cam's axis.
-        part: first and last x of the segment, in [0, 1]; equal for a point.
+        interval: first and last x of the segment, in [0, 1]; equal for a point.
         min, max: bounds in the wire's units, None where there is none.
     """
 
@@ -266,10 +265,7 @@ class ResidualVibration(TravelLimit):
 
 
 def runs_between_dwells(segments: Segments) -> tuple[tuple[int, ...], ...]:
-    """Indices of the segments between two dwells, run by run in the order of their dwells.
-
-    None where there is no dwell. Segments of no angle do not count.
-    """
+    """Indices of the segments between two dwells, run by run; segments of no angle do not count."""
     placed = [s for s in segments if s.angle > 0.0]
     dwells = [k for k, s in enumerate(placed) if s.kind == "dwell"]
     ends = zip(dwells[-1:] + dwells[:-1], dwells, strict=True)

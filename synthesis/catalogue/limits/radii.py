@@ -187,18 +187,17 @@ class OuterRadius(Limit):
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         """Of a law that may overshoot the ends: what the norm's last component says."""
-        return tuple(self._rows(machine)) if segment.may_overshoot else ()
-
-    def _rows(self, machine: Machine) -> Iterator[LinearInequality]:
-        for path, trace, gap in _edges(machine.follower):
+        found = list[LinearInequality]()
+        for path, trace, gap in _edges(machine.follower) if segment.may_overshoot else ():
             low, high = trace.outer_radius_norm(0.0), trace.outer_radius_norm(1.0)
             if low is None or high is None or low.matrix != high.matrix:
                 continue
             rise = high.shift[-1] - low.shift[-1]
             if rise > 0.0:
                 most = trace.norm_from_radius(self.max_mm + gap) - low.shift[-1]
-                source = labelled("outer_radius", path)
-                yield LinearInequality((rise, 0.0, 0.0, 0.0), low.matrix[-1], most, source=source)
+                row = LinearInequality((rise, 0.0, 0.0, 0.0), low.matrix[-1], most)
+                found.append(replace(row, source=labelled(self.kind, path)))
+        return tuple(found)
 
     def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:
         curves = machine.follower.outer_radius_constraints(self.max_mm)
