@@ -25,6 +25,7 @@ from synthesis.numerics.geometry.swept_roller import (
     FollowerState,
     SweptRoller,
     dot,
+    rotate,
 )
 from synthesis.numerics.piecewise import Array
 from synthesis.units import FULL_TURN
@@ -98,6 +99,13 @@ class SpatialCam:
     def contacts(self, wall: Wall, theta: Array, rho: Array) -> Contacts:
         """Contacts of a wall at θ (n,) [rad] and places on the roller's axis (m,) [mm]."""
         return self.swept.contacts(self.place(wall.seat, theta), rho, wall.side)
+
+    def surface(self, wall: Wall, theta: Array, rho: Array) -> tuple[Array, Array]:
+        """Points [mm] and unit normals out of the material, in the cam's frame: (3, n, m) each."""
+        swept = self.swept
+        point, normal = swept.contact_points(self.place(wall.seat, theta), rho, wall.side)
+        outward = rotate(-normal, -swept.hand * theta, swept.axis)
+        return swept.on_cam(theta, point), outward
 
     def along_axis(self, point: Array) -> Array:
         """Positions along the cam's axis of points (3, …) of the machine's frame [mm]."""
