@@ -31,6 +31,10 @@ from service.workers import prefork
 from synthesis.studies.sweeps import SweepSpec
 
 FILES = ("items.csv", "items.parquet")
+COLUMNS = (
+    TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
+    TextColumn("{task.fields[text]}"), TimeRemainingColumn(),
+)  # fmt: skip
 STORE = "sweeps.db"  # the finished items of a sweep that is computed here
 
 
@@ -59,7 +63,7 @@ def sweep(
             report_errors(spec, url, CONTINUES if url else kept),
             nullcontext(valid_address(url)) if url else own_service(out_dir) as address,
             Client(address) as client,
-            _progress() as progress,
+            Progress(*COLUMNS, console=err) as progress,
         ):
             ended = _watch(client, client.sweep(question), progress)
             files = [name for name in FILES if _download(client, ended, name, out_dir, progress)]
@@ -103,13 +107,6 @@ def own_service(folder: Path) -> Iterator[str]:
         server.should_exit = True
         running.join()
         listener.close()
-
-
-def _progress() -> Progress:
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("{task.fields[text]}"), TimeRemainingColumn(), console=err,
-    )  # fmt: skip
 
 
 def _watch(client: Client, sweep: dict[str, Any], progress: Progress) -> dict[str, Any]:

@@ -325,13 +325,10 @@ def download_headers(owner: str, ending: str, media_type: str) -> dict[str, str]
     Args:
         owner: name that the caller gave to the answer. ending: what the file's name ends in.
     """
-    file_name = f'filename="{file_stem(owner)}-{ending}"'
+    # In characters that every system takes.
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", owner).strip("-.")[:60] or "cam"
+    file_name = f'filename="{stem}-{ending}"'
     policy = POLICIES.get(media_type.partition(";")[0])
     if policy is None:
         return {"Content-Disposition": f"attachment; {file_name}"}
     return {"Content-Disposition": f"inline; {file_name}", "Content-Security-Policy": policy}
-
-
-def file_stem(name: str) -> str:
-    """The beginning of a file's name, in characters that every system takes."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-.")[:60] or "cam"

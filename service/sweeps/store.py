@@ -148,8 +148,6 @@ class SweepStore:
             answer.number: {**vars(answer), "sweep": sweep, "axis_values": values}
             for answer, values in done
         }
-        for row in rows.values():
-            del row["warm_start"]
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[WITHOUT_SPEC], with_for_update=True)

@@ -167,7 +167,7 @@ class SweepRunner:
         items = [(number, self._spec.item_values(number)) for number in numbers]
         # Send them. A worker answers those that it had time for; the others go to any worker later.
         try:
-            answers = await self._engine.run(
+            answers, warm_start = await self._engine.run(
                 solve_items, self._spec_for_workers, items, self._budget_s, self._engine.task,
                 self._warm_starts.get(numbers[0]),
                 budget_s=self._budget_s + SLICE_S, low_priority=True, name=name,
@@ -191,14 +191,15 @@ class SweepRunner:
                 "last times on this item alone: it died, perhaps for lack of memory, or overran "
                 f"its time budget and had to be stopped. The last time: {error}"
             }
-            answers, numbers = [ItemAnswer(suspects[0], "failed", problem=problem)], suspects
+            answers, warm_start = [ItemAnswer(suspects[0], "failed", problem=problem)], None
+            numbers = suspects
         # Learn how long items take, and where the chain goes on that this chunk has interrupted.
         for answer in answers:
             chunks.record_time(answer.seconds)
         self._warm_starts.pop(numbers[0], None)
         not_begun = numbers[len(answers) :]
         if not_begun and answers:
-            self._warm_starts[not_begun[0]] = answers[-1].warm_start
+            self._warm_starts[not_begun[0]] = warm_start
         chunks.put_back(not_begun)
         values = dict(items)
         new = [(each, values[each.number]) for each in answers if chunks.finish(each.number)]

@@ -6,7 +6,7 @@ import json
 import time
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -33,7 +33,6 @@ class ItemAnswer:
             bound. seconds: time that it took.
         design_id: the design's id; None where the answer is not that of the spec alone.
         design: the design's body, compressed. problem: why it failed, or why it ended early.
-        warm_start: for the next item of its chain; only of the last one that was begun.
     """
 
     number: int
@@ -44,15 +43,14 @@ class ItemAnswer:
     design_id: str | None = None
     design: bytes | None = None
     problem: dict[str, Any] | None = None
-    warm_start: Any = None
 
 
 def solve_items(
     sweep: bytes, items: Sequence[Item], budget_s: float, solve: SolveDesign, warm_start: Any = None
-) -> list[ItemAnswer]:
+) -> tuple[list[ItemAnswer], Any]:
     """Solve items of a sweep in order, as many as the time slice has room for.
 
-    Cancelled, it returns those that are done.
+    Cancelled, it returns those that are done; and what the next item may begin with.
 
     Args:
         sweep: the SweepSpec; of its axes only the fields are used.
@@ -65,14 +63,12 @@ def solve_items(
         if answers and time.monotonic() - started > SLICE_S:
             break
         try:
-            answer = _answer(spec, number, values, budget_s, solve, warm_start)
+            answer, left = _answer(spec, number, values, budget_s, solve, warm_start)
         except Cancelled:
             break
-        warm_start = answer.warm_start or warm_start
-        answers.append(replace(answer, warm_start=None))
-    if answers and spec.warm_start:
-        answers[-1] = replace(answers[-1], warm_start=warm_start)
-    return answers
+        warm_start = left or warm_start
+        answers.append(answer)
+    return answers, warm_start
 
 
 @lru_cache(maxsize=4)
@@ -87,7 +83,7 @@ def _answer(
     budget_s: float,
     solve: SolveDesign,
     warm_start: Any,
-) -> ItemAnswer:
+) -> tuple[ItemAnswer, Any]:
     started = time.monotonic()
     try:
         try:
@@ -106,21 +102,16 @@ def _answer(
         problem.pop("best", None)
         best = error.best if isinstance(error, TimeBudgetExceeded) else None
         if best is None:
-            return ItemAnswer(number, "failed", seconds, problem=problem)
+            return ItemAnswer(number, "failed", seconds, problem=problem), None
         # When time ended, the best certified design so far is the answer, with the problem.
         return ItemAnswer(
             number, best.status, seconds, {**best.dimensions, **best.objectives},
-            best.certificate.gap, None, _packed(best.model_dump_json().encode()), problem,
-        )  # fmt: skip
+            best.certificate.gap, None, zlib.compress(best.model_dump_json().encode(), 1), problem,
+        ), None  # fmt: skip
     return ItemAnswer(
         number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
-        answer.summary["gap"], answer.id, _packed(answer.body),
-        warm_start=answer.warm_start if sweep.warm_start else None,
-    )  # fmt: skip
-
-
-def _packed(body: bytes) -> bytes:
-    return zlib.compress(body, 1)
+        answer.summary["gap"], answer.id, zlib.compress(answer.body, 1),
+    ), answer.warm_start if sweep.warm_start else None  # fmt: skip
 
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:

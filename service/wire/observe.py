@@ -112,19 +112,17 @@ class Observe:
                 raise  # the response has begun
             await error_response(Request(scope), error)(scope, receive, send_with_headers)
         finally:
-            self._log(scope, status, time.perf_counter() - started)
-
-    def _log(self, scope: Scope, status: int, seconds: float) -> None:
-        route = getattr(scope.get("route"), "path", "unmatched")
-        method = scope["method"] if scope["method"] in METHODS else "other"
-        self._metrics.requests.labels(method, route, str(status)).inc()
-        self._metrics.latency.labels(route).observe(seconds)
-        level = logging.DEBUG if route in QUIET else logging.INFO
-        fields = {
-            "method": method,
-            "path": scope["path"],
-            "status": status,
-            "ms": round(1e3 * seconds, 1),
-            "request_id": scope["request_id"],
-        }
-        log.log(level, "request", extra={"fields": fields})
+            seconds = time.perf_counter() - started
+            route = getattr(scope.get("route"), "path", "unmatched")
+            method = scope["method"] if scope["method"] in METHODS else "other"
+            self._metrics.requests.labels(method, route, str(status)).inc()
+            self._metrics.latency.labels(route).observe(seconds)
+            fields = {
+                "method": method,
+                "path": scope["path"],
+                "status": status,
+                "ms": round(1e3 * seconds, 1),
+                "request_id": scope["request_id"],
+            }
+            level = logging.DEBUG if route in QUIET else logging.INFO
+            log.log(level, "request", extra={"fields": fields})

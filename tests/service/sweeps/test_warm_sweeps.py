@@ -99,8 +99,8 @@ def warm() -> list[Design]:
     wanted = [(number, sweep.item_values(number)) for number in range(sweep.size)]
     body, found, near = sweep.model_dump_json().encode(), list[ItemAnswer](), None
     while len(found) < sweep.size:  # a busy machine's time slices end between them
-        found += solve_items(body, wanted[len(found) :], 60.0, solve_design, near)
-        near = found[-1].warm_start
+        more, near = solve_items(body, wanted[len(found) :], 60.0, solve_design, near)
+        found += more
         assert near is not None
     return [Design.model_validate_json(zlib.decompress(answer.design or b"")) for answer in found]
 
