@@ -11,13 +11,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Effort:
-    """All sizes and repeats, or in a trial the first size of each list and two repeats."""
+    """All sizes and repeats, or in a trial the first size of each list, once."""
 
     trial: bool = False
 
     def repeats(self, count: int) -> int:
         """How often to repeat what should be repeated ``count`` times."""
-        return 2 if self.trial else count
+        return 1 if self.trial else count
 
     def warm_up(self, count: int) -> int:
         """How many calls go before those that count."""

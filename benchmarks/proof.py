@@ -160,7 +160,7 @@ def _timed(
     problem: Problem, repeats: int, *, thorough: bool
 ) -> tuple[SolveState, tuple[float, ...]]:
     seconds = list[float]()
-    while len(seconds) < 2 or (len(seconds) < repeats and sum(seconds) < LONG):
+    while len(seconds) < min(repeats, 2) or (len(seconds) < repeats and sum(seconds) < LONG):
         began = perf_counter()
         found = optimise(problem, TOLERANCE, thorough=thorough)
         seconds.append(perf_counter() - began)

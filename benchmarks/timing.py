@@ -19,7 +19,7 @@ Call = Callable[[], object]
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds of a call's runs, in their order; two at least."""
+    """Seconds of a call's runs, in their order."""
 
     seconds: tuple[float, ...]
 
@@ -49,7 +49,8 @@ class Timing:
 
 
 def _quartiles(values: Sequence[float]) -> list[float]:
-    return statistics.quantiles(values, n=4, method="inclusive")
+    several = values if len(values) > 1 else [*values, *values]
+    return statistics.quantiles(several, n=4, method="inclusive")
 
 
 def _short(ratio: float) -> str:
@@ -81,7 +82,7 @@ def in_turns(calls: Mapping[str, Call], repeats: int, warm_up: int = 1) -> dict[
     seconds: dict[str, list[float]] = {name: [] for name in calls}
     order = random.Random(1)
     with _no_collecting():
-        for _ in range(max(repeats, 2)):
+        for _ in range(repeats):
             for name, call in order.sample(list(calls.items()), len(calls)):
                 start = perf_counter()
                 call()
