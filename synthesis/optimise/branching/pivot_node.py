@@ -33,12 +33,7 @@ from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
-from synthesis.optimise.propagation.law_tightening import (
-    initial_law_bounds,
-    size_bounds,
-    tighten_law,
-    with_value_cap,
-)
+from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
 from synthesis.optimise.relaxation.size_rows import NEAR, relative_excess, reverse_convex_rows
@@ -169,22 +164,22 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
     problem = node.problem
     grids = tuple(uniform_grid(segment, COARSE).knots_only for segment in problem.free)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
-    model = formulate(with_value_cap(problem, value), grids)
+    model = formulate(law_tightening.with_value_cap(problem, value), grids)
     capped = law_controls(model)
     if capped is None or not all(np.isfinite(control.cap) for control in capped):
         return None
     if node.sizes:
         model = with_rows(model, list(_implied_rows(model, node)))
     ranges = node.sizes or problem.sizing.bounds
-    sizes = tuple(size_bounds(model, axis, ends) for axis, ends in enumerate(ranges))
+    sizes = tuple(law_tightening.size_bounds(model, axis, ends) for axis, ends in enumerate(ranges))
     tubes = {}
     for position, (low, high) in node.parts.items():
         if state.time_left <= 0.0:
             return None
         nodes = np.linspace(low, high, NODES)
         known = node.tubes.get(position)
-        known = known or initial_law_bounds(model, position, capped[position], nodes)
-        tubes[position] = tighten_law(model, position, known, state.deadline)
+        known = known or law_tightening.initial_law_bounds(model, position, capped[position], nodes)
+        tubes[position] = law_tightening.tighten_law(model, position, known, state.deadline)
     return replace(node, sizes=sizes, tubes=tubes)
 
 

@@ -98,9 +98,8 @@ class TracedNode(Node):
         parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
         if not parts and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
-        share = 1.0 if state.thorough else TIME_SHARE
-        deadline = state.deadline if share == 1.0 else state.deadline - share * state.time_left
-        task = BoundTask.of(state, best, deadline)
+        spared = 0.0 if state.thorough else TIME_SHARE * state.time_left
+        task = BoundTask.of(state, best, state.deadline - spared)
         if task is None:
             return None
         region = initial_region(task.problem, task.controls, parts)
@@ -155,20 +154,16 @@ class TracedNode(Node):
         """
         if not self.region.is_divisible or clock.now() >= self.task.deadline:
             return state, ()
-        child = replace(self, processed=False, is_root=False)
-        sizes = self.region.sizes
+        child, sizes = replace(self, processed=False, is_root=False), self.region.sizes
         widths = [high - low for low, high in sizes]
-        among = widths[:-1] if any(widths[:-1]) else widths
         low, high = max(self.least, self.lower), self.largest_value
         norm = self.task.problem.objective.norm(self.task.problem.machine)
         if norm is not None and high - low > VALUE_SPLIT * max(widths[:-1], default=0.0):
             middle = 0.5 * (low + high)
             worse = replace(child, least=middle, lower=max(self.lower, middle), upper_half=True)
             return state, (replace(child, least=low, most=middle), worse)
-        axis = int(np.argmax(among))
-        return state, [
-            replace(child, region=self.region.restrict(box)) for box in halve(sizes, axis)
-        ]
+        boxes = halve(sizes, int(np.argmax(widths[:-1] if any(widths[:-1]) else widths)))
+        return state, [replace(child, region=self.region.restrict(box)) for box in boxes]
 
     def conclude(self, state: SolveState, tree: Tree) -> SolveState:
         """Raise the bound to that of the lowest leaf, after finer meshes for it.

@@ -145,7 +145,7 @@ def formulate(
         region: where curved limits are written as rows; None: all over what is allowed.
         paired: state rows that are equalities as two inequalities each, which may give way.
     """
-    region = region or Region.full(problem)
+    region = region or Region(problem.sizing.bounds)
     free = problem.free
     scales = natural_scales(problem)
     boundaries, junctions = boundary_states(problem.segments, grids)

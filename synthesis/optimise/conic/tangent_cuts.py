@@ -26,7 +26,6 @@ from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.semi_infinite import local_maxima
 from synthesis.optimise.problem.grid import TYPICAL, Grid
-from synthesis.optimise.problem.problem import Problem
 
 SAMPLES = 64  # on a given segment, about
 
@@ -59,11 +58,6 @@ class Region:
     sizes: tuple[tuple[float, float], ...] = ()
     tangent_points: tuple[TangentPoint | None, ...] = ()
     law_bounds: Mapping[int, LawBounds] = field(default_factory=dict)
-
-    @classmethod
-    def full(cls, problem: Problem) -> Region:
-        """All that the problem allows."""
-        return cls(problem.sizing.bounds)
 
 
 def cuts_on_law(

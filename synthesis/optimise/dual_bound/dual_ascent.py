@@ -83,6 +83,7 @@ class _DualProgram:
     model: ConicModel
     solution: ConeSolution
     controls: Sequence[Control]
+    order: int
     groups: tuple[terms.WeightedRows, ...]
     fixed: terms.Terms
     psi_error: Array
@@ -117,11 +118,7 @@ class _DualProgram:
             groups.append(ends)
         vibrations, psi_error = terms.vibration_terms(model, order, z)
         fixed = [*terms.energy_tangents(model, solution, order), *vibrations]
-        return cls(model, solution, controls, tuple(groups), fixed, psi_error)
-
-    @property
-    def order(self) -> int:
-        return self.controls[0].order
+        return cls(model, solution, controls, order, tuple(groups), fixed, psi_error)
 
     @cached_property
     def first(self) -> list[int]:

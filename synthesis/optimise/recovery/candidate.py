@@ -133,12 +133,11 @@ def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
 
 def weighs_size(problem: Problem) -> bool:
     """Whether the objective weighs the size otherwise than by making it small."""
-    rows = (
-        row
+    return any(
+        row.size
         for segment in problem.segments
         for row in problem.objective.rows(segment, problem.machine, 1.0)
     )
-    return any(row.size for row in rows)
 
 
 def smallest_size(problem: Problem) -> Vector | None:

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from synthesis.catalogue.motion import FreeLaw
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
@@ -64,10 +65,9 @@ def refine_mesh(
         if cam is None or lower is None or not lower.switching:
             breaks = _halved(breaks)
         else:
-            softer = segment.free.smoothness + 1 - lower.order
-            curve = cam.laws[position].curve()
-            needed = segment.free.knots
-            breaks = _where_it_pays(breaks, curve, lower, position, softer, needed)
+            breaks = _where_it_pays(
+                segment.free, breaks, cam.laws[position].curve(), lower, position
+            )
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         chosen.append(breaks)
@@ -94,16 +94,11 @@ def _mesh_through(
 
 
 def _where_it_pays(
-    breaks: Array,
-    curve: Piecewise,
-    lower: Bound,
-    position: int,
-    softer: int,
-    needed: Sequence[float],
+    free: FreeLaw, breaks: Array, curve: Piecewise, lower: Bound, position: int
 ) -> Array:
     """Knots at the ideal law's switches inside the costly intervals; those without one are halved.
 
-    Those that are ``needed`` stay.
+    Those that the law needs stay.
     """
     psi, control = lower.switching[position], lower.controls[position]
     losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
@@ -114,9 +109,9 @@ def _where_it_pays(
     single = costly & (counts == 1)
     halved = _halved(breaks, costly & ~single)
     # as close as knots may lie: where a window ends, even an ideal law has much to settle
-    ends, step = np.array(needed), 1.01 * CLOSEST_KNOTS
-    ramps = ramp_knots(switches[single[inside]], softer)
-    return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), needed)
+    ends, step = np.array(free.knots), 1.01 * CLOSEST_KNOTS
+    ramps = ramp_knots(switches[single[inside]], free.smoothness + 1 - lower.order)
+    return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), free.knots)
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
@@ -133,9 +128,8 @@ def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     cam = state.relaxed
     if state.tolerance > FINEST or cam is None or not state.problem.free:
         return state
-    if state.is_close(cam) and state.covers_all_laws:
-        return state
-    if state.problem.has_curved_limits or state.problem.objective.quasiconvex:
+    unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
+    if unfit or (state.is_close(cam) and state.covers_all_laws):
         return state
     return _improve_multipliers(_move_knots(state, cam, solve_once))
 

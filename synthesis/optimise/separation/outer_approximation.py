@@ -22,11 +22,7 @@ from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulat
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
-from synthesis.optimise.propagation.law_tightening import (
-    initial_law_bounds,
-    tighten_law,
-    with_value_cap,
-)
+from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state.solve_state import SolveState
@@ -107,7 +103,7 @@ def _tighten_region(
         return None
     # Every better cam satisfies the rows, and the objective's cap where sizes do not imply it.
     inside = replace(problem.sizing, bounds=region.sizes, min_norm=0.0)
-    better = with_value_cap(replace(problem, sizing=inside), best * (1.0 + SPARE))
+    better = law_tightening.with_value_cap(replace(problem, sizing=inside), best * (1.0 + SPARE))
     if problem.objective.norm(problem.machine) is not None:
         better = replace(better, objective_caps=problem.objective_caps)
     grids = tuple(grid.knots_only for grid in model.grids)
@@ -117,10 +113,11 @@ def _tighten_region(
     if capped is None or any(not isfinite(control.cap) for control in capped):
         return None
     known = region.law_bounds or {
-        k: initial_law_bounds(relaxed, k, control) for k, control in enumerate(capped)
+        k: law_tightening.initial_law_bounds(relaxed, k, control)
+        for k, control in enumerate(capped)
     }
     bounds = {
-        k: tighten_law(relaxed, k, one, state.deadline) if k in loose else one
+        k: law_tightening.tighten_law(relaxed, k, one, state.deadline) if k in loose else one
         for k, one in known.items()
     }
     return replace(state, region=replace(region, law_bounds=bounds))

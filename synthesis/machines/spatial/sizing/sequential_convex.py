@@ -243,7 +243,7 @@ def _relinearise(
     missed, lower = list[Array](), None
     for _ in range(MAX_LINEARISATIONS):
         # The convex program with tangents about the last laws; with chords while there are none.
-        region = Region.full(state.problem)
+        region = Region(state.problem.sizing.bounds)
         if last is not None:
             about = TangentPoint(tuple(law.curve() for law in last.laws), last.size)
             region = replace(region, tangent_points=(about,))
