@@ -91,11 +91,8 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     """The lower bound that the multipliers of a solution give.
 
     Any multipliers give a valid one: over all laws; over the splines of the model's mesh alone
-    where nothing caps or weighs a derivative of every law.
-
-    Args:
-        costates: (1, laws, m) multipliers of g to g^(m−1) at the end of every law, where the rows
-            at hand are not those that were solved; None: those of ``boundary_multipliers``.
+    where nothing caps or weighs a derivative of every law. ``costates``: (1, laws, m), needed where
+    the rows at hand are not those that were solved; None: those of ``boundary_multipliers``.
     """
     controls = law_controls(model)
     if controls is None:

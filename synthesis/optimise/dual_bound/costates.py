@@ -127,10 +127,7 @@ def stationarity_conditions(model: ConicModel, order: int) -> tuple[Array, Mask,
 
 
 def project_costates(model: ConicModel, initial_costates: Array, near: Array) -> Array:
-    """The nearest costates (q, laws, m) at which the factors of unknown values vanish.
-
-    ``initial_costates``: (q, laws, m) factors of initial values that the rows leave.
-    """
+    """The nearest costates (q, laws, m) at which the factors of unknown initial values vanish."""
     if all(len(boundary.start) >= near.shape[2] for boundary in model.boundary_states):
         return near  # all initial values are known
     matrix, unknown, priced = stationarity_conditions(model, near.shape[2])
@@ -144,13 +141,10 @@ def best_costates(
 ) -> Array:
     """The costates (1, laws, m) that make the bound of a mean square largest.
 
-    The bound is concave in them, and its gradient is by how much the ideal law's end misses what
-    it has to be. The solver's own come from the last few coefficients of the spline, and what is
-    uncertain there grows with the third power of the knots.
-
-    Args:
-        psi: of every law, from its rows alone.
-        given: (1, laws, m) factors of initial values that the rows leave.
+    The bound is concave in them, and its gradient is by how much the ideal law's end misses what it
+    has to be. The solver's own come from the last few coefficients of the spline, and what is
+    uncertain there grows with the third power of the knots. ``psi``: of the rows alone; ``given``:
+    (1, laws, m) factors of initial values that they leave.
     """
     # Newton's method on a concave function, its steps in the null space of the conditions. A step
     # that does not raise the bound is halved: any costates give a valid bound, so that it can stop

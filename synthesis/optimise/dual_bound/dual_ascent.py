@@ -209,10 +209,7 @@ class _DualProgram:
         )  # fmt: skip
 
     def _effect(self, act: Callable[[terms.WeightedRows, int], Array]) -> tuple[Array, Array]:
-        """What rows do to the laws, law below law: (r, n) a unit of each, (r,) the fixed ones.
-
-        ``act``: what a unit of each of some rows does to their law, at its position.
-        """
+        """What a unit of each row does to the laws, by ``act``: (r, n); what the fixed do: (r,)."""
         groups = [*self.groups, *(rows for rows, _ in self.fixed)]
         table = []
         for k in range(len(self.model.grids)):

@@ -91,12 +91,7 @@ class Switching:
     def losses(
         self, knots: Array, law: Callable[[Array], Array], cap: float, weight: float
     ) -> Array:
-        """What a law pays more than the ideal one, knot interval by knot interval: (n,) ≥ 0.
-
-        Args:
-            knots: (n+1,) from 0 to 1. law: its control at given x, right-hand values.
-            cap, weight: as in ``least_integral``.
-        """
+        """What a law (its control) pays more than the ideal one between knots: (n,) ≥ 0."""
         cuts = np.union1d(self._breaks_and_roots((0.0,)), knots)
         tau, shares = gauss_points(cuts, NODES)
         psi, w = self(tau), law(tau)
@@ -213,13 +208,10 @@ def _roots(poly: Array) -> Sequence[Array]:
 
 
 def switching_pieces(points: Array, weights: Array) -> tuple[Array, Array]:
-    """ψ from point rows, of q sets of multipliers at once.
+    """ψ from point rows at (r,) of q sets of multipliers: breaks (n+1,), polynomials (q, n, m).
 
-    Args:
-        points: (r,) x_i in [0, 1]. weights: (q, r, m) λ_i alpha_k for k < m; m is 2 or 3.
-
-    Returns:
-        breaks (n+1,), and polynomials (q, n, m) in s from 0 to 1 along each piece.
+    ``weights``: (q, r, m) λ_i alpha_k for k < m; m is 2 or 3. The polynomials are in s from 0 to 1
+    along each piece.
     """
     sorting = points.argsort(kind="stable")
     x, w, order = points[sorting], weights[:, sorting], weights.shape[2]

@@ -297,10 +297,7 @@ class ValueFunction:
         return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
     def solved(self, u: Array, tolerance: float, fixed: float | None) -> Trial:
-        """The best cam that a whole search finds at u, if it finds one.
-
-        ``fixed``: a value for what can be fixed; None: free, as in the spec.
-        """
+        """The best cam that a whole search finds at u; ``fixed``: a value for what can be fixed."""
         problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
             return Trial(u, NOTHING, None)

@@ -77,10 +77,7 @@ class Tables:
 
 
 def smooth_tables(segments: Sequence[PlacedSegment], deadline: float = inf) -> Tables:
-    """Smooth every table in the order of the program; each joins what is known beside it.
-
-    ``deadline``: ``time.monotonic()`` after which no solve goes on.
-    """
+    """Smooth every table in order, until a deadline; each joins what is known beside it."""
     result = list(segments)
     splines, stages = {}, []
     turning = [i for i, segment in enumerate(result) if segment.angle > 0.0]

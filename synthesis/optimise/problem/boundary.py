@@ -90,10 +90,7 @@ def junction_rows(
 def boundary_states(
     segments: Sequence[PlacedSegment], grids: Sequence[Grid]
 ) -> tuple[list[BoundaryState], list[Junction]]:
-    """What the neighbours settle of every free law, and the joints between free laws.
-
-    ``segments``: the whole turn in order, none of zero angle.
-    """
+    """What the neighbours on a whole turn settle of every free law, and what free laws share."""
     position = {s.index: k for k, s in enumerate(s for s in segments if s.law is None)}
     starts: list[Array] = [np.zeros(1)] * len(position)
     finishes: list[Array] = [np.ones(1)] * len(position)

@@ -111,10 +111,7 @@ class Problem:
         return tuple(s for s in self.segments if s.law is None)
 
     def rows_on(self, segment: PlacedSegment, level: float) -> Iterator[LinearInequality]:
-        """Every row on one segment: of limits, of objectives held, of the objective.
-
-        ``level``: trial level of a fractional objective [core units].
-        """
+        """Every row on one segment: of limits, of objectives held, of the objective at a level."""
         yield from self.limit_rows(segment)
         yield from self.objective.rows(segment, self.machine, level)
 

@@ -30,11 +30,8 @@ NOWHERE: Array = np.zeros(0)
 def repair_junctions(segments: Sequence[PlacedSegment], splines: Splines) -> Splines:
     """The splines of free laws with coefficients that meet their neighbours to rounding.
 
-    None where all of them lie between dwells: those meet as they are.
-
-    Args:
-        segments: the turn in order, laws fixed: free are those that are splines of no table.
-        splines: of free laws and of tables, by index of their segment: space and coefficients.
+    None where all of them lie between dwells: those meet as they are. ``splines``: of free laws and
+    of tables, by index of their segment.
     """
     segments_on_cam = [segment for segment in segments if segment.angle > 0.0]
     is_spline = [s.index in splines and s.table is None for s in segments_on_cam]

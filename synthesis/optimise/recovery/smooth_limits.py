@@ -171,10 +171,7 @@ def _raise_until_feasible(
 def peaks(
     problem: Problem, samples: list[Samples], size: Vector, values: list[Array] | None = None
 ) -> list[Samples]:
-    """Local maxima of the smooth expressions between the samples, closed in on by zooming.
-
-    ``values``: the largest expression at every sample, where it is known already.
-    """
+    """Local maxima of the smooth expressions, by zooming; ``values``: those at every sample."""
     result, parts = [], samples[: len(problem.segments)]
     if values is None:
         values = _largest_values(problem, parts, size)

@@ -121,10 +121,7 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
 
 
 def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
-    """Solve cone programs, each with its knots on the switches of the law before.
-
-    ``solve_once``: solves one cone program on ``state.grids``; the number is for the report.
-    """
+    """Solve cone programs by ``solve_once``, each with knots on the switches of the law before."""
     cam = state.relaxed
     if state.tolerance > FINEST or cam is None or not state.problem.free:
         return state

@@ -25,10 +25,8 @@ ALLOWED = 1e-9  # relative excess of a row that is the solver's noise; the certi
 
 
 def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], float]:
-    """Find where a cam violates rows between their points, and how far.
-
-    Returns:
-        points x in [0, 1] of every free law, and the largest excess relative to its row.
+    """Points x of every free law where a cam violates rows between theirs, and the largest excess,
+    relative to its row.
     """
     worst, points = _excess_of_earlier_objectives(state, cam), []
     laws = {segment.index: segment for segment in cam.problem.segments}

@@ -37,10 +37,7 @@ def relative_excess(
     size: tuple[float, ...],
     limits: Sequence[Limit] | None = None,
 ) -> Array:
-    """By how much limits are exceeded on a given segment at cam angles (n,), relative.
-
-    ``limits``: None: those of the problem that are about a traced point.
-    """
+    """By how much limits, by default those on a traced point, are exceeded at angles, relative."""
     machine, s = problem.machine, segment.placed().derivatives(theta)
     if limits is None:
         limits = [limit for limit in problem.limits if limit.curvature_bounds(segment, machine)]
@@ -120,8 +117,7 @@ def _is_excluded(problem: Problem, boxes: Array) -> NDArray[np.bool_]:
 def _rows(problem: Problem, boxes: Array) -> Iterator[tuple[Array, Array, str]]:
     """Rows · z ≤ upper of every limit on every given segment: (d, n b) and (n b,), its source.
 
-    Args:
-        boxes: (d, 2, b) of sizes; each has n rows of its own, which run slower.
+    ``boxes``: (d, 2, b) of sizes; each has n rows of its own, which run slower.
     """
     for segment in problem.segments:
         if segment.law is None:

@@ -42,11 +42,8 @@ Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
 def relax(state: SolveState, level: float) -> Relaxed:
     """Solve the relaxation on the present mesh: one cone program, and its dual bound.
 
-    Where limits are curved, programs are solved until their rows touch these limits.
-
-    Returns:
-        the state, with every bound and cam found on the way, and the last program with its
-        solution and bound; no bound where the solver gave no usable point.
+    Where limits are curved, programs are solved until their rows touch these limits: the last one
+    is returned, with its solution and bound; no bound where the solver gave no usable point.
     """
     value, value_when_tightened = -inf, -inf
     curved = state.problem.has_curved_limits
@@ -129,9 +126,7 @@ def _linearise(
     """Take the solution as the next point of tangency, and make a cam of it.
 
     The cam's smallest size follows from its law alone, and no better cam is larger than the best.
-
-    Returns:
-        the state, and the positions of the laws on which a curved limit is still exceeded.
+    Also the positions of the laws on which a curved limit is still exceeded.
     """
     problem = state.problem
     laws, size = model.recover(solution.x)
