@@ -170,26 +170,20 @@ class MatrixBuilder:
             at += len(factor)
         return ConeBlock(matrix, shift, None, 1.0, None)
 
-    def add_zero_vibration(self, vibration: VibrationTerm) -> None:
-        """Two equalities: no residual vibration."""
-        matrix, shift = self._vibration_rows(vibration)
-        self._add_entries(matrix, 0)
-        self._end_rows(-shift)
+    def add_apex(self, cone: ConeBlock) -> None:
+        """Equalities in place of a cone of radius 0: matrix x + shift = 0."""
+        self._add_entries(cone.matrix, 0)
+        self._end_rows(-cone.shift)
 
     def vibration_cone(self, vibration: VibrationTerm, tighten: float) -> ConeBlock:
         """Residual vibration ≤ its radius."""
-        matrix, shift = self._vibration_rows(vibration)
-        radius, source = vibration.radius, vibration.source
-        return ConeBlock(matrix, shift, None, radius, None, tighten, source, vibration)
-
-    def _vibration_rows(self, vibration: VibrationTerm) -> tuple[Array, Array]:
-        """The two rows of a residual vibration in the unknowns, and their known part."""
         matrix, shift = np.zeros((2, self.width)), vibration.shift.copy()
         for share, rows in zip(vibration.law_terms, vibration.rows, strict=True):
             inner, fixed = self.boundary_states[share.position].split(rows)
             matrix[:, self.columns[share.position]] = inner
             shift += fixed
-        return matrix, shift
+        radius, source = vibration.radius, vibration.source
+        return ConeBlock(matrix, shift, None, radius, None, tighten, source, vibration)
 
     def build(self) -> tuple[sparse.csc_matrix, Array]:
         """A in compressed columns, and b."""

@@ -168,20 +168,18 @@ def formulate(
     squares = slice(at, at + (0 if energetic is None else energetic.rows))
     writer = MatrixBuilder(squares.stop, columns, size, extra, boundaries)
     placed = (vibration_term(one, problem.segments, grids) for one in problem.vibration_limits)
-    vibrations = [one for one in placed if one is not None]
-    zero_vibrations = [one for one in vibrations if one.radius == 0.0 and not paired]
-    cone_blocks = tuple(_cone_blocks(problem, grids, writer, scales, tightening.every_row)) + tuple(
-        writer.vibration_cone(one, tightening.every_row)
-        for one in vibrations
-        if one not in zero_vibrations
-    )
+    tighten = tightening.every_row
+    vibrations = [writer.vibration_cone(one, tighten) for one in placed if one is not None]
+    still = [] if paired else [cone for cone in vibrations if cone.radius == 0.0]
+    sizes = _cone_blocks(problem, grids, writer, scales, tighten)
+    cone_blocks = (*sizes, *(cone for cone in vibrations if cone not in still))
     for junction in junctions:
         writer.add_junction(junction, free, grids)
     writer.add_fixed_sizes(problem.sizing.bounds, scales)
     if energetic is not None:
         writer.add_energy(energetic, squares.start)
-    for one in zero_vibrations:
-        writer.add_zero_vibration(one)
+    for cone in still:
+        writer.add_apex(cone)
     for block in exact:
         writer.add_block(block)
     equalities = writer.rows
@@ -201,8 +199,8 @@ def formulate(
     )  # fmt: skip
     return ConicModel(
         problem, tuple(grids), scales, tuple(boundaries), tuple(junctions), tuple(columns), size,
-        extra,
-        squares, exact, blocks, cone_blocks, energetic, program, tuple(zero_vibrations),
+        extra, squares, exact, blocks, cone_blocks, energetic, program,
+        tuple(cone.vibration for cone in still if cone.vibration),
     )  # fmt: skip
 
 

@@ -30,7 +30,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.smooth_limits import (
     ConstraintSamples,
     add_violated,
-    initial_samples,
+    constraint_samples,
     peaks,
     sample,
     violation,
@@ -91,7 +91,8 @@ def solve_ipopt(
         growth: relative increase of the value for which limits may hold at last: where a cam that
             much larger satisfies those that are exceeded between points, they get no rows there.
     """
-    samples, begin = initial_samples(*recover_problem(model, start)), StartingPoint(start)
+    samples = constraint_samples(*recover_problem(model, start), -np.inf, np.inf)
+    begin = StartingPoint(start)
     return solve_with_exchange(
         model, samples, begin, deadline, tighten, accuracy, relaxed_count, growth=growth
     )

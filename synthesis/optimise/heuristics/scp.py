@@ -30,8 +30,8 @@ from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasi
 from synthesis.optimise.recovery.smooth_limits import (
     ConstraintSamples,
     add_violated,
+    constraint_samples,
     move_samples,
-    samples_near,
 )
 
 Vector = tuple[float, ...]
@@ -186,7 +186,7 @@ def _tangents(
     model: ConicModel, here: Candidate, peaks: Sequence[ConstraintSamples], tightened: float
 ) -> Iterator[Tangent]:
     """Smooth limits to first order, wherever they are near to binding."""
-    points = samples_near(here.problem, here.size, NEAR)
+    points = constraint_samples(here.problem, here.size, NEAR, NEAR)
     points += [move_samples(peak, here.problem) for peak in peaks]
     for samples in points:
         slopes = zip(*_slopes(here.problem, samples, here.size), strict=True)

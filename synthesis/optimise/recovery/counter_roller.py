@@ -70,7 +70,13 @@ def place_counter_roller(
     if most <= nearest:
         return CounterRollerPlacement(spec.with_deferred({name: most}), False, farthest=helps)
     least = counter_cam.nearest_feasible(nearest, most)
-    value = counter_cam.least_violated(nearest, most) if least is None else least
+    value = least
+    if (
+        value is None
+    ):  # the place at which the worst limit is exceeded least; the nearest of several
+        samples = sample(cam.problem)
+        places = _trial_places(nearest, most)
+        value = min(places, key=lambda place: counter_cam.excess(place, samples))
     if counter_cam.size_excess(value) > 0.0 >= counter_cam.size_excess(nearest):
         value = float(brentq(counter_cam.size_excess, nearest, value, xtol=1e-300, rtol=1e-13))
         # too small or too large, with these laws
@@ -117,11 +123,6 @@ class _CounterCam:
                 return result
             samples = [*samples, *peak_samples]
         return result
-
-    def least_violated(self, low: float, high: float) -> float:
-        """The place at which the worst limit is exceeded least; the nearest of several."""
-        samples = sample(self.cam.problem)
-        return min(_trial_places(low, high), key=lambda place: self.excess(place, samples))
 
     def excess(self, distance: float, samples: list[Samples]) -> float:
         """By how much the worst limit is exceeded, relative."""

@@ -2,12 +2,12 @@
 
 A limit's smooth expressions are at most 0 where it holds. A cam is enlarged until they hold all
 along the laws (``enlarged_size``); local searches write them at samples, evenly spread and at their
-peaks (``initial_samples``, ``samples_near``, ``add_violated``).
+peaks (``constraint_samples``, ``add_violated``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -242,16 +242,6 @@ class ConstraintSamples:
     s: Array
 
 
-def initial_samples(problem: Problem, size: Vector) -> list[ConstraintSamples]:
-    """Points all along the turn, for every limit that has a smooth form."""
-    return _constraint_samples(problem, size, -np.inf, [np.inf] * len(problem.limits))
-
-
-def samples_near(problem: Problem, size: Vector, above: float) -> list[ConstraintSamples]:
-    """Points all along the turn where a smooth limit exceeds a value, and peaks between these."""
-    return _constraint_samples(problem, size, above, [above] * len(problem.limits))
-
-
 def add_violated(
     problem: Problem, size: Vector, relaxed_count: int = 0, above: float = 0.0
 ) -> list[ConstraintSamples]:
@@ -260,17 +250,19 @@ def add_violated(
     ``relaxed_count``: how many of the last limits may be exceeded, and by how much (``above``).
     """
     allowed = [0.0] * (len(problem.limits) - relaxed_count) + [above] * relaxed_count
-    return _constraint_samples(problem, size, np.inf, allowed)
+    return constraint_samples(problem, size, np.inf, allowed)
 
 
-def _constraint_samples(
-    problem: Problem, size: Vector, spread_above: float, peaks_above: list[float]
+def constraint_samples(
+    problem: Problem, size: Vector, spread_above: float, peaks_above: float | Sequence[float]
 ) -> list[ConstraintSamples]:
-    """Evenly spread points above a value; peaks above one for every limit."""
+    """Points all along the turn where a smooth limit exceeds a value; peaks above one for every
+    limit.
+    """
     result = list[ConstraintSamples]()
     for position, samples in enumerate(sample(problem)):
         segment, curve = samples.segment, samples.segment.placed()
-        for limit, above in enumerate(peaks_above):
+        for limit, above in enumerate(np.broadcast_to(peaks_above, len(problem.limits))):
             values = _value(problem, limit, position, samples.theta, samples.s, size)
             if not len(values):
                 continue
