@@ -18,10 +18,10 @@ from synthesis.exporters import (
     PICTURES,
     PROFILE_FORMATS,
     SOLID_FORMATS,
-    ExactOptions,
     Exporter,
     form,
-)  # fmt: skip
+)
+from synthesis.exporters.curves.exact import ExactOptions
 from tests.exporters.nearest import away
 
 POINTS = 7200

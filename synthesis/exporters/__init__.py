@@ -18,15 +18,12 @@ from typing import Any
 from synthesis.exporters import drives, machining, points, tables
 from synthesis.exporters.animations import cam_animation
 from synthesis.exporters.curves import dxf, exact, iges, step
-from synthesis.exporters.curves.dxf import DrawingOptions
-from synthesis.exporters.curves.exact import ExactOptions
 from synthesis.exporters.diagrams import sheet
 from synthesis.exporters.drawing.raster import painted
 from synthesis.exporters.exporter import Exporter, FileContent
 from synthesis.exporters.fidelity import report as fidelity
 from synthesis.exporters.figures import profile
 from synthesis.exporters.options import (
-    CurveName,
     MotionOptions,
     Options,
     PictureOptions,
@@ -35,9 +32,7 @@ from synthesis.exporters.options import (
     form,
 )
 from synthesis.exporters.report import report_with
-from synthesis.exporters.samples.cam import profiles
 from synthesis.exporters.solids import solid_step
-from synthesis.exporters.tables import JsonOptions
 
 Registry = Mapping[str, Exporter[Any]]
 
@@ -85,18 +80,13 @@ __all__ = [
     "PICTURES",
     "PROFILE_FORMATS",
     "SOLID_FORMATS",
-    "CurveName",
-    "DrawingOptions",
-    "ExactOptions",
     "Exporter",
     "FileContent",
-    "JsonOptions",
     "MotionOptions",
     "Options",
     "PictureOptions",
     "PointOptions",
     "ProfileOptions",
     "form",
-    "profiles",
     "report_with",
 ]

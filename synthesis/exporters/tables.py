@@ -18,7 +18,7 @@ from pydantic_core import to_json
 from synthesis.design.design import Design
 from synthesis.exporters.exporter import compact_json, design_format
 from synthesis.exporters.fidelity.report import MAX_ROWS, as_points, fidelity_block, fidelity_header
-from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions
+from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions, Sampled
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import (
     Column,
@@ -96,13 +96,8 @@ class JsonOptions(CurveOptions):
 
 def origin(design: Design) -> dict[str, Any]:
     """Which design a file is of, and whether it is certified."""
-    return {
-        "id": design.id,
-        "name": design.name,
-        "engine_version": design.engine_version,
-        "status": design.status,
-        "certified": design.certificate.certified,
-    }
+    told = {name: getattr(design, name) for name in ("id", "name", "engine_version", "status")}
+    return told | {"certified": design.certificate.certified}
 
 
 def _json_profile(design: Design, options: JsonOptions) -> bytes:
@@ -121,26 +116,24 @@ def _json_profile(design: Design, options: JsonOptions) -> bytes:
         points = written_points(cam, unrounded)
         if len(points.theta) <= MAX_ROWS:
             head["fidelity"] = fidelity_block(cam, points, unrounded)
-    return _json_file(design, head, asdict(options), profile_columns(cam, options))
+    return _json_file(design, head, options, profile_columns(cam, options))
 
 
 def _json_motion(design: Design, options: MotionOptions) -> bytes:
     segments = [segment.model_dump(mode="json", exclude_none=True) for segment in design.motion]
     head = {"kind": "motion", "segments": segments}
-    return _json_file(design, head, asdict(options), _motion_and_forces(design, options))
+    return _json_file(design, head, options, _motion_and_forces(design, options))
 
 
 def _json_file(
-    design: Design, head: dict[str, Any], sampling: dict[str, Any], columns: Sequence[Column]
+    design: Design, head: dict[str, Any], options: Sampled, columns: Sequence[Column]
 ) -> bytes:
+    told = ("rotation", "speed_rpm", "follower", "dimensions")
     body = {
         **head,
         "design": origin(design),
-        "rotation": design.rotation,
-        "speed_rpm": design.speed_rpm,
-        "follower": design.follower,
-        "dimensions": design.dimensions,
-        "sampling": sampling,
+        **{name: getattr(design, name) for name in told},
+        "sampling": asdict(options),
         "rows": len(columns[0].values),
     }
     return json_table(body, columns)

@@ -17,8 +17,9 @@ from synthesis.catalogue.followers import TranslatingRoller
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, DrawingOptions, ExactOptions
-from synthesis.exporters.curves.exact import Contour
+from synthesis.exporters import PROFILE_FORMATS
+from synthesis.exporters.curves.dxf import DrawingOptions
+from synthesis.exporters.curves.exact import Contour, ExactOptions
 from synthesis.exporters.curves.step import SCHEMA
 from synthesis.exporters.samples.cam import Cam
 from synthesis.numerics.geometry.closed_spline import fit_closed_spline

@@ -13,8 +13,10 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, profiles
+from synthesis.exporters import PROFILE_FORMATS, PointOptions
 from synthesis.exporters.options import CamDrawingOptions
+from synthesis.exporters.samples.cam import profiles
+from synthesis.exporters.tables import JsonOptions
 from tests.exporters.test_drawings import drawn, text_boxes
 from tests.exporters.test_points import away
 

@@ -11,7 +11,8 @@ import pytest
 
 from synthesis.design.design import Design
 from synthesis.errors import InputError
-from synthesis.exporters import PROFILE_FORMATS, JsonOptions, PointOptions, ProfileOptions
+from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
+from synthesis.exporters.tables import JsonOptions
 
 TURN, Z = -63.7, 12.125
 

@@ -12,14 +12,9 @@ import numpy as np
 import pytest
 
 from synthesis.design.design import Design, SplineCurve
-from synthesis.exporters import (
-    MOTION_FORMATS,
-    PROFILE_FORMATS,
-    JsonOptions,
-    MotionOptions,
-    ProfileOptions,
-)
+from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, ProfileOptions
 from synthesis.exporters.samples.columns import Column
+from synthesis.exporters.tables import JsonOptions
 from synthesis.exporters.tables import _json_column as _column
 
 PER_DEGREE = 2.7  # 972 steps of 0.37037…°

@@ -25,13 +25,7 @@ from synthesis.numerics.geometry.biarcs import fit_biarcs
 from synthesis.numerics.geometry.closed_spline import fit_closed_spline
 
 # Colours by the AutoCAD index: 7 is black on white and white on black.
-LAYERS = {
-    "CAM_PROFILE": 7,
-    "PITCH_CURVE": 3,
-    "CUTTER_PATH": 1,
-    "BASE_CIRCLE": 4,
-    "BORE": 7,
-}
+LAYERS = {"CAM_PROFILE": 7, "PITCH_CURVE": 3, "CUTTER_PATH": 1, "BASE_CIRCLE": 4, "BORE": 7}
 MILLIMETRES = 4
 PLANE = 8  # a spline's flag
 ARCS_UM = 1.0  # tolerance of arcs where none is given

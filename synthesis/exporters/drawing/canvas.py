@@ -27,7 +27,6 @@ FROM_MM, TO_MM, SHOWN_MM = 110.0, 420.0, 300.0  # widths of sheets: see ``shown_
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 TURNS = {"ccw": "counter-clockwise", "cw": "clockwise"}
 
-FONT = "'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif"
 TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
 BOLD = 1.15  # how much wider bold letters are
 SIZES = {"title": TITLE, "label": LABEL, "quiet": LABEL, "tick": TICK, "alarm": LABEL}
@@ -178,17 +177,9 @@ def ticks(low: float, high: float, most: int) -> list[float]:
 
 def style(u: float, theme: Theme = "auto") -> str:
     """The style sheet for a sheet whose unit is ``u`` mm; ``auto`` is dark only on a screen."""
-    sheet = [f".camwright text{{font-family:{FONT};font-variant-numeric:tabular-nums}}"]
+    sheet = [_STYLE["letters"]]
     sheet += [f".camwright .{name}{{font-size:{num(k * u)}px}}" for name, k in SIZES.items()]
-    sheet.append(".camwright .title{font-weight:600}")
-    sheet += _colours(COLUMN[theme])
-    sheet += line_rules(u)
-    sheet.append(".camwright path{stroke-linejoin:round;stroke-linecap:round}")
-    sheet.append(
-        ".camwright .line{fill:none}.camwright .body{fill-opacity:.08}"
-        ".camwright .glass{fill-opacity:.55}"
-    )
-    sheet.append(".camwright text{paint-order:stroke;stroke-linejoin:round}")
+    sheet += [_STYLE["bold"], *_colours(COLUMN[theme]), *line_rules(u), _STYLE["shapes"]]
     if theme == "auto":
         dark = "".join(_colours(COLUMN["dark"]))
         sheet.append(f"@media screen and (prefers-color-scheme:dark){{{dark}}}")

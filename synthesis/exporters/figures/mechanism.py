@@ -35,8 +35,7 @@ class Contact:
         flank: the flank; of a groove the inner one. curve: the cam there, (n,).
         place: roller's centre, or the point of the face that reach is measured from, on the link
             at displacement 0 [mm].
-        roller: its radius, 0 without one [mm].
-        heading: direction of a face, 0 without one.
+        roller: its radius [mm], and heading: direction of a face; 0 without one.
         along: (n,) how far along the face the contact is [mm]; 0 without a face.
         normal: (n,) direction of the common normal, away from the cam.
         drive: (n,) direction in which the follower is driven.
