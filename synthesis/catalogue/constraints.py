@@ -239,9 +239,8 @@ class NonconvexConstraint(ABC):
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         """The sizes that a fixed motion, s to s''' at n cam angles (4, n), allows.
 
-        Returns:
-            inequalities without motion, which hold together; where no size is allowed, some that
-            contradict each other; () where nothing is known before the size is fixed.
+        Inequalities without motion; where no size is allowed, some that contradict each other; ()
+        where nothing is known before the size is fixed.
         """
 
     def relax(

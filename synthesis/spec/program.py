@@ -134,19 +134,11 @@ class _Move(SegmentSpec):
         return self.sign * ends(self.given("lift"))[0]
 
     @property
-    def law_name(self) -> str:
-        return self.law.kind
+    def own_law(self) -> AnyLaw:
+        return self.law
 
     def with_c2_splines(self) -> Self:
         return self.model_copy(update={"law": self.law.with_smoothness_2()})
-
-    @property
-    def matched_derivatives(self) -> int:
-        return self.law.inherited_derivatives
-
-    @property
-    def may_reverse(self) -> bool:
-        return self.law.may_reverse
 
     def segment_bounds(self, index: int) -> tuple[SegmentBound, ...]:
         return self._constraints.segment_bounds(index)

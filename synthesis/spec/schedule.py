@@ -103,13 +103,8 @@ def placed(
 ) -> tuple[PlacedSegment, ...]:
     """The segments placed on the cam, their laws run between the states at the junctions.
 
-    Args:
-        angles: (n+1,) where they start and where the last one ends [rad].
-        levels: (n,) displacement at their starts [mm].
-        least_smoothness: splines are made at least so smooth.
-
-    Raises:
-        PydanticCustomError: a state that a law cannot meet, or two states that contradict.
+    They start at angles (n+1,), the last one ending one [rad], and displacements (n,) [mm]. Splines
+    are made at least so smooth. Refused is a state that a law or another state contradicts.
     """
     found = [
         segment.place(i, angles[i], angles[i + 1] - angles[i], levels[i], units)
@@ -158,7 +153,7 @@ def _match_neighbours(
     program: Sequence[Segment], found: list[PlacedSegment], junctions: Sequence[tuple[int, int]]
 ) -> None:
     after, before = dict(junctions), {b: a for a, b in junctions}
-    waiting = {i for i in after if program[i].matched_derivatives}
+    waiting = {i for i in after if _takes_over(program[i])}
     for i in sorted(waiting):
         start, end = found[before[i]].end_state, found[after[i]].start_state
         if before[i] not in waiting:
@@ -168,6 +163,11 @@ def _match_neighbours(
         held = found[i].start_state.filled_from(start), found[i].end_state.filled_from(end)
         found[i] = program[i].with_end_states(found[i], *held)
         waiting.remove(i)
+
+
+def _takes_over(segment: Segment) -> bool:
+    """Whether its law takes over derivatives from its neighbours."""
+    return segment.own_law is not None and segment.own_law.inherited_derivatives > 0
 
 
 def _own_state(segment: PlacedSegment, otherwise: EndState, *, at_start: bool) -> EndState:
@@ -254,7 +254,7 @@ def _check_forward(segment: PlacedSegment, end: str, state: EndState, units: Mot
 def _check_states(segment: Segment, placed: PlacedSegment, units: MotionUnits) -> None:
     """A given law must have the states required of it, and not move backwards because of them."""
     required = any(v is not None for v in placed.start_state.known + placed.end_state.known)
-    if placed.law is None or not (segment.matched_derivatives or required):
+    if placed.law is None or not (_takes_over(segment) or required):
         return
     for end, state in (("start", placed.start_state), ("end", placed.end_state)):
         own = _own_state(placed, ANY_STATE, at_start=end == "start")
@@ -270,7 +270,7 @@ def _check_states(segment: Segment, placed: PlacedSegment, units: MotionUnits) -
                     own=(has, order), law=segment.law_name,
                 )  # fmt: skip
     slowest = _slowest(placed.law)
-    if slowest < -BACKWARD and not segment.may_reverse:
+    if slowest < -BACKWARD and not (segment.own_law and segment.own_law.may_reverse):
         raise _error(
             units, "law_backwards", (slowest * placed.lift / placed.angle, 1),
             placed.index, "law",
@@ -295,12 +295,7 @@ def _error(
     words: str,
     **more: Any,
 ) -> PydanticCustomError:
-    """The error with its wrong value first.
-
-    Args:
-        value: a derivative per radian, and its order; as among ``more``.
-        segment, end: where it stands.
-    """
+    """The error with its wrong value first: a derivative per radian, and its order."""
     per_s, per_s2 = (units.travel.derivative_unit(order) for order in (1, 2))
     context = {"value": value, "segment": segment, "end": end, **more}
     for key, each in context.items():

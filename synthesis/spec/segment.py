@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Self
 from pydantic import Field
 
 from synthesis.catalogue.fields import AngleRange, Range, UnitFields, ends
+from synthesis.catalogue.laws import AnyLaw
 from synthesis.catalogue.limits.motion import SegmentBound
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment, SegmentKind
-from synthesis.units import CORE_UNITS, MotionUnits
+from synthesis.units import MotionUnits
 
 
 def signed(description: str, largest: float) -> Any:
@@ -87,19 +88,14 @@ class SegmentSpec(UnitFields):
         return 0.0
 
     @property
+    def own_law(self) -> AnyLaw | None:
+        """The motion law that it names, if it names one."""
+        return None
+
+    @property
     def law_name(self) -> str:
         """Name of the law on the wire."""
-        return self.kind
-
-    @property
-    def matched_derivatives(self) -> int:
-        """How many derivatives its law takes over from its neighbours at each end."""
-        return 0
-
-    @property
-    def may_reverse(self) -> bool:
-        """Whether it may move backwards."""
-        return False
+        return self.kind if self.own_law is None else self.own_law.kind
 
     def gain(self, units: MotionUnits) -> float:
         """Displacement gained over the segment [mm of the core]."""
@@ -111,12 +107,7 @@ class SegmentSpec(UnitFields):
         return min(gain, 0.0), max(gain, 0.0)
 
     def place(
-        self,
-        index: int,
-        start: float,
-        angle: float,
-        s_start: float,
-        units: MotionUnits = CORE_UNITS,
+        self, index: int, start: float, angle: float, s_start: float, units: MotionUnits
     ) -> PlacedSegment:
         """The segment placed on the cam (rad, mm of the core), without regard to its neighbours."""
         gain = self.gain(units)

@@ -26,10 +26,8 @@ def check_growth_ends(
 ) -> None:
     """Refuse a least pressure angle of a cam that may grow: a larger cam has a smaller one.
 
-    Args:
-        objectives: in order.
-        requested: base radius [mm], open ends infinite. searched: with open ends replaced.
-        reached: the part of those that the follower reaches.
+    Base radii [mm] are requested, open ends infinite; searched, open ends replaced; and, in part,
+    reached by the follower.
     """
     kinds = [objective.kind for objective in objectives]
     if "peak_pressure_angle" not in kinds:

@@ -27,12 +27,4 @@ AnyFollower = Annotated[
 FOLLOWERS: tuple[type[Follower], ...] = get_args(get_args(AnyFollower)[0])
 """The same as a tuple, in that order."""
 
-__all__ = [
-    "FOLLOWERS",
-    "AnyFollower",
-    "Follower",
-    "OscillatingFlatFace",
-    "OscillatingRoller",
-    "TranslatingFlatFace",
-    "TranslatingRoller",
-]
+__all__ = ["FOLLOWERS", "AnyFollower", "Follower"]

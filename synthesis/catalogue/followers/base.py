@@ -244,12 +244,12 @@ class FlatFaceFollower(Follower, ABC):
     def face_axis(self, s: Any, z: Any) -> tuple[Vector2, Vector2]:
         """The point of the face from which reach is measured, and the unit vector along it."""
 
-    def contact_rows(self, first: float, second: float) -> tuple[LinearInequality, ...]:
-        """Contact within so much of the reference point towards each end; () if not linear."""
+    def contact_rows(self, end: str, reach: float) -> tuple[LinearInequality, ...]:
+        """Contact on the inner side of an end at ``reach`` from the reference point, if linear."""
         return ()
 
     def contact_constraints(self, end: str, reach: float) -> NonconvexConstraints:
-        """Contact on the inner side of an end at ``reach``, where it is not linear."""
+        """The same where it is not linear."""
         return ()
 
 

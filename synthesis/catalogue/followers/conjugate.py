@@ -260,7 +260,6 @@ class CounterCamOnly(Closure):
     """The counter cam of a pair, looked at by itself."""
 
     kind: Literal["counter_alone"] = "counter_alone"
-    title: ClassVar[str] = "Counter cam alone"
     counter_paths: ClassVar[tuple[str, ...]] = ("counter",)
     pair: Conjugate
 

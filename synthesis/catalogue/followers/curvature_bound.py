@@ -65,12 +65,10 @@ class CurvatureBound:
     def relax(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> PointInequalities | None:
-        """Linear inequalities implied wherever (X, u, e) lies in a box, at n points, or None.
+        """Linear inequalities implied wherever (X, u, e) lies in boxes (3, n), or None.
 
-        Args:
-            low, high: (3, n) the boxes.
-            about: (3, n) where the inequalities shall be tight; None: in the middle of each box.
-            moving: bounds of the motion at these points; None: none are known.
+        ``about``: (3, n) where they shall be tight; None: in the middle of each box. ``moving``:
+        bounds of the motion there; None: none are known.
         """
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
             return None

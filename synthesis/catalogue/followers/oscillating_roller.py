@@ -170,14 +170,9 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             return distance * math.cos(angle), distance * math.sin(angle)
 
         return FixableDimension(
-            "centre distance",
-            max(low, 0.0),
-            high,
-            self.reference,
-            lambda z: math.hypot(*z),
-            at,
-            whole,
-        )
+            name="centre distance", low=max(low, 0.0), high=high, unit=self.reference,
+            value_in=lambda z: math.hypot(*z), fixed_at=at, full_size=whole,
+        )  # fmt: skip
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:
         # R grows with ψ: at the highest lift it is the length of (l − d cosψ, d sinψ)

@@ -204,11 +204,7 @@ class LeastPivotDistance(NonconvexConstraint):
 
 
 def minorant_plane(k: float, angle: Ranges, speed: Ranges) -> Plane | None:
-    """A plane below Φ for angles [rad] and speeds in ranges (n,); None where there is none.
-
-    Returns:
-        by_angle, by_speed and height of by_angle · ψ + by_speed · w + height, (n,) each.
-    """
+    """A plane by_angle · ψ + by_speed · w + height below Φ, (n,) each, over ranges of ψ and w."""
     if np.max(np.abs(angle)) > STEEPEST or not np.all(speed[0] > 0.0):
         return None
     # 1. The slopes of Φ in the middle of the ranges.

@@ -100,12 +100,10 @@ class TranslatingFlatFace(FlatFaceFollower, InverseKinematics):
         cos, sin = self._tilt
         return -sin, cos, -sin / cos, -self.offset_mm / cos
 
-    def contact_rows(self, left: float, right: float) -> tuple[LinearInequality, ...]:
-        s, v, base, rest = self._contact
-        return (
-            LinearInequality((-s, -v, 0.0, 0.0), (-base,) if base else (), left + rest),
-            LinearInequality((s, v, 0.0, 0.0), (base,) if base else (), right - rest),
-        )
+    def contact_rows(self, end: str, reach: float) -> tuple[LinearInequality, ...]:
+        sign = -1.0 if end == "left" else 1.0
+        s, v, base, rest = (sign * each for each in self._contact)
+        return (LinearInequality((s, v, 0.0, 0.0), (base,) if base else (), reach - rest),)
 
     def position(self, s: Any, z: Any) -> tuple[Vector2, ...]:
         cos, sin = self._tilt

@@ -168,13 +168,10 @@ class Limit(UnitFields, ABC):
         indices: tuple[int, ...] | None = None,
         **more: Any,
     ) -> Claim:
-        """A claim of this limit; what is left out is as of a ``Claim``.
+        """A claim of this limit on segments of these indices; None: all that have an extent.
 
-        Args:
-            bounds: lower and upper, in core units. field: of the limit, that sets them.
-            name, quantity: of the claim and of what is measured, where not the limit's kind.
-            label: of the flank or path that it is about.
-            indices: of the segments; None: all that have an extent.
+        The field of the limit sets the bounds [core units]. Name and quantity are the limit's kind
+        if they are left out; the label is that of a flank or path. More is as of a ``Claim``.
         """
         return Claim(
             labelled(name or self.kind, label), quantity or self.kind,
@@ -196,14 +193,9 @@ def all_claims(
     return claims
 
 
-def scaling(factor: float) -> Callable[[float], float]:
-    """The map that multiplies by ``factor``."""
-    return lambda value: value * factor
-
-
-def shifting(amount: float) -> Callable[[float], float]:
-    """The map that subtracts ``amount``."""
-    return lambda value: value - amount
+def scaling(factor: float, less: float = 0.0) -> Callable[[float], float]:
+    """The map that multiplies by ``factor`` and subtracts ``less``."""
+    return lambda value: value * factor - less
 
 
 def segment_indices(segments: Segments, *kinds: str) -> tuple[int, ...]:

@@ -68,8 +68,7 @@ class FaceWidth(Limit):
         return tuple(
             replace(row, source=name)
             for end, reach, name in self._ends()
-            for which, row in zip(face.face_ends, face.contact_rows(reach, reach), strict=False)
-            if which == end
+            for row in face.contact_rows(end, reach)
         )
 
     def nonconvex(self, segment: PlacedSegment, machine: Machine) -> NonconvexConstraints:

@@ -188,8 +188,8 @@ class SegmentBound(Limit):
         return (
             Claim(
                 self.name, NAMES[self.order], (self.segment,), low, high,
-                machine.derivative_unit(self.order), lambda value: value * factor - start,
-                self.field, interval=self.interval, equality=self.equality,
+                machine.derivative_unit(self.order), scaling(factor, start), self.field,
+                interval=self.interval, equality=self.equality,
             ),
         )  # fmt: skip
 

@@ -20,7 +20,7 @@ from synthesis.catalogue.constraints import LinearInequality, NonconvexConstrain
 from synthesis.catalogue.followers.base import Follower, paths
 from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, TracePoint, edge_offset, labelled
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, shifting
+from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.limits.forces import push_sign
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
@@ -217,7 +217,7 @@ class OuterRadius(Limit):
         return tuple(
             self._claim(
                 segments, (None, self.max_mm + gap), "max_mm", "mm", label=path,
-                quantity="pitch_radius", to_wire=shifting(gap), path=path,
+                quantity="pitch_radius", to_wire=scaling(1.0, gap), path=path,
             )
             for path, _, gap in _edges(machine.follower)
         )  # fmt: skip
@@ -267,7 +267,7 @@ class CounterBaseRadius(Limit):
         return tuple(
             self._claim(
                 segments, (flank.distance + self.min_mm, None), "min_mm", "mm",
-                quantity="pitch_radius", to_wire=shifting(flank.distance), path=flank.path,
+                quantity="pitch_radius", to_wire=scaling(1.0, flank.distance), path=flank.path,
             )
             for flank in _counters(machine)
         )  # fmt: skip

@@ -129,8 +129,10 @@ def _contact_off_face(
     if width is None or face is None:
         return
     half = math.inf if width.width_mm is None else 0.5 * width.width_mm
-    left, right = (min(half, each or math.inf) for each in (width.left_mm, width.right_mm))
-    for side, row in zip(SIDES, face.contact_rows(left, right), strict=False):
+    reaches = (min(half, each or math.inf) for each in (width.left_mm, width.right_mm))
+    both = zip(SIDES, reaches, strict=True)
+    rows = [(side, row) for side, reach in both for row in face.contact_rows(side, reach)]
+    for side, row in rows:
         fixed = sum(c * z for c, z in zip(row.size, size, strict=False))
         beyond = np.array(row.coefficients) @ fine.s + fixed - row.upper
         for arc in cyclic_runs(beyond > 0.0):

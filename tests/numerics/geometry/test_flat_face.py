@@ -208,7 +208,7 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FlatCam):
     np.testing.assert_allclose(wide["face_right_mm"], np.max(reach), atol=near)
     np.testing.assert_allclose(wide["face_left_mm"], -np.min(reach), atol=near)
     assert wide["face_width_mm"] == wide["face_left_mm"] + wide["face_right_mm"]
-    left, right = cam.follower.contact_rows(0.0, 0.0)
+    (left,), (right,) = (cam.follower.contact_rows(end, 0.0) for end in ("left", "right"))
     noise = 1e-12 * (cam.length + abs(c)) / np.cos(cam.tilt) ** 2
     for row, sign in ((left, -1.0), (right, 1.0)):
         told = np.array(row.coefficients) @ p.s + sum(row.size) * cam.Rb - row.upper
