@@ -169,8 +169,8 @@ def _frames(part: Moving, decimals: int) -> Iterator[str]:
 def play(scene: Scene, theme: Theme) -> bytes:
     """The scene as a page with controls and numbers, which needs no network."""
     name = scene.name or scene.shaft.partition(" ")[0]
-    data = {"parts": [part.data(scene.decimals) for part in scene.moving],
-            "readings": scene.readings}  # fmt: skip
+    moving = [part.data(scene.decimals) for part in scene.moving]
+    data = {"parts": moving, "readings": scene.readings}
     numbers = [(scene.shaft, "theta", "°")]  # that follow the motion
     numbers += [(r["title"], r["name"], r["unit"]) for r in scene.readings]
     readings = "".join(

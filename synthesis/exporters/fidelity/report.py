@@ -60,11 +60,9 @@ def fidelity_block(cam: Cam, written: Written, options: PointOptions) -> dict[st
 
 def deviation_fields(cam: Cam, order: int, deviation: Deviation, peak: float) -> dict[str, Any]:
     """Of a derivative of s: its error in the unit of the wire, where, and as part of its peak."""
-    name = DERIVATIVES[order]
+    name, worst = DERIVATIVES[order], four_digits(deviation.value * cam.rate(order))
     return {
-        column_name(name, cam.travel.derivative_unit(order)): four_digits(
-            deviation.value * cam.rate(order)
-        ),
+        column_name(name, cam.travel.derivative_unit(order)): worst,
         f"{name}_at_deg": deviation.angle_deg,
         f"{name}_part": four_digits(deviation.value / max(peak, np.finfo(float).tiny)),
     }

@@ -96,5 +96,4 @@ def _tangent(c: Array, m: Array, q: Array) -> Array:
 def _fit(at: CamProfile, radii: Array) -> Fit:
     """Where the least of radii (n,) is."""
     k = int(np.argmin(radii))
-    angle = float(in_degrees(at.theta[k]))
-    return Fit(float(radii[k]), angle, float(at.x[k]), float(at.y[k]))
+    return Fit(float(radii[k]), float(in_degrees(at.theta[k])), float(at.x[k]), float(at.y[k]))
