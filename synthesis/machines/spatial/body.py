@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -239,35 +240,31 @@ def flank_error(cuts: GrooveSections, body: Body) -> float:
 
 def _outline(blank: Blank, ribs: Array, parts: int) -> tuple[Array, Array, tuple[Strip, ...]]:
     """Radius and height (n, c) of all columns, from the lower face to the upper; their strips."""
-    columns: list[tuple[Array, Array]] = []  # depth (c,) and place across (n, c)
-    strips: list[Strip] = []
+    up, down, share = blank.depth[::-1], blank.depth, np.arange(1, parts) / parts
 
-    def count() -> int:
-        return 1 + sum(len(depth) for depth, _ in columns)  # the bore is column 0
-
-    def add_wall(depth: Array, place: Array, *, rising: bool = False) -> None:
-        columns.append((depth, place))
-        strips.append(Strip("wall", count() - len(depth), count() - 1, rising))
-
-    def add_between(kind: str, start: Array, end: Array, depth: float) -> None:
-        """Columns between two walls; the first and the last of the strip are the walls' own."""
-        first, share = count() - 1, np.arange(1, parts) / parts
+    def between(kind: str, start: Array, end: Array, depth: float) -> tuple[str, Array, Array]:
+        """Columns between two walls, of which the strip has one column each."""
         place = start[:, None] + (end - start)[:, None] * share
-        columns.append((np.full(len(share), depth), place))
-        strips.append(Strip(kind, first, count()))
+        return kind, np.full(len(share), depth), place
 
-    up, down = blank.depth[::-1], blank.depth
+    runs: list[tuple[str, Array, Array]] = []  # kind, depth (c,) and place across (n, c)
     for k, (start, end) in enumerate(zip(*ribs, strict=True)):
         if k:
-            add_between("floor", ribs[1][k - 1, :, -1], start[:, -1], float(down[-1]))
-        add_wall(up, start[:, ::-1], rising=True)
-        add_between("top", start[:, 0], end[:, 0], float(down[0]))
-        add_wall(down, end)
-    place = np.concatenate([place for _, place in columns], axis=1)
-    depth = np.concatenate([depth for depth, _ in columns])
+            runs.append(between("floor", ribs[1][k - 1, :, -1], start[:, -1], float(down[-1])))
+        runs.append(("wall", up, start[:, ::-1]))
+        runs.append(between("top", start[:, 0], end[:, 0], float(down[0])))
+        runs.append(("wall", down, end))
+    # The bore is column 0. Of four runs one is a wall that rises.
+    counts = np.cumsum([1, *(len(depth) for _, depth, _ in runs)]).tolist()
+    strips = [
+        Strip(kind, a, b - 1, k % 4 == 0) if kind == "wall" else Strip(kind, a - 1, b)
+        for k, ((kind, _, _), (a, b)) in enumerate(zip(runs, pairwise(counts), strict=True))
+    ]
+    place = np.concatenate([place for _, _, place in runs], axis=1)
+    depth = np.concatenate([depth for _, depth, _ in runs])
     radius, height = blank.chart.meridian(np.broadcast_to(depth, place.shape), place)
     # The hub: a column of the bore at either end; the outline closes through the bore.
-    last, bore = count(), np.full((len(radius), 1), blank.bore)
+    last, bore = counts[-1], np.full((len(radius), 1), blank.bore)
     hub = [Strip("face", 0, 1), *strips, Strip("face", last - 1, last), Strip("bore", last, 0)]
     faces = blank.chart.meridian(down[-1:], np.array([blank.low[-1], blank.high[-1]]))[1]
     low, high = (np.full_like(bore, face) for face in faces)

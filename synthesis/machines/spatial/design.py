@@ -97,7 +97,7 @@ class SpatialDesign(AnswerModel):
     @cached_property
     def cam(self) -> SpatialCam:
         """The cam from which files are made."""
-        sizes = {name: self.dimensions[name] for name in self.spec.machine.sizes()}
+        sizes = {name: self.dimensions[name] for name in self.spec.machine.size_fields}
         return build_cam(self.spec, sizes, self.curve)
 
     @property

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality
-from synthesis.catalogue.fields import Dimension, Range, ends
+from synthesis.catalogue.fields import Dimension, ends
 from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.numerics.geometry.charts import Chart
 from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller
@@ -100,8 +100,7 @@ class SpatialMachine(BaseModel, ABC):
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Self:
-        for name, given in self.sizes().items():
-            low, high = ends(given)
+        for name, (low, high) in self.ranges().items():
             if high <= 0.0 or (low == high and low > LARGEST):
                 raise PydanticCustomError(
                     "no_such_size",
@@ -130,16 +129,16 @@ class SpatialMachine(BaseModel, ABC):
         outer = inner + self.roller_width_mm
         return Roller(sizes[ROLLER_RADIUS], inner, outer, self.crown_radius_mm or 0.0)
 
-    def sizes(self) -> Mapping[str, float | Range | None]:
-        """Dimensions that may be left free, by field name [mm]."""
-        return {name: getattr(self, name) for name in self.size_fields}
+    def ranges(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest value of the dimensions that may be left free, by field name [mm]."""
+        return {name: ends(getattr(self, name)) for name in self.size_fields}
 
     @abstractmethod
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:
         """Kinematics of the roller against the cam.
 
         Args:
-            sizes: a number for each name in ``sizes()`` [mm].
+            sizes: a number for each name in ``size_fields`` [mm].
             rotation: +1 where the cam turns ccw, −1 where it turns cw.
         """
 

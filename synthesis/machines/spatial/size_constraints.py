@@ -145,21 +145,15 @@ class TurretPressureAngle(SizeConstraint):
             place = max(rho for rho, _ in self.places), max(b for _, b in self.places)
         else:
             lines, place = [self._chord(box)], max(self.places, key=lambda each: each[1])
-        # |s'| ≤ … is one row for either sign of s' that the motion can have.
-        return tuple(
-            self._rows(value, slope, place, sign)
-            for value, slope in lines
-            for sign, possible in ((1.0, box.v_max > 0.0), (-1.0, box.v_min < 0.0))
-            if np.any(possible)
-        )
-
-    def _rows(
-        self, value: Array, slope: Array, place: tuple[float, float], sign: float
-    ) -> PointInequalities:
-        """ρ (value + slope s/L) + sign b s' ≤ C."""
-        (rho, b), none = place, np.zeros_like(value)
-        coefficients = np.stack([rho / self.length * slope, none + sign * b, none, none])
-        return PointInequalities(coefficients, none[None, :] - 1.0, -rho * value)
+        rows, (rho, b) = [], place
+        for value, slope in lines:
+            none = np.zeros_like(value)
+            # |s'| ≤ … is one row for either sign of s' that the motion can have.
+            for sign, possible in ((1.0, box.v_max > 0.0), (-1.0, box.v_min < 0.0)):
+                if np.any(possible):  # ρ (value + slope s/L) + sign b s' ≤ C
+                    factors = np.stack([rho / self.length * slope, none + sign * b, none, none])
+                    rows.append(PointInequalities(factors, none[None, :] - 1.0, -rho * value))
+        return tuple(rows)
 
     def _tangents(self, s: Array) -> list[tuple[Array, Array]]:
         """Tangents above the cosines of the two nearest rollers at s (n,): value at s = 0, slope.

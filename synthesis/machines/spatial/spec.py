@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality, NonconvexConstraint
-from synthesis.catalogue.fields import CamRotation, CamSpeed, Name, Range, ends
+from synthesis.catalogue.fields import CamRotation, CamSpeed, Name, Range
 from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.limits.motion import Acceleration, Jerk, Velocity
@@ -234,7 +234,7 @@ class SpatialCamSpec(BaseModel):
     def _check_well_posed(self) -> SpatialCamSpec:
         """Refuse a spec whose minimum does not exist or is not bounded away from zero."""
         machine = self.machine
-        ranges = {name: ends(given) for name, given in machine.sizes().items()}
+        ranges = machine.ranges()
         free = [name for name, (low, high) in ranges.items() if low != high]
         keeps_large = any(limit.bounds_size_below for limit in self.limits)
         if not free and not self.has_free_law:
@@ -326,7 +326,7 @@ class SpatialCamSpec(BaseModel):
 
     def given_sizes(self) -> Mapping[str, float] | None:
         """The machine's dimensions by field [mm]; None where one is left free."""
-        both = {name: ends(value) for name, value in self.machine.sizes().items()}
-        if any(low != high for low, high in both.values()):
+        ranges = self.machine.ranges()
+        if any(low != high for low, high in ranges.values()):
             return None
-        return {name: low for name, (low, _) in both.items()}
+        return {name: low for name, (low, _) in ranges.items()}

@@ -42,6 +42,5 @@ def globoidal(
 def problem_of(body: dict[str, Any]) -> Problem:
     """The question that the formulations see, its rollers given."""
     spec = SpatialCamSpec.model_validate(body)
-    given = spec.machine.sizes().items()
-    sizes = {name: float(value) for name, value in given if isinstance(value, float)}
+    sizes = {name: low for name, (low, high) in spec.machine.ranges().items() if low == high}
     return formulate_problem(spec, spec.placed_segments(), spec.limits, sizes)

@@ -61,7 +61,9 @@ def test_the_law_is_told_to_the_last_digit(sized: SpatialDesign) -> None:
     q, q1 = again.curve.derivatives([math.radians(TURN)], 1, "left")[:, 0]
     assert q == pytest.approx(math.radians(60.0), rel=1e-12)
     assert abs(q1) < 1e-9
-    assert again.cam.sizes == {name: sized.dimensions[name] for name in sized.spec.machine.sizes()}
+    assert again.cam.sizes == {
+        name: sized.dimensions[name] for name in sized.spec.machine.size_fields
+    }
 
 
 def test_no_law_of_the_books_needs_less_room(sized: SpatialDesign) -> None:

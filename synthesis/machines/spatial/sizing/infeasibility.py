@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from math import isfinite
 
-from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.machines.spatial.machine import ROLLER_RADIUS
 from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size_cam
@@ -58,10 +57,10 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
 
 def _numbers(spec: SpatialCamSpec) -> Iterator[tuple[Relaxable, float]]:
     """The numbers that may be in the way, the minimised dimension first, and how far to relax."""
-    sizes, minimised = spec.machine.sizes(), spec.machine.size_field
-    for field in sorted(sizes, key=lambda name: name != minimised):
+    ranges, minimised = spec.machine.ranges(), spec.machine.size_field
+    for field in sorted(ranges, key=lambda name: name != minimised):
         # Cams may be too large and rollers too thick; the other end of a range is in no way.
-        low, high = ends(sizes[field])
+        low, high = ranges[field]
         end, far, sense, tail = (
             (low, low / FARTHEST, "≥", "/min")
             if field == ROLLER_RADIUS

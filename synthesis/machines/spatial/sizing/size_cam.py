@@ -24,7 +24,6 @@ from math import inf
 import numpy as np
 from scipy.optimize import brentq
 
-from synthesis.catalogue.fields import ends
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.machines.spatial.cam import build_cam
 from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS, SpatialMachine
@@ -108,7 +107,7 @@ def size_cam(
         existence_only: steps 1 and 2 alone, which decide whether there is a cam but for walls.
     """
     result = SizingResult(tables.segments, dict(tables.splines), list(tables.stages))
-    ranges = {name: ends(given) for name, given in spec.machine.sizes().items()}
+    ranges = spec.machine.ranges()
     # 1. The smallest rollers.
     rib = strictest_minimum(spec.limits, RIB_QUANTITY)
     rollers = smallest_rollers(spec.machine, ranges, rib)
