@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Protocol
 
+import numpy as np
+from scipy.interpolate import NdBSpline
+
 from synthesis.design.design import Design
 from synthesis.exporters.curves.exact import FINEST, ExactCurve, ExactOptions
 from synthesis.exporters.exporter import FileContent, asset, design_format
+from synthesis.numerics.piecewise import Array
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
 CONTEXT, PLACED = "#5", "#9"  # entities of ``context.step``: units and accuracy, the origin
@@ -88,6 +92,26 @@ def many(values: Iterable[str]) -> str:
     return f"({','.join(values)})"
 
 
+def entity(data: Entities, kind: str, vector: Array) -> str:
+    """Writes a point or a direction; returns the reference."""
+    return data.add(kind, "''", many(map(real, vector.tolist())))
+
+
+def write_spline(data: Entities, name: str, spline: NdBSpline, closed: str = ".F.") -> str:
+    """Writes a B-spline curve or surface; returns the reference."""
+
+    def net(part: Array) -> str:
+        return entity(data, "CARTESIAN_POINT", part) if part.ndim == 1 else many(map(net, part))
+
+    each = [np.unique(axis, return_counts=True) for axis in spline.t]
+    return data.add(
+        f"B_SPLINE_{'CURVE' if len(each) == 1 else 'SURFACE'}_WITH_KNOTS", name,
+        *map(str, spline.k), net(spline.c), ".UNSPECIFIED.", closed, *[".F."] * len(each),
+        *(many(map(str, times.tolist())) for _, times in each),
+        *(many(map(real, axis.tolist())) for axis, _ in each), ".UNSPECIFIED.",
+    )  # fmt: skip
+
+
 def shape_file(
     design: Provenance,
     title: str,
@@ -122,23 +146,15 @@ def _profile(design: Design, options: ExactOptions) -> FileContent:
     curve = ExactCurve.of(design, options)
 
     def write(data: Entities) -> str:
-        return data.add("GEOMETRIC_CURVE_SET", text(curve.name), many([_spline(data, curve)]))
+        name = text(curve.name)
+        spline = NdBSpline((curve.spline.knots,), curve.points, (curve.spline.degree,))
+        return data.add(
+            "GEOMETRIC_CURVE_SET", name, many([write_spline(data, name, spline, ".T.")])
+        )
 
     title = f"Cam curve {curve.name}, within {curve.spline.error:.2g} mm of the true curve"
     kind = "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION"
     return curve.file(shape_file(design, title, kind, write, curve.spline.error, name=curve.name))
-
-
-def _spline(data: Entities, curve: ExactCurve) -> str:
-    points = [
-        data.add("CARTESIAN_POINT", "''", many(map(real, point))) for point in curve.points.tolist()
-    ]
-    knots, times = curve.knots
-    return data.add(
-        "B_SPLINE_CURVE_WITH_KNOTS", text(curve.name), str(curve.spline.degree), many(points),
-        ".UNSPECIFIED.", ".T.", ".F.", many(map(str, times.tolist())),
-        many(map(real, knots.tolist())), ".UNSPECIFIED.",
-    )  # fmt: skip
 
 
 PROFILE = design_format("profile", "step", _profile, ExactOptions)

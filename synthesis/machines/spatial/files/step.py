@@ -26,7 +26,7 @@ from scipy.sparse.csgraph import connected_components
 
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import FINEST
-from synthesis.exporters.curves.step import Entities, many, shape_file, text
+from synthesis.exporters.curves.step import Entities, entity, many, shape_file, text, write_spline
 from synthesis.exporters.exporter import FileContent, FileFormat
 from synthesis.exporters.options import Options
 from synthesis.machines.spatial.body import Blank, BlankOptions, Mesh, Whole
@@ -36,13 +36,7 @@ from synthesis.machines.spatial.files.body_mesh import Levels, MeshOptions, Rows
 from synthesis.machines.spatial.files.flanks import Flank, Patch, patch, select_walls
 from synthesis.machines.spatial.grooves import GrooveSections
 from synthesis.machines.spatial.solid.build import Builder
-from synthesis.machines.spatial.solid.geometry import (
-    NotSmooth,
-    Shell,
-    entity,
-    interpolate_surface,
-    write_spline,
-)
+from synthesis.machines.spatial.solid.geometry import NotSmooth, Shell, interpolate_surface
 from synthesis.machines.spatial.solid.sheets import TooFewDepths, WallSheets, cluster_at_ends
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
@@ -124,7 +118,7 @@ def _flanks(design: SpatialDesign, options: SurfaceOptions) -> FileContent:
     error, name = max(each[2] for each in made), f"flanks of {design.name or design.id}"
 
     def write(data: Entities) -> str:
-        surfaces = [write_spline(data, spline, text(flank)) for flank, spline, _ in made]
+        surfaces = [write_spline(data, text(flank), spline) for flank, spline, _ in made]
         return data.add("GEOMETRIC_SET", text(name), many(surfaces))
 
     title = f"Flanks of a spatial cam, within {error:.2g} mm of the true ones"

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
-from synthesis.exporters.curves.step import Entities, many, real
+from synthesis.exporters.curves.step import Entities, entity, many, real, write_spline
 from synthesis.numerics.piecewise import Array
 
 X, UP, ACROSS = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]])
@@ -70,7 +70,7 @@ def line(first: Array, last: Array) -> Curve:
 def spline_curve(spline: BSpline) -> Curve:
     """A B-spline over [0, 1]."""
     whole = NdBSpline((spline.t,), np.asarray(spline.c), (spline.k,))
-    return Curve(lambda share: np.asarray(spline(share)), lambda data: write_spline(data, whole))
+    return Curve(lambda share: spline(share), lambda data: write_spline(data, "''", whole))
 
 
 class Surface(NamedTuple):
@@ -146,7 +146,7 @@ def spline_surface(spline: NdBSpline) -> Surface:
     """A tensor product of B-splines over [0, 1] × [0, 1]."""
     middle = np.array([0.5, 0.5])
     normal = np.cross(spline(middle, nu=(1, 0)), spline(middle, nu=(0, 1)))
-    return Surface(lambda place: normal, lambda data: write_spline(data, spline), spline)
+    return Surface(lambda place: normal, lambda data: write_spline(data, "''", spline), spline)
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,28 +252,8 @@ def interpolate_surface(u: Array, v: Array, points: Array, degrees: tuple[int, i
     return NdBSpline((by_u.t, by_v.t), np.moveaxis(by_v.c, 0, 1), degrees)
 
 
-def write_spline(data: Entities, spline: NdBSpline, name: str = "''") -> str:
-    """Writes a B-spline curve or surface that is not closed; returns the reference."""
-
-    def points(c: Array) -> str:
-        return entity(data, "CARTESIAN_POINT", c) if c.ndim == 1 else many(map(points, c))
-
-    each = [np.unique(knots, return_counts=True) for knots in spline.t]
-    return data.add(
-        f"B_SPLINE_{'CURVE' if len(each) == 1 else 'SURFACE'}_WITH_KNOTS", name,
-        *map(str, spline.k), points(spline.c), ".UNSPECIFIED.", *[".F."] * (len(each) + 1),
-        *(many(map(str, times.tolist())) for _, times in each),
-        *(many(map(real, knots.tolist())) for knots, _ in each), ".UNSPECIFIED.",
-    )  # fmt: skip
-
-
 def placement(data: Entities, origin: Array, axis: Array, x: Array) -> str:
     """Writes a placement: origin, axis, x direction."""
     place = entity(data, "CARTESIAN_POINT", origin)
     directions = (entity(data, "DIRECTION", each) for each in (axis, x))
     return data.add("AXIS2_PLACEMENT_3D", "''", place, *directions)
-
-
-def entity(data: Entities, kind: str, vector: Array) -> str:
-    """Writes a point or a direction."""
-    return data.add(kind, "''", many(map(real, vector.tolist())))
