@@ -40,10 +40,8 @@ SAMPLES = 721  # cam angles at which the rollers' positions are sampled over the
 class GrooveSections:
     """Sections through the grooves of one cam.
 
-    Attributes:
-        cam, machine: which.
-        straight: whether walls continue along the rollers' axes below the rollers' ends, where
-            nothing touches them; otherwise they are those of longer rollers.
+    Where ``straight`` walls continue along the rollers' axes below the rollers' ends, where nothing
+    touches them; otherwise they are those of longer rollers.
     """
 
     cam: SpatialCam
@@ -156,7 +154,9 @@ class GrooveSections:
         q = self.cam.place(seat, t).q
         met = (q > self.mesh[0]) & (q < self.mesh[1])
         bad = met & ~(solved & (contacts.regular[:, 0] > 0.0))
-        self._check(t, d, bad & (d <= self._deepest), side)
+        bad_rows = np.flatnonzero(bad & (d <= self._deepest))
+        if len(bad_rows):
+            raise self._no_graph(t[bad_rows[0]], d[bad_rows[0]], side)
         away = np.where(q > np.clip(0.0, *self.mesh), np.inf, -np.inf)
         return np.where(solved, across, away), ~bad
 
@@ -191,14 +191,11 @@ class GrooveSections:
         here = np.isfinite(wrong) & (np.abs(theta - t) < 0.25 * FULL_TURN)
         return theta, rho, across, here & (wrong < NO_ROOT)
 
-    def _check(self, t: Array, d: Array, bad: NDArray[np.bool_], side: int) -> None:
-        """Refuse walls that are not a graph over turn and depth."""
-        if not np.any(bad):
-            return
-        first = int(np.argmax(bad))
-        angle, place = t[first] / DEGREE % 360.0, float(self.chart.depth_of_place(d[first]))
+    def _no_graph(self, t: Array, d: Array, side: int) -> InputError:
+        """Refusal of a wall that is not a graph over turn and depth."""
+        angle, place = t / DEGREE % 360.0, float(self.chart.depth_of_place(d))
         which = "right" if side == RIGHT else "left"
-        raise InputError(
+        return InputError(
             "/machine",
             self.machine.kind,
             f"Near cam angle {angle:.4g}° and ρ = {place:.6g} mm the wall on the {which} side of a "

@@ -59,11 +59,9 @@ MeshAngle = Annotated[
 
 @dataclass(frozen=True)
 class Seat:
-    """One roller of the follower.
+    """One roller of the follower, numbered from 1, at its start where q = 0 [rad or mm].
 
-    Attributes:
-        number: the roller's number, from 1. start: its position at q = 0 [rad or mm].
-        sides: of the roller that touch the cam; +1 is the side in the direction of growing q.
+    ``sides`` of it touch the cam; +1 is the side in the direction of growing q.
     """
 
     number: int
@@ -201,8 +199,7 @@ class SpatialMachine(BaseModel, ABC):
     ) -> tuple[LinearInequality, ...]:
         """|tan α| ≤ slope, where it is linear in the motion and the minimised dimension.
 
-        Args:
-            sizes: the other dimensions [mm]. slope: tan α_max.
+        ``sizes`` are the other dimensions.
         """
         return ()
 

@@ -186,9 +186,8 @@ class TurretPressureAngle(SizeConstraint):
 def critical_places(roller: Roller, slope: float, end: float) -> tuple[tuple[float, float], ...]:
     """Places that decide the pressure angle: (foot on the axis [mm], tan α that is left there).
 
-    Args:
-        slope: tan α_max; where a crowned roller's |r'| exceeds it, 0 is left.
-        end: the end that decides on a cylindrical roller [mm].
+    ``slope`` is tan α_max; where a crowned roller's |r'| exceeds it, 0 is left. On a cylindrical
+    roller one ``end`` decides.
     """
     if roller.crown == 0.0:
         return ((end, slope),)

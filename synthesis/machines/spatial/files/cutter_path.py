@@ -44,12 +44,10 @@ BOTH = 0  # side of a path that machines both walls
 
 
 class CutterPoses(NamedTuple):
-    """Poses of a cutter.
+    """Poses of a cutter at cam angles ``theta`` (n,) [rad], in the machine's frame, (3, n) each.
 
-    Attributes:
-        theta: (n,) cam angles [rad].
-        centre: (3, n) points of its axis at the middle of the roller's width, machine's frame [mm].
-        direction: (3, n) of its axis, away from the roller's ρ = 0.
+    ``centre`` lies on its axis at the middle of the roller's width [mm], ``direction`` points away
+    from the roller's ρ = 0.
     """
 
     theta: Array
@@ -132,11 +130,10 @@ def _csv(design: SpatialDesign, options: CutterOptions) -> FileContent:
     walls, radius = select_walls(cam, options.flank), _radius(cam, options)
     if radius is None:
         walls = list({wall.seat.number: wall for wall in walls}.values())
-    columns, errors = [], []
+    columns, errors = [], [0.0]
     for wall, _, theta in sample_angles(walls, options.points_per_degree):
         if radius is None:
             columns.append(_columns(cam, wall, BOTH, roller_poses(cam, wall, theta), options))
-            errors.append(0.0)
             continue
         before, at, after = (
             flank_poses(cam, wall, theta + step, radius) for step in (-STEP, 0.0, STEP)

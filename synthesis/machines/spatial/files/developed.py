@@ -173,8 +173,7 @@ def develop(design: SpatialDesign, options: DevelopedOptions) -> Development:
     """Paths of all rollers' axes and all walls.
 
     Raises:
-        InputError: the cam has no such cylinder, the roller does not reach it, or all rollers pass
-            beside it.
+        InputError: the cam has no such cylinder, or rollers do not reach it, or pass beside it.
     """
     span = design.spec.machine.wall_radii(design.dimensions)
     if span is None:

@@ -65,10 +65,9 @@ class SurfaceOptions(Options):
 def _fit_flank(
     cam: SpatialCam, wall: Wall, span: Span, tolerance_um: float
 ) -> tuple[NdBSpline, float]:
-    """A spline over cam angle [rad] and place [mm] on grids refined until it is within tolerance.
+    """A spline over cam angle [rad] and place [mm], and its measured distance from the flank [mm].
 
-    Returns:
-        the spline, and its measured distance from the flank [mm].
+    Its grid is refined until it is within the tolerance.
     """
     # Angles are moved inside the part, so that its ends belong to this piece of the motion.
     tiny = 1e-12 * (span[1] - span[0])
@@ -225,11 +224,10 @@ def _face(data: Entities, facet: Facet, points: list[str]) -> str:
 
 
 class Facet(NamedTuple):
-    """A flat face.
+    """A flat face with its outward unit normal (3,).
 
-    Attributes:
-        normal: (3,) outward unit normal. loops: points of the mesh, the outer boundary first,
-            counter-clockwise seen from outside, then holes, clockwise.
+    ``loops`` are points of the mesh, the outer boundary first, counter-clockwise seen from outside,
+    then holes, clockwise.
     """
 
     normal: Array

@@ -30,11 +30,7 @@ STEP = 1e-4  # mm or rad: to a neighbouring point, for a direction out of the bo
 
 @dataclass(frozen=True, eq=False)
 class Builder:
-    """Builds the shell of a body.
-
-    Attributes:
-        sheets: its walls. tolerance: of its walls [mm]. stride: as in ``fit_patch``.
-    """
+    """Builds the shell of a body from its walls, within a tolerance [mm]; see ``fit_patch``."""
 
     sheets: WallSheets
     tolerance: float
@@ -238,11 +234,9 @@ def _corner(stop: Stop, state: int, level: int) -> Key:
 
 @dataclass(frozen=True, eq=False)
 class Span:
-    """A part of a region in which neither bound enters or leaves the blank.
+    """A part of a region between two stops in which no bound enters or leaves the blank.
 
-    Attributes:
-        walls: the pieces that bound it below and above; None: it extends to the blank's end.
-        ends: along the turn.
+    ``walls`` are the pieces that bound it below and above; None: it extends to the blank's end.
     """
 
     walls: tuple[Piece | None, Piece | None]

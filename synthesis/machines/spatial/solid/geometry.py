@@ -33,9 +33,8 @@ class NotSmooth(Exception):
 class Curve(NamedTuple):
     """A curve from one vertex to another.
 
-    Attributes:
-        points: from shares (n,) between 0 and 1 to points (n, 3) [mm].
-        to_step: writes its STEP entity, with the same direction; returns the reference.
+    ``points`` gives points (n, 3) [mm] at shares (n,) between 0 and 1; ``to_step`` writes its STEP
+    entity, with the same direction, and returns the reference.
     """
 
     points: Callable[[Array], Array]
@@ -74,12 +73,10 @@ def spline_curve(spline: BSpline) -> Curve:
 
 
 class Surface(NamedTuple):
-    """A surface that a face lies on.
+    """A surface that a face lies on; of a wall the spline.
 
-    Attributes:
-        normal: from a point (3,) of it to its normal near there, of any length.
-        to_step: writes its STEP entity; returns the reference.
-        spline: of a wall.
+    ``normal`` gives its normal, of any length, near a point (3,) of it; ``to_step`` writes its STEP
+    entity and returns the reference.
     """
 
     normal: Callable[[Array], Array]

@@ -72,12 +72,9 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class WallSheets:
-    """All walls of a body.
+    """All walls of a body; wall w after a turn is wall w + shift.
 
-    Attributes:
-        cuts, blank: of the cam.
-        states: (walls, rows of two turns, depths) at samples: LOW, IN or HIGH.
-        shift: wall w after a turn is wall w + shift.
+    ``states`` are (walls, rows of two turns, depths) at samples: LOW, IN or HIGH.
     """
 
     cuts: GrooveSections
@@ -230,13 +227,17 @@ def fit_patch(
     Raises:
         TooFewDepths: it takes more depths. NotSmooth: or too many lines along the turn.
     """
-    first, last = (stop.turn for stop in piece.ends)
-    count = max(5, int(np.ceil(np.max(last - first) / FIRST_STEP)) + 1)
-    depth = sheets.blank.depth[::stride]
+    span = np.max(piece.ends[1].turn - piece.ends[0].turn)
+    count = max(5, int(np.ceil(span / FIRST_STEP)) + 1)
+    depth, (first, last) = sheets.blank.depth[::stride], (s.turn[::stride] for s in piece.ends)
     v = (depth - depth[0]) / (depth[-1] - depth[0])
     while count <= MAX_LINES:
         u = np.linspace(0.0, 1.0, 2 * count - 1)
-        true = _points(sheets, piece, u, stride)
+        turn = first + u[:, None] * (last - first)
+        turn[-1] = last
+        at = np.broadcast_to(depth, turn.shape)
+        across = sheets.across(piece.wall, turn.ravel(), at.ravel()).reshape(turn.shape)
+        true = np.moveaxis(sheets.points(turn, at, across), 0, -1)
         surface = interpolate_surface(u[::2], v[::2], true[::2, ::2], (CUBIC, CUBIC))
         away = _deviation(surface, u, v, true)
         error = float(np.max(away))
@@ -262,13 +263,3 @@ def _deviation(surface: NdBSpline, u: Array, v: Array, true: Array) -> Array:
     whole = np.linalg.norm(off, axis=-1)
     away[:, [0, -1]], away[[0, -1]] = whole[:, [0, -1]], whole[[0, -1]]
     return np.asarray(away)
-
-
-def _points(sheets: WallSheets, piece: Piece, u: Array, stride: int) -> Array:
-    """Points (n, m, 3) of the wall in the cam's frame, at every so many depths [mm]."""
-    first, last = (stop.turn[::stride] for stop in piece.ends)
-    turn = first + u[:, None] * (last - first)
-    turn[-1] = last
-    depth = np.broadcast_to(sheets.blank.depth[::stride], turn.shape)
-    across = sheets.across(piece.wall, turn.ravel(), depth.ravel()).reshape(turn.shape)
-    return np.moveaxis(sheets.points(turn, depth, across), 0, -1)
