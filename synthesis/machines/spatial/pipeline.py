@@ -15,8 +15,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from math import inf, isfinite
+from typing import TYPE_CHECKING
 
-from synthesis.catalogue.motion import Motion, PlacedSegment
+from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Certificate, Conflict, Report, StageReport
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
@@ -29,6 +30,9 @@ from synthesis.optimise.parameters.table_smoothing import smooth_tables
 from synthesis.optimise.recovery.junction_repair import Splines
 from synthesis.pipeline.assembly import segment_motions
 from synthesis.units import DEGREE
+
+if TYPE_CHECKING:
+    from synthesis.machines.spatial.sizing.size_cam import SizingResult
 
 TIGHTENINGS = (1e-7, 1e-6, 1e-5)  # relative amounts by which limits are tightened, in turn
 GIVEN = Certificate(
@@ -57,7 +61,7 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
     sizes, stages = spec.given_sizes(), list[StageReport]()
     if sizes is not None and not spec.has_free_law:
         cam = build_cam(spec, sizes, Motion.of(tables.segments))
-        return _answer(spec, stages, started, GIVEN, cam, tables.segments, tables.splines)
+        return _answer(spec, stages, started, GIVEN, cam, tables.splines)
     # Imported on demand: cams that are given in full need no optimiser.
     from synthesis.machines.spatial.sizing.infeasibility import diagnose
     from synthesis.machines.spatial.sizing.size_cam import size_cam
@@ -66,28 +70,25 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
         # Most cams have room for their ribs; measuring these waits until a cam is refused.
         result = size_cam(spec, tables, stop, tighten, ribs=number > 0)
         stages += [StageReport(**asdict(stage)) for stage in result.stages]
+        proof = _certificate(spec, result)
         if result.sizes is None:
             conflict = diagnose(spec, tables, result, stop)
-            lower = result.lower if isfinite(result.lower) else None
-            none = _certificate(spec, None, lower, result.valid_for)
-            return _answer(spec, stages, started, none, None, (), {}, conflict)
-        value = result.sizes[spec.machine.size_field]
-        proof = _certificate(spec, value, result.lower, result.valid_for)
+            return _answer(spec, stages, started, proof, None, {}, conflict)
         cam = build_cam(spec, result.sizes, result.motion)
-        design = _answer(spec, stages, started, proof, cam, result.segments, result.splines)
+        design = _answer(spec, stages, started, proof, cam, result.splines)
         if design.status != "infeasible" or clock.now() >= stop:
             break
     return design
 
 
-def _certificate(
-    spec: SpatialCamSpec, value: float | None, lower: float | None, valid_for: str
-) -> Certificate:
+def _certificate(spec: SpatialCamSpec, result: SizingResult) -> Certificate:
     """What is proven of the minimised dimension [mm]; not yet of the cam."""
+    field, lower = spec.machine.size_field, result.lower if isfinite(result.lower) else None
+    value = None if result.sizes is None else result.sizes[field]
     gap = None if value is None or lower is None else max(value - lower, 0.0) / value
     return Certificate(
-        certified=False, objective=spec.machine.size_field, value=value, lower_bound=lower,
-        bound_valid_for=valid_for, gap=gap,
+        certified=False, objective=field, value=value, lower_bound=lower,
+        bound_valid_for=result.valid_for, gap=gap,
     )  # fmt: skip
 
 
@@ -97,7 +98,6 @@ def _answer(
     started: float,
     certificate: Certificate,
     cam: SpatialCam | None,
-    segments: Sequence[PlacedSegment],
     splines: Splines,
     conflict: Conflict | None = None,
 ) -> SpatialDesign:
@@ -105,6 +105,7 @@ def _answer(
     extremes = [] if cam is None else measure(spec, cam)
     holds = cam is not None and all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
+    segments = cam.motion.segments if cam else ()
     walls = [
         SpatialWall(
             name=wall.name, roller=wall.seat.number, side=wall.letter,

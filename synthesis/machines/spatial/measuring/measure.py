@@ -257,16 +257,13 @@ UNDERCUT = ContactQuantity(
     of=lambda at: at.contacts.regular, proof=prove_regular,
 )  # fmt: skip
 # Measured as negated curvatures, which are finite where a wall is flat.
+_RADIUS = partial(
+    ContactQuantity, unit="mm", largest=False, to_wire=_radius, from_wire=lambda r: -1.0 / r
+)
 RADII = (
-    ContactQuantity(
-        "convex_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
-        of=lambda at: -at.curvatures[0], proof=prove_convex_radius,
-    ),
-    ContactQuantity(
-        "hollow_radius", "mm", False, _radius, lambda radius: -1.0 / radius,
-        of=lambda at: at.curvatures[1], proof=prove_hollow_radius,
-    ),
-)  # fmt: skip
+    _RADIUS("convex_radius", of=lambda at: -at.curvatures[0], proof=prove_convex_radius),
+    _RADIUS("hollow_radius", of=lambda at: at.curvatures[1], proof=prove_hollow_radius),
+)
 CORNER = "the velocity jumps there: walls cross on one side and leave a gap on the other"
 NO_RADIUS = Extremum(-np.inf, -np.inf, "a wall is undercut: there is no such radius")
 
