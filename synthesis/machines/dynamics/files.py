@@ -37,9 +37,8 @@ DASHES = ("line curve", "line phase", "line prime", "line circle")
 class SpeedOptions(Options):
     """Which speed is written; None: the one that the cam was designed for."""
 
-    speed_rpm: Annotated[
-        Speed | None, Field(description="Any speed; left out, that of the cam's own spec.")
-    ] = None
+    speed_rpm: Speed | None = None
+    """Any speed; left out, that of the cam's own spec."""
 
     def of(self, answer: TrainResponse) -> float:
         """The speed [rpm]."""
@@ -57,19 +56,16 @@ class TrainPictureOptions(SpeedOptions):
 class RowOptions(SpeedOptions):
     """How close the rows of a table are."""
 
-    points_per_degree: Annotated[
-        float,
-        Field(gt=0.0, le=MAX_POINTS_PER_DEGREE, description="At least so many rows per degree."),
-    ] = PER_DEGREE
+    points_per_degree: Annotated[float, Field(gt=0.0, le=MAX_POINTS_PER_DEGREE)] = PER_DEGREE
+    """At least so many rows per degree."""
 
 
 @dataclass(frozen=True)
 class ResponseOptions(RowOptions):
     """What of a response is written as a table."""
 
-    turns: Annotated[
-        int, Field(ge=0, le=MAX_TURNS, description="Turns from rest; 0: the periodic response.")
-    ] = 0
+    turns: Annotated[int, Field(ge=0, le=MAX_TURNS)] = 0
+    """Turns from rest; 0: the periodic response."""
 
 
 def _steps(answer: TrainResponse, per_degree: float) -> response.Steps:
@@ -80,9 +76,8 @@ def _response_csv(answer: TrainResponse, options: ResponseOptions) -> bytes:
     """Cam, masses and contact force; a cam angle with an impact has two rows."""
     chain, omega = answer.spec.train.chain(), rad_per_s(options.of(answer))
     steps = _steps(answer, options.points_per_degree)
-    turns = response.from_rest(chain, steps, omega, options.turns) or [
-        response.steady(chain, steps, omega)
-    ]
+    turns = response.from_rest(chain, steps, omega, options.turns)
+    turns = turns or [response.steady(chain, steps, omega)]
     return csv_table(concatenate([_columns(k, turn) for k, turn in enumerate(turns)]))
 
 

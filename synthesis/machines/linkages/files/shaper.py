@@ -124,20 +124,12 @@ class CamOptions(Options):
     """The cam's follower and limits."""
 
     points: Annotated[int, Field(ge=36, le=3600, description="Rows of the table.")] = 360
-    tolerance_mm: Annotated[
-        float | None,
-        Field(
-            ge=1e-7, le=1e3,
-            description="How far the follower may pass a row; left out: 1e-4 of the stroke.",
-        ),
-    ] = None  # fmt: skip
-    roller_radius_mm: Annotated[
-        float | None,
-        Field(gt=0.0, le=1e6, description="Of the follower; left out: a tenth of the stroke."),
-    ] = None
-    pressure_angle_deg: Annotated[
-        float, Field(gt=0.0, lt=90.0, description="Largest pressure angle.")
-    ] = 35.0
+    tolerance_mm: Annotated[float | None, Field(ge=1e-7, le=1e3)] = None
+    """How far the follower may pass a row; left out: 1e-4 of the stroke."""
+    roller_radius_mm: Annotated[float | None, Field(gt=0.0, le=1e6)] = None
+    """Of the follower; left out: a tenth of the stroke."""
+    pressure_angle_deg: Annotated[float, Field(gt=0.0, lt=90.0)] = 35.0
+    """Largest pressure angle."""
 
 
 def cam_spec(answer: SixBarShaper, options: CamOptions) -> bytes:

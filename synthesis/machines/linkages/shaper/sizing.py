@@ -217,17 +217,43 @@ def global_minimum(
     if low > high:
         return SearchResult(None, np.inf, np.inf)
     start = _descend(space, objective)
-    result = _branch_and_bound(space, objective, start, tolerance, deadline)
-    if result.u is None:
-        return result
+    u, value = (None, np.inf) if start is None else (start.u, start.value)
+    phi = _angles(objective, space, u)
+    # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
+    boxes = [np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf])]
+    pruned, count, stop = np.inf, 0, math.inf if deadline is None else deadline
+    while len(boxes[0]) and count < MAX_BOXES and clock.now() < stop:
+        # Best first: the boxes with the least bounds.
+        order = np.argsort(boxes[2])
+        lo, hi, known = (each[order[:BATCH]] for each in boxes)
+        count += len(lo)
+        lower, split = _bounds(space, objective, lo, hi, phi)
+        lower = np.maximum(lower, known)
+        # Incumbent: the middles of the most promising boxes.
+        middle = 0.5 * (lo + hi)[np.argsort(lower)[:MIDDLES]]
+        values = _values(space, objective, middle)
+        if values.min() < value:
+            u, value = middle[values.argmin()], float(values.min())
+        # Prune boxes that cannot improve the incumbent by more than the tolerance; their bound
+        # counts.
+        enough = value - tolerance * abs(value) if np.isfinite(value) else np.inf
+        done = lower >= enough
+        pruned = min(pruned, float(np.min(lower, where=done, initial=np.inf)))
+        # Cut every other box in half at its coordinate.
+        lo, hi, split, lower = (each[~done] for each in (lo, hi, split, lower))
+        side = np.arange(SIZE) == split[:, None]
+        middle = 0.5 * (lo + hi)
+        halves = ((lo, np.where(side, middle, hi), lower), (np.where(side, middle, lo), hi, lower))
+        boxes = [np.concatenate([each[order[BATCH:]], *cut])
+                 for each, *cut in zip(boxes, *halves, strict=True)]  # fmt: skip
     # Preferred coordinates wherever they do not cost anything.
-    u, value = result.u, _values(space, objective, result.u[None])[0]
-    for k, preferred in PREFERRED:
-        other = u.copy()
-        other[k] = preferred
-        if _values(space, objective, other[None])[0] <= value * (1.0 + ROUNDING):
-            u = other
-    return replace(result, u=u)
+    if u is not None:
+        for k, preferred in PREFERRED:
+            other = u.copy()
+            other[k] = preferred
+            if _values(space, objective, other[None])[0] <= value * (1.0 + ROUNDING):
+                u = other
+    return SearchResult(u, value, min(pruned, float(np.min(boxes[2], initial=np.inf))))
 
 
 def _values(space: DesignSpace, objective: ShaperObjective, u: Array) -> Array:
@@ -258,46 +284,6 @@ def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | No
     ends = [minimise(function, box, start, RADIUS, ROUNDS) for start in starts]
     reached = min(ends, key=lambda one: one.value)
     return BundlePoint(np.clip(reached.u, 0.0, 1.0), reached.value)
-
-
-def _branch_and_bound(
-    space: DesignSpace,
-    objective: ShaperObjective,
-    start: BundlePoint | None,
-    tolerance: float,
-    deadline: float | None,
-) -> SearchResult:
-    """The bound, and better points at the middles of boxes."""
-    u, value = (None, np.inf) if start is None else (start.u, start.value)
-    phi = _angles(objective, space, u)
-    # Lower and upper corners of open boxes, and their bounds so far; least bound of pruned boxes.
-    boxes = [np.zeros((1, SIZE)), np.ones((1, SIZE)), np.array([-np.inf])]
-    pruned, count, stop = np.inf, 0, math.inf if deadline is None else deadline
-    while len(boxes[0]) and count < MAX_BOXES and clock.now() < stop:
-        # Best first: the boxes with the least bounds.
-        order = np.argsort(boxes[2])
-        lo, hi, known = (each[order[:BATCH]] for each in boxes)
-        count += len(lo)
-        lower, split = _bounds(space, objective, lo, hi, phi)
-        lower = np.maximum(lower, known)
-        # Incumbent: the middles of the most promising boxes.
-        middle = 0.5 * (lo + hi)[np.argsort(lower)[:MIDDLES]]
-        values = _values(space, objective, middle)
-        if values.min() < value:
-            u, value = middle[values.argmin()], float(values.min())
-        # Prune boxes that cannot improve the incumbent by more than the tolerance; their bound
-        # counts.
-        enough = value - tolerance * abs(value) if np.isfinite(value) else np.inf
-        done = lower >= enough
-        pruned = min(pruned, float(np.min(lower, where=done, initial=np.inf)))
-        # Cut every other box in half at its coordinate.
-        lo, hi, split, lower = (each[~done] for each in (lo, hi, split, lower))
-        side = np.arange(SIZE) == split[:, None]
-        middle = 0.5 * (lo + hi)
-        halves = ((lo, np.where(side, middle, hi), lower), (np.where(side, middle, lo), hi, lower))
-        boxes = [np.concatenate([each[order[BATCH:]], *cut])
-                 for each, *cut in zip(boxes, *halves, strict=True)]  # fmt: skip
-    return SearchResult(u, value, min(pruned, float(np.min(boxes[2], initial=np.inf))))
 
 
 def _angles(objective: ShaperObjective, space: DesignSpace, u: Array | None) -> list[float]:
