@@ -35,13 +35,9 @@ def factors(chain: Chain) -> Array:
 
 
 def polydyne(chain: Chain, output: Motion, omega: float, theta: Array) -> Array:
-    """The cam motion under which the last mass moves as ``output`` says, at one speed.
+    """The cam motion under which the last mass moves as ``output`` says, at ω [rad/s].
 
-    Args:
-        chain: the train. output: motion of the last mass. omega: [rad/s]. theta: (k,) [rad].
-
-    Returns:
-        s, s' and s'' of the cam, per radian: (3, k) [mm].
+    Returns s, s' and s'' of the cam, per radian, at cam angles (k,) [rad]: (3, k) [mm].
 
     Raises:
         InputError: a link has a damper, or the output is not smooth enough: the cam's velocity

@@ -176,12 +176,9 @@ def from_rest(chain: Chain, steps: Steps, omega: float, turns: int) -> list[Resp
 
 
 def resonance(modes: Modes, omega: float) -> tuple[float, int] | None:
-    """The undamped mode whose frequency is a harmonic of the cam's, and that harmonic.
+    """The undamped mode whose frequency [Hz] is a harmonic of the cam's, and that harmonic.
 
-    There the response grows from turn to turn, and no periodic one exists.
-
-    Returns:
-        its natural frequency [Hz] and the harmonic of the shaft; None where there is none.
+    There the response grows from turn to turn, and no periodic one exists. None: no such mode.
     """
     for rate in modes.rates[modes.independent].tolist():
         harmonic = round(rate.imag / omega)
@@ -230,15 +227,9 @@ def residual_spectrum(
 ) -> Array:
     """Residual amplitude at the end of a run of segments, of oscillators at rest before it.
 
-    Exact but for rounding: within every step ∫ s' e^(−λ(Θ − θ)) dθ is a sum of φ-functions.
-
-    Args:
-        motion: the motion. run: indices of its segments, in order.
-        frequencies: (f,) undamped natural frequencies over the cam's, ω_n/ω.
-        damping: damping ratio ζ.
-
-    Returns:
-        (f,) amplitudes in the unit of s.
+    Exact but for rounding: within every step ∫ s' e^(−λ(Θ − θ)) dθ is a sum of φ-functions. Of
+    undamped natural frequencies over the cam's, ω_n/ω (f,), and a damping ratio ζ the amplitudes
+    (f,) in the unit of s; ``run`` has the indices of its segments in order.
     """
     steps = Steps.of(motion, 1)
     rate: Complex = np.asarray(frequencies * complex(damping, -sqrt(1.0 - damping**2)), complex)

@@ -134,14 +134,12 @@ class Arm:
 
 
 def static_moments(parts: Iterable[tuple[float, float, float]]) -> tuple[float, float]:
-    """g Σ m p and g Σ m w [N·m]: the torques with both arms horizontal.
+    """g Σ m p and g Σ m w [N·m]: the torques with both arms horizontal, of parts (m, p, w).
 
-    Elbow plate and tool do not rotate about a horizontal axis. So the height of every part is that
-    of the shoulder plus p cos θ2 − w sin θ3 and a constant, and virtual work gives the torques that
-    hold it: τ2 = −g Σ m p sin θ2, τ3 = −g Σ m w cos θ3.
-
-    Args:
-        parts: mass [kg] and the distances p, w of its centre along both arms [mm] of each part.
+    The centre of a mass m [kg] is at distances p, w along both arms [mm]. Elbow plate and tool do
+    not rotate about a horizontal axis. So the height of every part is that of the shoulder plus
+    p cos θ2 − w sin θ3 and a constant, and virtual work gives the torques that hold it:
+    τ2 = −g Σ m p sin θ2, τ3 = −g Σ m w cos θ3.
     """
     mass, p, w = np.array([*parts]).T
     return float(G * METRE * (mass @ p)), float(G * METRE * (mass @ w))

@@ -135,10 +135,7 @@ class PalletisingArm(AnswerModel):
 
 
 def analyse_arm(spec: ArmSpec, deadline: float | None = None) -> PalletisingArm:
-    """Workspace, postures, torques and singularities of an arm; takes milliseconds.
-
-    Args:
-        spec: the arm. deadline: not needed; part of the interface of a linkage.
+    """Workspace, postures, torques and singularities; takes milliseconds, whatever the deadline.
 
     Raises:
         InputError: the joint limits leave no arm angles.

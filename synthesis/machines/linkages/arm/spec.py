@@ -86,7 +86,7 @@ class JointPose(ArmTask):
         return arm.place(self._joints())
 
     def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
-        """The one posture with these angles."""
+        """Postures that reach it, brought within the limits by whole turns where possible."""
         joints = self._joints()
         over = arm.tool_point(joints.upper_arm, joints.forearm).real < 0.0
         down = math.cos(joints.opening) < 0.0
@@ -103,11 +103,9 @@ class PointPose(ArmTask):
     yaw_deg: Angle = Field(0.0, description="Angle of the tool about the vertical [deg].")
 
     def place(self, arm: Arm) -> Place:
-        """The place of the tool."""
         return Place(self.x_mm, self.y_mm, self.z_mm, self.yaw_deg * DEGREE)
 
     def postures(self, arm: Arm, limits: Limits) -> Iterator[Posture]:
-        """Postures that reach it, brought within the limits by whole turns where possible."""
         for posture in arm.postures(self.place(arm)):
             for joints in limits.equivalent_angles(posture.joints):
                 yield Posture(posture.base, posture.elbow, joints)

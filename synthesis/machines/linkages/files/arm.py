@@ -130,12 +130,9 @@ def _arc_path(arcs: Sequence[Arc]) -> str:
 
 
 def plan_view(answer: PalletisingArm, by: float) -> tuple[Box, list[str]]:
-    """The workspace from above with the base as a moving part, in the scale of the side view.
+    """The workspace from above with the base as a moving part: bounding box and elements.
 
     The tool reaches an annular sector in front of the base, and one over it, turned by 180°.
-
-    Returns:
-        bounding box for all base angles, and the elements.
     """
     radius, base = by * answer.reach_mm, answer.spec.limits.base
     nearest = by * min(region.r_min.value_mm for region in answer.regions)

@@ -340,27 +340,23 @@ def extremes(shaper: Shaper, drive: Drive) -> list[ShaperExtremes]:
         motion = shaper.motion(drive.phi(travel))
         return [QUANTITIES[k].of(motion, drive, travel) for k in numbers]
 
+    def peak(quantity: Quantity, extremum: Extremum) -> ShaperPeak:
+        # In the wire's unit; where nothing was proven, the value at its angle.
+        enclosure, unit = extremum.enclosure, quantity.per_unit
+        value, phi = enclosure.value, drive.phi(enclosure.angle)
+        if not math.isfinite(value):
+            value = float(quantity.of(shaper.motion(phi), drive, enclosure.angle))
+        return ShaperPeak(
+            value=value / unit,
+            crank_deg=(phi / DEGREE) % 360.0,
+            crank_travel_deg=enclosure.angle / DEGREE,
+            width=enclosure.width / unit if math.isfinite(enclosure.width) else None,
+        )
+
     extrema = enclose(models, np.array([0.0, FULL_TURN]), np.array([BOXES]), queries)
     return [
         ShaperExtremes(
-            quantity=quantity.name,
-            unit=quantity.unit,
-            largest=_peak(shaper, drive, quantity, most),
-            smallest=_peak(shaper, drive, quantity, least),
+            quantity=one.name, unit=one.unit, largest=peak(one, most), smallest=peak(one, least)
         )
-        for quantity, most, least in zip(QUANTITIES, extrema[:count], extrema[count:], strict=True)
+        for one, most, least in zip(QUANTITIES, extrema[:count], extrema[count:], strict=True)
     ]
-
-
-def _peak(shaper: Shaper, drive: Drive, quantity: Quantity, extremum: Extremum) -> ShaperPeak:
-    """An enclosure in the wire's unit; where nothing was proven, the value at its angle."""
-    enclosure, unit = extremum.enclosure, quantity.per_unit
-    value, phi = enclosure.value, drive.phi(enclosure.angle)
-    if not math.isfinite(value):
-        value = float(quantity.of(shaper.motion(phi), drive, enclosure.angle))
-    return ShaperPeak(
-        value=value / unit,
-        crank_deg=(phi / DEGREE) % 360.0,
-        crank_travel_deg=enclosure.angle / DEGREE,
-        width=enclosure.width / unit if math.isfinite(enclosure.width) else None,
-    )
