@@ -83,7 +83,7 @@ def _response_csv(answer: TrainResponse, options: ResponseOptions) -> bytes:
 
 def _columns(number: int, turn: response.Response) -> list[Column]:
     """One turn."""
-    theta, cam, deflection = turn.theta, turn.steps.s[0], turn.deflection
+    theta, cam, deflection = turn.steps.theta, turn.steps.s[0], turn.deflection
     return [
         Column("turn", "", "from 0", np.full(len(theta), float(number))),
         Column("angle_deg", "deg", "cam angle", theta / DEGREE),
@@ -119,7 +119,7 @@ def _response_svg(answer: TrainResponse, options: TrainPictureOptions) -> bytes:
     """Motion of cam and output, the error of the output, its acceleration, the contact force."""
     speed = options.of(answer)
     turn = response.steady(answer.spec.train.chain(), _steps(answer, PER_DEGREE), rad_per_s(speed))
-    degrees, error = turn.theta / DEGREE, turn.deflection[-1]
+    degrees, error = turn.steps.theta / DEGREE, turn.deflection[-1]
     plots = [
         curve_plot(title, unit, degrees, values)
         for title, unit, values in (

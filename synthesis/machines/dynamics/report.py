@@ -193,8 +193,14 @@ def _at_speed(
 ) -> AtSpeed:
     modes, response = chain.modes, _steady(chain, motion, speed_rpm)
     error, force = response.deflection[-1], response.contact_force
+
+    def peak(values: Array, sign: float) -> ResponsePeak:
+        at = int(np.argmax(sign * values))
+        angle = float(response.steps.theta[at]) / DEGREE
+        return ResponsePeak(value=float(values[at]), angle_deg=angle)
+
     peaks: dict[str, Any] = {
-        name.format(end): _peak(response, sign * values, sign)
+        name.format(end): peak(values, sign)
         for name, values in (
             ("output_error_{}", error), ("output_acceleration_{}", response.output_acceleration),
             ("contact_force_{}_n", force),
@@ -212,15 +218,9 @@ def _at_speed(
         remaining_share_per_turn=float(np.exp(np.max(modes.rates.real) * turn_s)),
         turns=[float(np.max(np.abs(each.deflection[-1] - error))) for each in starts],
         flight=simulate_flights(chain, motion, response.omega, turns) if floats and turns else None,
-        steps=len(response.theta) - 1,
+        steps=len(response.steps.theta) - 1,
         rounding=ROUNDING * float(np.max(np.abs(modes.shapes) @ np.abs(response.state))),
     )
-
-
-def _peak(response: Response, values: Array, sign: float) -> ResponsePeak:
-    at = int(np.argmax(values))
-    angle = float(response.theta[at]) / DEGREE
-    return ResponsePeak(value=sign * float(values[at]), angle_deg=angle)
 
 
 def _dwells(motion: Motion, response: Response) -> Iterator[DwellResponse]:

@@ -117,11 +117,6 @@ class Response:
     state: Complex  # (2n, k+1) ξ at the ends of the steps
 
     @property
-    def theta(self) -> Array:
-        """Cam angles (k+1,) [rad]."""
-        return self.steps.theta
-
-    @property
     def deflection(self) -> Array:
         """(n, k+1) y: displacements of the masses minus the cam's motion [mm]."""
         return np.asarray((self.chain.modes.shapes @ self.state).real)
@@ -149,8 +144,9 @@ class Response:
 
         Of damped modes the envelope's, of overdamped ones the deflection.
         """
-        at = int(np.argmin(np.abs(self.theta[::-1] - angle)))  # after an impact at that angle
-        k = len(self.theta) - 1 - at
+        theta = self.steps.theta
+        # The last of equal angles: after an impact there.
+        k = len(theta) - 1 - int(np.argmin(np.abs(theta[::-1] - angle)))
         free = self.state[:, k] - self.chain.modes.rest_state(float(self.steps.s[0, k]))
         return self.chain.modes.amplitudes(free)
 

@@ -75,7 +75,7 @@ def test_on_the_cam_it_is_the_linear_train(cam: Motion) -> None:
     fast = simulate_flights(chain, cam, 33.0, 1)
     assert fast is not None
     (linear,) = from_rest(chain, Steps.of(cam, 1440), 33.0, 1)
-    leaves = linear.theta[np.argmax(linear.contact_force < 0.0)]
+    leaves = linear.steps.theta[np.argmax(linear.contact_force < 0.0)]
     assert fast.first_separation_deg is not None
     assert np.radians(fast.first_separation_deg) == pytest.approx(leaves, abs=6e-3)
     assert fast.largest_gap > 0.0

@@ -40,7 +40,7 @@ def test_the_output_moves_as_asked(n: int, law: str) -> None:
     assert found == pytest.approx(cam.derivatives(theta, 2), rel=1e-9, abs=1e-9)
     (turn,) = from_rest(of, Steps.of(cam, 300), OMEGA, 1)
     moved = turn.deflection[-1] + turn.steps.s[0]
-    assert moved == pytest.approx(wanted.derivatives(turn.theta, 0)[0], abs=1e-8 * LIFT)
+    assert moved == pytest.approx(wanted.derivatives(turn.steps.theta, 0)[0], abs=1e-8 * LIFT)
     assert turn.free_amplitudes(FIRST * DEGREE).max() < 1e-8 * LIFT
     assert np.abs(turn.steps.s[0] - moved).max() > 0.01 * LIFT  # it is another motion
 

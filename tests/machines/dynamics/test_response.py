@@ -89,9 +89,9 @@ def test_the_periodic_response_repeats_and_is_reached() -> None:
     *_, late = from_rest(of, steps, OMEGA, 240)
     assert late.deflection == pytest.approx(found.deflection, abs=1e-9)
     finer = steady(of, Steps.of(cam, 1440), OMEGA)
-    at = np.isin(finer.theta, found.theta)
+    at = np.isin(finer.steps.theta, found.steps.theta)
     assert np.count_nonzero(at) > 100
-    here = np.searchsorted(found.theta, finer.theta[at])
+    here = np.searchsorted(found.steps.theta, finer.steps.theta[at])
     assert finer.deflection[:, at] == pytest.approx(found.deflection[:, here], abs=1e-11)
 
 
@@ -130,7 +130,7 @@ def test_duhamels_integral_at_a_few_angles() -> None:
     nu = sqrt(of.springs[0])
     damped = nu * sqrt(1.0 - damping**2)
     for k in (3, 7, 11):
-        t = turn.theta[k] / OMEGA
+        t = turn.steps.theta[k] / OMEGA
 
         def impulse(u: float, t: float = t) -> float:
             a = cam.derivatives([OMEGA * u], 2)[2, 0] * OMEGA**2
@@ -161,8 +161,8 @@ def test_a_very_stiff_mass_lags_by_its_acceleration() -> None:
     """y = −s''/ω_n² and no more, without loss of digits."""
     cam, of = motion(), single(1.2e6, 0.3)
     (turn,) = from_rest(of, Steps.of(cam, 720), OMEGA, 1)
-    a = cam.derivatives(turn.theta, 2)[2] * OMEGA**2
-    inside = (turn.theta > 0.05) & (turn.theta < 1.1)
+    a = cam.derivatives(turn.steps.theta, 2)[2] * OMEGA**2
+    inside = (turn.steps.theta > 0.05) & (turn.steps.theta < 1.1)
     expected = -a[inside] / of.springs[0]
     assert turn.deflection[0, inside] == pytest.approx(expected, rel=1e-4)
 
@@ -179,7 +179,7 @@ def test_energy_comes_from_the_cam() -> None:
     stored += 0.5 * np.sum(of.springs[:, None] * segment**2, axis=0)
     stored += 0.5 * np.sum(of.ground_springs[:, None] * place**2, axis=0)
     power = turn.contact_force * v
-    work = np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(turn.theta) / OMEGA)
+    work = np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(turn.steps.theta) / OMEGA)
     assert stored[-1] - stored[0] == pytest.approx(work, rel=1e-6)
     assert work > 100.0
 
