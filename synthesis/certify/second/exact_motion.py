@@ -126,8 +126,7 @@ class ExactMotion:
 
     def junctions(self) -> Iterator[tuple[MotionPiece, MotionPiece]]:
         """Every piece with the one that follows, the last with the first."""
-        following = (*self.pieces[1:], self.pieces[0])
-        yield from zip(self.pieces, following, strict=True)
+        return zip(self.pieces, (*self.pieces[1:], self.pieces[0]), strict=True)
 
 
 def jump(before: MotionPiece, after: MotionPiece, order: int) -> arb:

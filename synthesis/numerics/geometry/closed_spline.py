@@ -147,7 +147,10 @@ def _through(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> tuple[ClosedSp
     same = mesh.span[:-1] == mesh.span[1:]
     inner = same & (mesh.high[:-1] == mesh.low[1:])
     breaks = np.concatenate([[0.0], np.cumsum(lengths)])
-    knots, points = interpolate(breaks, ends, np.where(inner, DEGREE - 1, _continuity(ends)))
+    # continuous derivatives at the nodes: 4 inside of spans, 0 to 2 where the law changes
+    first, second = np.all(ends[1:, 1, :-1] == ends[1:, 0, 1:], axis=2)
+    smooth = np.where(inner, DEGREE - 1, np.where(first, np.where(second, 2, 1), 0))
+    knots, points = interpolate(breaks, ends, smooth)
     points[-1] = points[0]
     made = ClosedSpline(knots, points, math.inf, len(lengths))
     departures = np.zeros(len(keep))
@@ -183,12 +186,6 @@ def _ends(curve: ClosedCurve, mesh: Mesh, tolerance: float) -> Array:
         each[1] = np.where(agree[:, None], mean, before)
         each[0] = np.where(np.roll(agree, 1)[:, None], np.roll(mean, 1, axis=0), each[0])
     return ends
-
-
-def _continuity(ends: Array) -> Indices:
-    """Continuous derivatives at the nodes between neighbouring pieces: 0, 1 or 2."""
-    first, second = np.all(ends[1:, 1, :-1] == ends[1:, 0, 1:], axis=2)
-    return np.where(first, np.where(second, 2, 1), 0)
 
 
 def interpolate(breaks: Array, ends: Array, smooth: Indices) -> tuple[Array, Array]:
