@@ -81,10 +81,8 @@ def cam_profile(
     with np.errstate(divide="ignore"):
         radius = 1.0 / (flank.side * curvature) - flank.distance
     mirror = -1.0 if rotation == "cw" else 1.0
-    pitch_x, pitch_y = to_cam(theta, px, py)
-    normal_x, normal_y = to_cam(theta, nx, ny)
-    x = pitch_x - gap * normal_x
-    y = pitch_y - gap * normal_y
+    (pitch_x, pitch_y), (normal_x, normal_y) = to_cam(theta, px, py), to_cam(theta, nx, ny)
+    x, y = pitch_x - gap * normal_x, pitch_y - gap * normal_y
     return CamProfile(
         theta, s, mirror * pitch_x, pitch_y, mirror * x, y, mirror * normal_x, normal_y,
         curvature, radius, alpha, speed,

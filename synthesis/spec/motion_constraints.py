@@ -213,9 +213,8 @@ class MotionConstraints:
                     "way throughout. Change the sign, or allow the law to overshoot.",
                     {"value": low if abs(low) < abs(high) else high, "place": place},
                 )
-        order = sorted(range(len(self.points)), key=lambda j: self.points[j].angle_deg)
-        for j, k in pairwise(order):
-            one, other = self.points[j], self.points[k]
+        order = sorted(enumerate(self.points), key=lambda numbered: numbered[1].angle_deg)
+        for (j, one), (k, other) in pairwise(order):
             if one.ends_of(TRAVEL)[0] > other.ends_of(TRAVEL)[1]:
                 raise PydanticCustomError(
                     "points_out_of_order",

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.constraints import Ends
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import Segments
 from synthesis.catalogue.objectives import Objective
 
-Ends = tuple[float, float]
 JERK = 3  # order of the derivative
 
 

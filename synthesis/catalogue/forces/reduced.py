@@ -96,10 +96,8 @@ class ReducedLoad:
 
     def process_range(self, segment: PlacedSegment) -> tuple[float, float]:
         """Least and largest process force on a segment [N]: straight pieces have them at ends."""
-        inner = self._breaks_inside(segment)
-        right = np.concatenate([[segment.start], inner])
-        left = np.concatenate([inner, [segment.end]])
-        each = np.concatenate([self.process(right), self.process(left, 0, "left")])
+        ends = np.array([segment.start, *self._breaks_inside(segment), segment.end])
+        each = np.concatenate([self.process(ends[:-1]), self.process(ends[1:], 0, "left")])
         return float(each.min()), float(each.max())
 
     def sliding_sense(self, segment: PlacedSegment) -> float:

@@ -84,7 +84,6 @@ class BoundaryPolynomial(MotionLaw):
             hermite((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)),
         ),
     }
-    jerks: ClassVar[dict[str, tuple[float, ...]]] = {"polynomial_5": (), "polynomial_7": (0.0,)}
 
     @property
     def may_reverse(self) -> bool:
@@ -97,6 +96,6 @@ class BoundaryPolynomial(MotionLaw):
         self, segment: SegmentKind, start: EndDerivatives = ANY, end: EndDerivatives = ANY
     ) -> Piecewise:
         """End derivatives that are not required are zero."""
-        jerk = self.jerks[self.kind]
+        jerk = (0.0,) if self.kind == "polynomial_7" else ()
         first, last = (tuple(value or 0.0 for value in known) for known in (start, end))
         return hermite((0.0, *first, *jerk), (1.0, *last, *jerk))

@@ -69,8 +69,8 @@ class PressureAngle(Limit):
     ) -> tuple[Any, ...]:
         """What is curved, and of counter rollers that have no rows: |n × g| ≤ t n · g."""
         found = list(super().smooth_constraints(segment, machine, theta, s, z))
-        limits = (self._largest(kind) for kind in segment.senses)
-        slope = min((tan(largest) for largest in limits if largest is not None), default=inf)
+        limits = filter(None, map(self._largest, segment.senses))
+        slope = min(map(tan, limits), default=inf)
         for label in machine.follower.closure.counter_paths:
             path = paths(machine.follower)[label]
             if slope == inf or path.pressure_angle_rows(slope):
