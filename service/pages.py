@@ -121,12 +121,11 @@ def _page(file: Path, _: int) -> str:
     tokens = parser.parse(file.read_text(encoding="utf-8"))
     title = file.stem
     for position, token in enumerate(tokens):
-        if token.type == "heading_open" and token.tag == "h1":
-            title = tokens[position + 1].content
         if token.type == "heading_open":
+            heading = tokens[position + 1].content
+            title = heading if token.tag == "h1" else title
             # The id of a heading, as repositories make it: lower case, hyphens for blanks.
-            heading = tokens[position + 1].content.lower()
-            kept = "".join(c for c in heading if c.isalnum() or c in " -_")
+            kept = "".join(c for c in heading.lower() if c.isalnum() or c in " -_")
             token.attrSet("id", kept.strip().replace(" ", "-"))
         _drop_dead_links(file, token)
     body = parser.renderer.render(tokens, parser.options, {})

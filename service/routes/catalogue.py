@@ -147,12 +147,10 @@ async def list_formats() -> Formats:
     """The files that a finished design can be had as."""
     formats: dict[str, Mapping[str, FileFormat[Any, Any]]]
     formats = {**DESIGN_FORMATS, "pictures": PICTURES, "spatial": SPATIAL_FORMATS}
-    fields = ("name", "title", "media_type", "extension", "purpose")
     return Formats.model_validate(
         {
             part: [
-                {name: getattr(each, name) for name in fields}
-                | {"json_schema": form(each.options).model_json_schema()}
+                {**vars(each), "json_schema": form(each.options).model_json_schema()}
                 for each in registry.values()
             ]
             for part, registry in formats.items()
