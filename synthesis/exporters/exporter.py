@@ -129,3 +129,14 @@ def design_format(
     """A format as ``assets/formats.toml`` describes it: title, media type, purpose and the rest."""
     told = {"name": name, "extension": f".{name}", **_DESCRIBED[part][name]}
     return Exporter(make=make, options=options, measure=measure, **told)
+
+
+def machine_format(
+    machine: Literal["spatial"],
+    name: str,
+    make: Callable[[Subject, Choice], FileContent | bytes],
+    options: type[Choice],
+) -> FileFormat[Subject, Choice]:
+    """The same of a machine's answer; its extension is the end of the name."""
+    told = {"name": name, "extension": f".{name.rpartition('.')[2]}", **_DESCRIBED[machine][name]}
+    return FileFormat(make=make, options=options, **told)

@@ -1,4 +1,4 @@
-"""Files of a spatial cam; a new format is a module and its name here.
+"""Files of a spatial cam; a new format: a module, an entry in ``formats.toml``, its name here.
 
 In: a SpatialDesign and the options of a format. Out: bytes with metadata. Open ``flanks`` first:
 points of the flanks. ``step`` holds surfaces of the flanks and the cam as a solid, ``body_mesh``

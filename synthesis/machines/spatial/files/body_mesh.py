@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
+from synthesis.exporters.exporter import FileContent, compact_json, machine_format
 from synthesis.machines.spatial.body import (
     Blank,
     BlankOptions,
@@ -97,13 +97,7 @@ def _stl(design: SpatialDesign, options: MeshOptions) -> FileContent:
     return FileContent(head + np.uint32(len(records)).tobytes() + records.tobytes(), metadata)
 
 
-STL = FileFormat(
-    "body.stl", "STL, the whole cam", "model/stl", ".stl", _stl, MeshOptions,
-    "The cam with its hub, cut from a turned blank, as a closed mesh in mm: for viewers, printing, "
-    "or a first look in CAD. The header Camwright-Surface-Error-Mm gives its distance from the "
-    "true surface.",
-    in_worker=True,
-)  # fmt: skip
+STL = machine_format("spatial", "body.stl", _stl, MeshOptions)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,9 +161,4 @@ def _rounded(values: Array) -> list[Any]:
     return (np.round(values, PLACES) + 0.0).tolist()  # type: ignore[no-any-return]
 
 
-SURFACES = FileFormat(
-    "surfaces.json", "Surfaces for an animated 3D view", "application/json", ".json",
-    _surfaces, SurfaceOptions,
-    "The cam's body as a grid of points, the rollers, the axis or guide on which they move, and "
-    "their positions at every cam angle: what the studio draws.",
-)  # fmt: skip
+SURFACES = machine_format("spatial", "surfaces.json", _surfaces, SurfaceOptions)

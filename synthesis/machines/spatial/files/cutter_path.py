@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, machine_format
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
@@ -189,10 +189,4 @@ def _columns(
     ]  # fmt: skip
 
 
-CSV = FileFormat(
-    "cutter.csv", "Cutter path, comma separated", "text/csv; charset=utf-8; header=present",
-    ".csv", _csv, CutterOptions,
-    "Tip and axis of a cutter at every cam angle, in the cam's or the machine's frame: a cutter of "
-    "the roller's form, or a thinner one along each flank, tilted for the least deviation from the "
-    "roller's wall. The header Camwright-Wall-Error-Mm gives that deviation.",
-)  # fmt: skip
+CSV = machine_format("spatial", "cutter.csv", _csv, CutterOptions)

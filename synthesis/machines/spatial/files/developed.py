@@ -24,7 +24,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
+from synthesis.exporters.exporter import FileContent, compact_json, machine_format
 from synthesis.exporters.options import Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
@@ -259,16 +259,5 @@ def _json(design: SpatialDesign, options: DevelopedOptions) -> FileContent:
     return unrolled.file(compact_json(body))
 
 
-PURPOSE = (
-    "A cylindrical cam's walls and the paths of its rollers' axes on a cylinder about its axis, "
-    "unrolled. The header Camwright-Flat-Offset-Error-Mm says by how much the true walls differ "
-    "from the path offset by the roller's radius in the plane and wrapped."
-)
-CSV = FileFormat(
-    "developed.csv", "Unrolled walls, comma separated", "text/csv; charset=utf-8; header=present",
-    ".csv", _csv, DevelopedOptions, PURPOSE,
-)  # fmt: skip
-JSON = FileFormat(
-    "developed.json", "Unrolled walls", "application/json", ".json", _json, DevelopedOptions,
-    PURPOSE,
-)  # fmt: skip
+CSV = machine_format("spatial", "developed.csv", _csv, DevelopedOptions)
+JSON = machine_format("spatial", "developed.json", _json, DevelopedOptions)

@@ -16,7 +16,7 @@ import numpy as np
 from synthesis.exporters.diagrams.plot import Frame
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import ratio, shown_at
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, machine_format
 from synthesis.exporters.options import Colours
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.developed import (
@@ -140,8 +140,4 @@ def _legend(frame: Frame, unrolled: Development, scale: float, u: float) -> list
     return [*meanings, *remarks]
 
 
-SVG = FileFormat(
-    "developed.svg", "Unrolled walls, drawn", "image/svg+xml", ".svg", _svg, DrawnOptions,
-    "The cylinder unrolled as seen from outside, in mm: a print in true size can be wrapped "
-    "round the cam.",
-)  # fmt: skip
+SVG = machine_format("spatial", "developed.svg", _svg, DrawnOptions)

@@ -17,7 +17,7 @@ from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
 from synthesis.errors import InputError
-from synthesis.exporters.exporter import FileContent, FileFormat, compact_json
+from synthesis.exporters.exporter import FileContent, compact_json, machine_format
 from synthesis.exporters.options import Decimals, Options
 from synthesis.exporters.samples.columns import Column, concatenate
 from synthesis.exporters.tables import csv_table
@@ -244,23 +244,6 @@ def _json(design: SpatialDesign, options: FlankOptions) -> bytes:
     return compact_json({**head, "flanks": flanks})
 
 
-FLANKS = FileFormat(
-    "flanks.ibl", "Datum curves for Creo", "text/plain; charset=us-ascii", ".ibl",
-    _ibl, WrittenFlankOptions,
-    "Creo and Pro/ENGINEER: a section for every flank and in it a curve for every depth, of which "
-    "the first and the last are the flank's edges; make a boundary blend of them. The header "
-    "Camwright-Sections names the sections, Camwright-Spline-Error-Mm gives the deviation of cubic "
-    "splines through the points from the flanks.",
-)  # fmt: skip
-CSV = FileFormat(
-    "flanks.csv", "Contact lines, comma separated", "text/csv; charset=utf-8; header=present",
-    ".csv", _csv, FlankOptions,
-    "A row for every contact: cam angle, roller, side, place on the roller, point and normal of "
-    "the flank in the cam's frame, pressure angle.",
-)  # fmt: skip
-JSON = FileFormat(
-    "flanks.json", "Contact lines, as grids", "application/json",
-    ".json", _json, FlankOptions,
-    "Every flank as a grid over cam angle and place on the roller: points, normals, pressure "
-    "angles.",
-)  # fmt: skip
+FLANKS = machine_format("spatial", "flanks.ibl", _ibl, WrittenFlankOptions)
+CSV = machine_format("spatial", "flanks.csv", _csv, FlankOptions)
+JSON = machine_format("spatial", "flanks.json", _json, FlankOptions)

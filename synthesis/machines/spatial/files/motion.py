@@ -7,7 +7,7 @@ from dataclasses import asdict
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH, motion_sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, two_lines
-from synthesis.exporters.exporter import FileFormat
+from synthesis.exporters.exporter import machine_format
 from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.cam import Turn
 from synthesis.exporters.samples.columns import motion_columns
@@ -51,16 +51,6 @@ def above(design: SpatialDesign, left: float, right: float, u: float) -> list[st
     return two_lines(design.name.strip() or kind.capitalize(), line, left, right, u)
 
 
-PURPOSE = "The follower's displacement, velocity, acceleration and jerk over the cam angle."
-JSON = FileFormat(
-    "motion.json", "Motion, columns with units and metadata", "application/json", ".json",
-    _json, MotionOptions, PURPOSE,
-)  # fmt: skip
-CSV = FileFormat(
-    "motion.csv", "Motion, comma separated", "text/csv; charset=utf-8; header=present", ".csv",
-    _csv, MotionOptions, PURPOSE,
-)  # fmt: skip
-SVG = FileFormat(
-    "motion.svg", "Diagrams of the motion", "image/svg+xml", ".svg", _svg, DiagramOptions,
-    PURPOSE,
-)  # fmt: skip
+JSON = machine_format("spatial", "motion.json", _json, MotionOptions)
+CSV = machine_format("spatial", "motion.csv", _csv, MotionOptions)
+SVG = machine_format("spatial", "motion.svg", _svg, DiagramOptions)

@@ -27,7 +27,7 @@ from scipy.sparse.csgraph import connected_components
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import FINEST
 from synthesis.exporters.curves.step import Entities, entity, many, shape_file, text, write_spline
-from synthesis.exporters.exporter import FileContent, FileFormat
+from synthesis.exporters.exporter import FileContent, machine_format
 from synthesis.exporters.options import Options
 from synthesis.machines.spatial.body import Blank, BlankOptions, Mesh, Whole
 from synthesis.machines.spatial.cam import Span, SpatialCam, Wall
@@ -297,19 +297,5 @@ def _boundary(mesh: Mesh, triangles: Whole, up: float) -> list[Loop]:
     return [loops[outer], *loops[:outer], *loops[outer + 1 :]]
 
 
-FLANKS = FileFormat(
-    "flanks.step", "STEP AP242, flanks as surfaces", "model/step", ".step",
-    _flanks, SurfaceOptions,
-    "Master geometry for CAD: every flank as B-spline surfaces within tolerance_um, named as the "
-    "flank and cut where the motion's derivatives jump, to be trimmed and sewn there. Surfaces, "
-    "not a solid: for that see body.step.",
-)  # fmt: skip
-BODY = FileFormat(
-    "body.step", "STEP AP242, the whole cam as a solid", "model/step", ".step",
-    _body, FacetedOptions,
-    "One closed solid in mm, bounded by the cam's true surfaces within tolerance_um; where that is "
-    "not possible, the body of body.stl in flat faces. The file's header, Camwright-Body and "
-    "Camwright-Surface-Error-Mm say which it is and its distance from the true surface.",
-    by_default=False,
-    in_worker=True,
-)  # fmt: skip
+FLANKS = machine_format("spatial", "flanks.step", _flanks, SurfaceOptions)
+BODY = machine_format("spatial", "body.step", _body, FacetedOptions)
