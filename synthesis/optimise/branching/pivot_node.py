@@ -62,9 +62,8 @@ class PivotNode(Node):
     """A box of sizes.
 
     Attributes:
-        problem: the problem, its sizes in the box.
+        problem: its sizes in the box.
         parts: of every free law, the part on which implied rows are written.
-        grids: the present mesh.
         sizes, tubes: bounds of the size and of the laws of every better cam.
         about: the last solution, where rows are tangent.
     """

@@ -55,7 +55,7 @@ def improve_multipliers(
         # 1. Put quadrature points close about the sign changes of ψ known so far: between them |ψ|
         #    is ±ψ, and the program's integral of it is exact.
         sign_changes = [
-            np.union1d(before, psi.significant_sign_changes(NOISE))
+            np.union1d(before, psi.sign_changes(NOISE))
             for before, psi in zip(sign_changes, result.switching, strict=True)
         ]
         # 2. The best multipliers for this quadrature. Their bound is evaluated anew from exact

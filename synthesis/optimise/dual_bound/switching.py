@@ -41,15 +41,11 @@ class Switching:
         """What |ψ| is nowhere above."""
         return float(np.max(np.abs(self.poly @ _bernstein(self.poly.shape[1]))))
 
-    def sign_changes(self, value: float = 0.0) -> Array:
-        """Points inside (0, 1) where ψ − value changes sign, at jumps as well."""
-        cuts = self._breaks_and_roots((value,))
-        middle = self(0.5 * (cuts[:-1] + cuts[1:])) - value
-        changes = np.sign(middle[:-1]) != np.sign(middle[1:])
-        return np.asarray(cuts[1:-1][changes], dtype=float)
+    def sign_changes(self, noise: float = 0.0) -> Array:
+        """Points inside (0, 1) where ψ changes sign, at jumps as well.
 
-    def significant_sign_changes(self, noise: float) -> Array:
-        """Where ψ changes sign, or goes from next to nothing (``noise``, relative) to more."""
+        Also where it goes from next to nothing (``noise``, of the largest |ψ|) to more, or back.
+        """
         cuts = self._breaks_and_roots((0.0,))
         value = self(gauss_points(cuts, NODES)[0])
         size = np.max(np.abs(value), axis=1)
@@ -58,11 +54,15 @@ class Switching:
 
     def with_densities(self, spans: Array, poly: Array) -> Switching:
         """ψ and on each span (r, 2) a polynomial more: (r, d) in s, from 0 to 1 along the span."""
-        if not len(spans):
-            return self
         breaks = np.unique(np.concatenate([self.breaks, spans.ravel()]))
         table = np.zeros((len(breaks) - 1, max(poly.shape[1], self.poly.shape[1])))
-        table[:, : self.poly.shape[1]] = self._pieces(breaks)
+        # its own polynomials between the finer breaks
+        left, right = breaks[:-1], breaks[1:]
+        piece = np.searchsorted(self.breaks[1:-1], 0.5 * (left + right), "right")
+        start, width = self.breaks[piece], np.diff(self.breaks)[piece]
+        table[:, : self.poly.shape[1]] = restrict_polynomials(
+            self.poly[piece], (left - start) / width, (right - start) / width
+        )
         first, last = np.searchsorted(breaks, spans).T
         own = np.repeat(np.arange(len(spans)), last - first)
         piece = np.arange(len(own)) - np.repeat(np.cumsum(last - first) - last, last - first)
@@ -114,14 +114,6 @@ class Switching:
                 inside = (root > 0.0) & (root < 1.0)
                 result.append((self.breaks[:-1] + width * root)[inside])
         return sorted_unique(np.concatenate(result))
-
-    def _pieces(self, breaks: Array) -> Array:
-        """The polynomials between finer breaks: (n, d)."""
-        left, right = breaks[:-1], breaks[1:]
-        piece = np.searchsorted(self.breaks[1:-1], 0.5 * (left + right), "right")
-        low = self.breaks[piece]
-        width = self.breaks[piece + 1] - low
-        return restrict_polynomials(self.poly[piece], (left - low) / width, (right - low) / width)
 
 
 def absolute_integrals(each: Sequence[Switching]) -> list[float]:

@@ -120,8 +120,7 @@ def smooth_table(rows: Rows, degree: int, time_limit: float = inf) -> Fit:
     ``time_limit``: for each solve [s].
     """
     best: Fit | None = None
-    iterations, most = 0, min(MOST, max(FIRST, 2 * len(rows.x)))
-    intervals = FIRST
+    intervals, iterations, most = FIRST, 0, min(MOST, max(FIRST, 2 * len(rows.x)))
     while intervals <= most:
         fit = _fit(rows, SplineSpace(degree, np.linspace(0.0, 1.0, intervals + 1)), time_limit)
         if fit is not None:

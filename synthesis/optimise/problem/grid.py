@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.interpolate import make_interp_spline
 
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.bspline import SplineSpace
@@ -61,11 +61,9 @@ class SplineLaw:
         """Coefficients on another space of the same degree: equal or finer knots keep the law."""
         if space is self.space:
             return self.coefficients
-        table, values = space.basis(space.greville), self.curve()(space.greville)
-        reach = range(space.degree, -space.degree - 1, -1)  # no spline reaches farther
-        bands = [np.pad(np.diagonal(table, k), (max(k, 0), max(-k, 0))) for k in reach]
-        result = solve_banded((space.degree, space.degree), np.stack(bands), values)
-        return np.asarray(result, dtype=float)
+        values = self.curve()(space.greville)
+        spline = make_interp_spline(space.greville, values, space.degree, space.knots)
+        return np.asarray(spline.c, dtype=float)
 
 
 def law_curves(laws: Sequence[SplineLaw]) -> list[Piecewise]:

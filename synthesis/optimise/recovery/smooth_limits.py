@@ -268,7 +268,11 @@ def constraint_samples(
                 continue
             table = values.reshape(curve.count, -1)
             wanted = (values > spread_above) | (spread_above == -np.inf)
-            kept = wanted & _evenly_spread(samples, table.shape).ravel()
+            # evenly spread samples, the ends of all pieces among them
+            last = table.shape[1] - 1
+            count = np.ceil(POINTS * np.diff(curve.breaks) / segment.angle)
+            each: Array = np.clip(count, 1.0, last)[:, None]
+            kept = wanted & (np.arange(last + 1) * each % last < each).ravel()
             theta, s = samples.theta[kept], samples.s[:, kept]
             if above < np.inf:
                 top, piece = _peaks(samples.theta.reshape(table.shape), table)
@@ -303,14 +307,6 @@ def _value(
     segment, machine = problem.segments[position], problem.machine
     expressions = problem.limits[limit].smooth_constraints(segment, machine, theta, s, size)
     return np.max(np.stack(expressions), axis=0) if expressions else np.zeros(0)
-
-
-def _evenly_spread(samples: Samples, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Evenly spread samples, the ends of all pieces among them: (pieces, samples)."""
-    breaks, last = samples.segment.placed().breaks, shape[1] - 1
-    wanted = np.ceil(POINTS * np.diff(breaks) / samples.segment.angle)
-    each: Array = np.clip(wanted, 1.0, last)[:, None]
-    return np.asarray(np.arange(shape[1]) * each % last < each)
 
 
 def _peaks(theta: Array, values: Array) -> tuple[Array, NDArray[np.intp]]:
