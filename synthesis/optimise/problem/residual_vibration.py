@@ -90,11 +90,10 @@ def vibration_term(
 
 def amplitude(limit: VibrationBound, settled: Sequence[PlacedSegment]) -> float:
     """A of given laws [length]."""
-    total = 0j
-    for segment, weight, kappa in _terms(limit, settled):
-        if segment.law is not None:
-            total += weight * _integral(segment.law, kappa)
-    return abs(total) / sqrt(1.0 - limit.damping**2)
+    terms = (
+        weight * _integral(s.law, kappa) for s, weight, kappa in _terms(limit, settled) if s.law
+    )
+    return abs(sum(terms)) / sqrt(1.0 - limit.damping**2)
 
 
 def _terms(
