@@ -14,7 +14,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem, formulate_problem
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 from synthesis.spec.design_spec import DesignSpec
 
 TOLERANCE = 5e-3

@@ -1,7 +1,5 @@
 """`python -m service`: what `camwright serve` does, with its options."""
 
-from __future__ import annotations
-
 import typer
 
 from service.commands.serve import serve

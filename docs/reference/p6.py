@@ -54,12 +54,7 @@ def size() -> None:
     ends = {"farthest": region.r_max, "nearest": region.r_min, "highest": region.z_max,
             "lowest": region.z_min}  # fmt: skip
     rows = [
-        (
-            name,
-            told(end.value_mm) + " mm",
-            told(end.upper_arm_deg),
-            told(end.forearm_deg),
-        )
+        (name, told(end.value_mm) + " mm", told(end.upper_arm_deg), told(end.forearm_deg))
         for name, end in ends.items()
     ]
     rows += [("area", number(region.area_mm2 * 1e-6, 6) + " m²", "", ""),
@@ -86,13 +81,7 @@ def poses() -> None:
     for pose in P6.poses:
         for one in pose.solutions:
             beyond = ", ".join(each.joint.replace("_", " ") for each in one.beyond)
-            angles = (
-                one.base_deg,
-                one.upper_arm_deg,
-                one.forearm_deg,
-                one.tool_deg,
-                one.in_line,
-            )
+            angles = (one.base_deg, one.upper_arm_deg, one.forearm_deg, one.tool_deg, one.in_line)
             r = hypot(pose.x_mm, pose.y_mm)
             rows.append((f"{pose.name}, {one.base} {one.elbow}", told(r), told(pose.z_mm),
                          *(told(angle) for angle in angles), beyond))  # fmt: skip

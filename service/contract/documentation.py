@@ -100,10 +100,7 @@ UNDER_WAY_HEADERS = {
 
 def spec_body(part: str = "", schema: str = "DesignSpec") -> Json:
     """A spec as request body, with the worked examples of a folder."""
-    content = {
-        "schema": {"$ref": f"{REFERENCE}{schema}"},
-        "examples": examples(part),
-    }
+    content = {"schema": {"$ref": f"{REFERENCE}{schema}"}, "examples": examples(part)}
     return {"requestBody": {"required": True, "content": {"application/json": content}}}
 
 

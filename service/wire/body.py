@@ -83,7 +83,7 @@ def validate(body: bytes, model: type[Model]) -> Model:
     if errors[0]["type"] == "json_invalid":  # what Python's reader accepts and pydantic's does not
         reason = str(errors[0].get("ctx", {}).get("error", ""))
         raise ProblemType.NOT_JSON(
-            TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON.",
+            TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON."
         )
     raise _invalid_request(*describe_errors(errors, document, model))
 

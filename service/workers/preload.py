@@ -5,8 +5,6 @@ Ctrl-C in a terminal reaches them all, but the service stops them in order. Froz
 visited by a worker's garbage collections, so that their memory remains shared.
 """
 
-from __future__ import annotations
-
 import gc
 import signal
 

@@ -10,8 +10,6 @@ what every motion must satisfy, ``self_intersection.py`` and ``roller_interferen
 that the profile is simple. ``second/`` is a second judge in ball arithmetic.
 """
 
-from __future__ import annotations
-
 from synthesis.certify.certificate import certify
 from synthesis.certify.force_report import report_forces
 from synthesis.certify.motion_checks import certify_size

@@ -51,8 +51,6 @@ class CurveAnalysis:
 
     cam: MeasuredCam
 
-    # -- results -----------------------------------------------------------------------------
-
     def summaries(self) -> list[CurveSummary]:
         """The extremes of every curve."""
         found = [self._summary(curve) for curve in self._derivatives]
@@ -117,8 +115,6 @@ class CurveAnalysis:
         curvature = flank.side * sharpest.value
         radius = 1.0 / curvature if curvature > 0.0 else math.inf
         return _undercut(flank.name, roller, radius, _degrees(sharpest.angle), CUSP * roller)
-
-    # -- curves ------------------------------------------------------------------------------
 
     @cached_property
     def _paths(self) -> list[str]:
@@ -210,8 +206,6 @@ class CurveAnalysis:
             return "both"
         before, after = self._one_sided(curve, junction)
         return "left" if abs(before - found.value) <= abs(after - found.value) else "right"
-
-    # -- junctions ---------------------------------------------------------------------------
 
     @cached_property
     def _everywhere(self) -> tuple[int, ...]:

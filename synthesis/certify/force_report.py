@@ -59,8 +59,6 @@ class _LoadedCam:
             ],
         )
 
-    # -- extremes, proven --------------------------------------------------------------------
-
     def _flank(self, flank: Flank) -> FlankForces:
         pressure = self._peaks.get(("pressure_square", flank.name, 1))
         return FlankForces(
@@ -99,8 +97,6 @@ class _LoadedCam:
                     value=sign * peak.value, angle_deg=peak.angle / DEGREE, width=peak.width
                 )
         return found
-
-    # -- integrals over the turn, by Gauss quadrature ----------------------------------------
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
@@ -159,8 +155,6 @@ class _LoadedCam:
             largest_speed_rpm=float(speed.max()) * PER_MINUTE, equivalent_load_n=equivalent,
             life_million_turns=life, life_hours=hours,
         )  # fmt: skip
-
-    # -- lift-off and change of flank, by sampling -------------------------------------------
 
     @cached_property
     def _grid(self) -> Array:

@@ -71,9 +71,6 @@ def _deviation(
     )  # fmt: skip
 
 
-# -- continuity ------------------------------------------------------------------------------
-
-
 def _continuity(
     motion: PiecewiseMotion, machine: Machine, continuity: int | None
 ) -> Iterator[Extreme]:
@@ -128,9 +125,6 @@ def _promised_orders(motion: PiecewiseMotion) -> Array:
     return np.where(np.isinf(found), 0.0, found)
 
 
-# -- end states ------------------------------------------------------------------------------
-
-
 def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
     """The required velocity, and the required acceleration, that is missed most at segment ends."""
     for order in (1, 2):
@@ -159,9 +153,6 @@ def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
             )  # fmt: skip
 
 
-# -- tables ----------------------------------------------------------------------------------
-
-
 def _tables(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
     """Largest deviation of the motion from the rows of each table that a segment follows."""
     for segment in motion.segments:
@@ -175,9 +166,6 @@ def _tables(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
             float(theta[worst]), f"program/{segment.index}/{segment.table.field}",
             f"all {len(deviation)} rows of the table; the largest deviation is at row {worst}",
         )  # fmt: skip
-
-
-# -- overshoot -------------------------------------------------------------------------------
 
 
 def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
@@ -267,8 +255,6 @@ class _BackwardTravel(BoxSearch[Boxes]):
     def split(self, boxes: Boxes, keep: Mask) -> Boxes:
         return boxes.take(np.flatnonzero(keep)).split(PARTS)
 
-
-# -- size ------------------------------------------------------------------------------------------
 
 # Rounding error of a dimension computed from the size variables: a share of the prime radius, of
 # 180° for an angle, of the dimension itself for one that follows from another part.

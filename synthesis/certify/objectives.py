@@ -50,9 +50,6 @@ def _prime_radius(cam: MeasuredCam) -> Enclosure:
     return Enclosure(value, low, high, 0.0)
 
 
-# -- peaks -----------------------------------------------------------------------------------
-
-
 def _peak(cam: MeasuredCam, name: str) -> Enclosure:
     """The largest |s^(k)| over the turn."""
     return _peak_on(QUANTITIES[name], cam, segment_indices(cam.motion.segments))
@@ -105,9 +102,6 @@ def _peak_on(
     if answer.side > 0:
         return found
     return Enclosure(-found.value, -found.upper, -found.lower, found.angle)
-
-
-# -- root mean squares -----------------------------------------------------------------------
 
 
 def _rms(cam: MeasuredCam, name: str) -> Enclosure:

@@ -83,8 +83,6 @@ class PiecewiseMotion:
         tables = (self.curve.breaks, self.curve.origins, self.curve.poly, self.curve.waves)
         return bool(np.isfinite(np.concatenate([table.ravel() for table in tables])).all())
 
-    # -- pieces ------------------------------------------------------------------------------
-
     def pieces_of(self, segments: Sequence[int]) -> Indices:
         """Indices of the pieces of these segments."""
         chosen = np.zeros(len(self.segments), dtype=bool)
@@ -136,8 +134,6 @@ class PiecewiseMotion:
             still = still & ~real.any(axis=1)
         wanted = np.where(still, 1.0, np.maximum(fewest, length / WIDEST_BOX))
         return np.ceil(np.minimum(wanted, MOST_BOXES_PER_PIECE)).astype(np.intp)
-
-    # -- junctions ---------------------------------------------------------------------------
 
     @cached_property
     def next_piece(self) -> Indices:

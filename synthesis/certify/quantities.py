@@ -305,8 +305,6 @@ def infinite_at_corner(quantity: Quantity, cam: MeasuredCam, claim: Claim) -> Ju
     return None
 
 
-# -- forces ----------------------------------------------------------------------------------------
-
 WITHOUT_CURVATURE: Final[Mapping[str, Callable[[ContactState], Any]]] = {
     "drive_force": ContactState.drive,
     "contact_force": ContactState.contact_force,

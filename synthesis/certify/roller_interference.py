@@ -76,9 +76,6 @@ ANGLE_ROUNDING: Final = 1e-12  # of angles that are continued round the turn and
 TraceFunction = Callable[[Any], tuple[Vector2, ...]]  # s to s''' -> p and its derivatives
 
 
-# -- the traced curve, and the profile beside it, on intervals of cam angle ------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class ThickChords:
     """A plane curve on n intervals, each within ``thickness`` of the chord middle ± half [mm].
@@ -180,9 +177,6 @@ class OffsetProfile:
         s = self.motion.jets.models(intervals.piece, intervals.lo, intervals.hi, 1)
         (px, py), (dx, dy), *_ = self.trace((*s, 0.0, 0.0))
         return ProfileModels(intervals, (px, py), (dx + py, dy - px), self.distance)
-
-
-# -- the search -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

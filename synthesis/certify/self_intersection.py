@@ -67,9 +67,6 @@ def deepest_interference(cam: MeasuredCam) -> tuple[Flank, NearestPair] | None:
     return max(cut, key=lambda each: each[0].distance - each[1].distance, default=None)
 
 
-# -- curves that run round the axis: excluded with the other enclosures, before any search -------
-
-
 def roller_clearances(
     cam: MeasuredCam, first: int
 ) -> tuple[list[Flank], list[ExtremumQuery], list[Subject]]:
@@ -107,9 +104,6 @@ def clear_flanks(flanks: Sequence[Flank], answers: Sequence[Extremum]) -> list[F
     return [flank for flank, answer in pairs if answer.enclosure.lower > 0.0]
 
 
-# -- roller ----------------------------------------------------------------------------------
-
-
 def _nearest_pair(cam: MeasuredCam, flank: Flank) -> NearestPair:
     offset = flank.side * flank.distance
     trace = partial(flank.trace.position, z=cam.size)
@@ -137,9 +131,6 @@ def _check_roller(flank: Flank, pair: NearestPair) -> Extreme:
         f"{pair.profile_angle / DEGREE:.6g}°; {pair.pairs} pairs of intervals"
     )
     return _line(flank, depth, where, pair.profile_angle, pair.distance - pair.lower_bound)
-
-
-# -- knife edge ------------------------------------------------------------------------------
 
 
 def _check_edge(cam: MeasuredCam, flank: Flank) -> Extreme:

@@ -92,8 +92,7 @@ class SizeChange(AnswerModel):
     base_radius_change_mm: float | None = doc("New base radius less the given one.")
     offset_change_mm: float | None = doc("New offset less the given one; null without one.")
     changes: dict[str, float] = Field(
-        {},
-        description="The same of every dimension that was freed: new value less the given one.",
+        {}, description="The same of every dimension that was freed: new value less the given one."
     )
     gap: float | None = doc("How far the base radius is at most from the least possible.")
 

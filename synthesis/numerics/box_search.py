@@ -89,9 +89,6 @@ class BoxSearch(ABC, Generic[B]):
         return False
 
 
-# -- boxes of one variable -------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class Boxes:
     """Boxes (n,) of one piece each, and which questions they are for: (questions, n)."""
@@ -106,12 +103,7 @@ class Boxes:
 
     @classmethod
     def from_spans(
-        cls,
-        pieces: Indices,
-        first: Array,
-        last: Array,
-        counts: Indices,
-        active: Mask | None = None,
+        cls, pieces: Indices, first: Array, last: Array, counts: Indices, active: Mask | None = None
     ) -> Boxes:
         """Spans [first, last] (k,), each on one of ``pieces`` (k,), cut into equal parts.
 

@@ -108,8 +108,6 @@ def maximise_between(
     return float(value[place]), float(x[place])
 
 
-# -- many functions on boxes at once: where a proof should look ------------------------------------
-
 # (pieces (n,), points (n,)) -> (questions, n), of each question how large its function is there
 ExcessFunction = Callable[[Indices, Array], Array]
 

@@ -78,8 +78,6 @@ def minimise_linear(
     return None if answer.status or answer.x is None else np.asarray(answer.x)
 
 
-# -- descent on it ---------------------------------------------------------------------------------
-
 Function = Callable[[Array], float | None]
 STEP = 1e-5  # for slopes, of the box's side
 KEPT = 8  # tangents per direction that are remembered
@@ -102,11 +100,7 @@ _Tangent = tuple[Array, float, Array]  # a point, the function's value and its s
 
 
 def minimise(
-    function: Function,
-    polytope: Polytope,
-    start: BundlePoint,
-    radius: float,
-    rounds: int,
+    function: Function, polytope: Polytope, start: BundlePoint, radius: float, rounds: int
 ) -> BundlePoint:
     """A point where the function, None where it has no value, is locally least.
 

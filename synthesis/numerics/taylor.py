@@ -277,8 +277,6 @@ def _positive(value: Array) -> Array:
     return np.fmax(value, 0.0)
 
 
-# -- models of piecewise functions -----------------------------------------------------------------
-
 UNIT: Final = 2.0**-53  # unit roundoff
 HIGHEST: Final = 3  # models of f to f''' are on offer
 

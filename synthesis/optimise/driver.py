@@ -39,8 +39,7 @@ from synthesis.optimise.recovery.candidate import (
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.root_node import RootNode
-from synthesis.optimise.state.solve_state import DEFAULT_TIGHTENING, SolveState, Stage
-from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.optimise.state import DEFAULT_TIGHTENING, SolveState, Stage, WarmStart
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 

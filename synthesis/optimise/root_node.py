@@ -35,7 +35,7 @@ from synthesis.optimise.refinement.mesh import (
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import Relaxed, relax
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 

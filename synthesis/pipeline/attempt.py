@@ -26,8 +26,7 @@ from synthesis.optimise.problem.problem import (
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST
-from synthesis.optimise.state.solve_state import SolveState
-from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.optimise.state import SolveState, WarmStart
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.spec.design_spec import DesignSpec
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from synthesis.design.design import Design, SmoothnessCost, StageReport
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
-from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.optimise.state import WarmStart
 from synthesis.pipeline.assembly import (
     design,
     in_wire_units,
@@ -38,10 +38,7 @@ class Neighbour:
 
 
 def synthesise(
-    spec: DesignSpec,
-    *,
-    deadline: float | None = None,
-    neighbours: list[Neighbour] | None = None,
+    spec: DesignSpec, *, deadline: float | None = None, neighbours: list[Neighbour] | None = None
 ) -> Design:
     """Design the cam that a spec asks for.
 

@@ -31,11 +31,7 @@ from synthesis.catalogue.objectives import AnyObjective, BaseRadius
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
-from synthesis.spec.well_posedness import (
-    check_growth_ends,
-    check_jerk_finite,
-    check_shrinking_ends,
-)
+from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, check_shrinking_ends
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100  # of a program

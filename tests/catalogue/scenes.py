@@ -79,10 +79,7 @@ LIMITS: dict[str, Spec] = {
         load=SPRING | {"spring": {"rate_n_per_mm": 0.4, "preload_n": 28.0}},
     ),
     "hertz_pressure": question(
-        {"kind": "hertz_pressure", "max_mpa": 120.0},
-        JERK,
-        follower=FACE,
-        load=SPRING,
+        {"kind": "hertz_pressure", "max_mpa": 120.0}, JERK, follower=FACE, load=SPRING
     ),
     "camshaft_torque": sized(
         "rms_jerk", {"kind": "camshaft_torque", "max_n_m": 2.0}, load=SPRING, tolerance=0.05

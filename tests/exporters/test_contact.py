@@ -11,12 +11,7 @@ import pytest
 
 from synthesis.catalogue.followers.base import paths
 from synthesis.design.design import Design
-from synthesis.exporters import (
-    MOTION_FORMATS,
-    PICTURES,
-    PROFILE_FORMATS,
-    PictureOptions,
-)
+from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, PictureOptions
 from synthesis.exporters.diagrams.plot import linear, radii
 from synthesis.exporters.options import Theme
 from synthesis.exporters.samples.cam import Cam

@@ -11,16 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.hard.random_specs import (
-    Random,
-    Spec,
-    a_range,
-    between,
-    chance,
-    pick,
-    rate,
-    spread,
-)
+from tests.hard.random_specs import Random, Spec, a_range, between, chance, pick, rate, spread
 
 SEED = 20_271_123
 COUNT = 500

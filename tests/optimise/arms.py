@@ -19,10 +19,7 @@ SENSES = {"opposite": 1.0, "same": -1.0}
 
 def jerk(factor: float, swing: float = SWING) -> dict[str, Any]:
     """``factor`` times the least that the rise needs, in deg/s³."""
-    return {
-        "kind": "jerk",
-        "max_deg_per_s3": factor * 32.0 * swing / radians(RISE) ** 3 * OMEGA**3,
-    }
+    return {"kind": "jerk", "max_deg_per_s3": factor * 32.0 * swing / radians(RISE) ** 3 * OMEGA**3}
 
 
 def angles(rise: float = 38.3, back: float = 44.1) -> dict[str, Any]:

@@ -38,10 +38,7 @@ from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
 from synthesis.optimise.problem.grid import grid_through, uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
-from synthesis.optimise.propagation.improving_region import (
-    ImprovingRegion,
-    initial_region,
-)
+from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import (
     initial_law_bounds,
     size_bounds,

@@ -18,7 +18,7 @@ from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 from synthesis.pipeline import conflict
 from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec

@@ -1,7 +1,5 @@
 """Runs the migrations on the connection that ``migrate`` passes."""
 
-from __future__ import annotations
-
 from alembic import context
 
 context.configure(connection=context.config.attributes["connection"])

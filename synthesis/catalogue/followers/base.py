@@ -137,8 +137,6 @@ class Follower(FiniteModel, TracePoint, ABC):
         """The part of a range of base radii at which the follower can move through a stroke."""
         return base_radius
 
-    # -- constraints: () where the follower does not state the limit in this form ------------------
-
     def pressure_angle_constraints(self, slope: float) -> NonconvexConstraints:
         """|tan α| ≤ slope where it is not linear in s, s' and z together."""
         return ()

@@ -72,8 +72,6 @@ class Closure(FiniteModel):
         """Dimensions that follow from the finished motion [mm]."""
         return {}
 
-    # -- a counter roller, whose place is chosen after the size where it is left free --------------
-
     def counter_dimensions(self) -> Mapping[str, tuple[str, float | Range | None]]:
         """Dimensions chosen after the size, by field: name on the wire, and requested value."""
         return {}

@@ -38,12 +38,7 @@ from synthesis.catalogue.followers.arm_pressure_angle import (
     FreePivotPressureAngle,
 )
 from synthesis.catalogue.followers.arm_workspace import ArmGeometry, feasible_arm_lengths
-from synthesis.catalogue.followers.base import (
-    FixableDimension,
-    Follower,
-    RollerFollower,
-    base_gap,
-)
+from synthesis.catalogue.followers.base import FixableDimension, Follower, RollerFollower, base_gap
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.conjugate import ArmClosure
 from synthesis.catalogue.followers.kinematics import Link, Vector2, edge_offset

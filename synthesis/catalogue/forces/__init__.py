@@ -14,8 +14,6 @@ In: a load as on the wire (``load``, of the parts in ``load_parts`` and ``fricti
 reduced to the displacement, and the forces over the turn (``reduced``, open it first).
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

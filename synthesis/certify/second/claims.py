@@ -100,9 +100,6 @@ def _side(design: ExactDesign, claim: Claim, sign: int, bound: float) -> _Side |
     return _Side(low, high, wanted, satisfies(low, high, wanted, direction), found, blur)
 
 
-# -- wire units ------------------------------------------------------------------------------
-
-
 def _to_wire(design: ExactDesign, claim: Claim) -> Callable[[arb], arb | None]:
     """The map from a claim's quantity to the wire's unit, in exact numbers."""
     order = ORDERS.get(claim.quantity)
@@ -147,9 +144,6 @@ def _angle_at_rest(design: ExactDesign) -> arb:
     else:
         x, y = link.tips[0].at[0] - px, link.tips[0].at[1] - py
     return arb.atan2((py * x - px * y) * link.turn, -px * x - py * y)
-
-
-# -- residual vibration ----------------------------------------------------------------------------
 
 
 def measure_residual_vibration(design: ExactDesign, claim: Claim, extreme: Extreme) -> Remeasured:

@@ -206,8 +206,6 @@ def coefficient(series: arb_series, order: int) -> arb:
     return coefficients[order] if order < len(coefficients) else arb(0)
 
 
-# -- the largest value on pieces -------------------------------------------------------------------
-
 SUFFICIENT_WIDTH: Final = arb("1e-25")  # of the enclosure, relative to the largest value met
 MAX_INTERVALS: Final = 20_000  # of one enclosure; after that its bound is as wide as it is
 

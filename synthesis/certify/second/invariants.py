@@ -70,9 +70,6 @@ def _beside(
     return remeasured(extreme, low, high, holds, agrees, how, angle)
 
 
-# -- size ------------------------------------------------------------------------------------
-
-
 def _base_radius(design: ExactDesign) -> arb:
     """Base radius of the first flank, or under a face [mm]."""
     link = design.link
@@ -114,9 +111,6 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
     else:
         return remeasured(extreme)
     return _beside(extreme, value, how, allowed, holds=extreme.holds)
-
-
-# -- motion ----------------------------------------------------------------------------------
 
 
 def _junction(design: ExactDesign, extreme: Extreme) -> Remeasured:

@@ -207,8 +207,6 @@ QUANTITIES: Final[Mapping[str, Callable[[Any], arb_series]]] = {
     "contact_right": FaceContact.reach,
 }
 
-# -- forces ----------------------------------------------------------------------------------------
-
 
 @dataclass(frozen=True, eq=False)
 class ExactLoad:

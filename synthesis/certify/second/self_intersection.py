@@ -113,8 +113,6 @@ class _FlankSearch(BoxSearch[Pairs]):
         decided = self.run([(boxes[i], boxes[j]) for i, j in _far_pairs(boxes)], BUDGET)
         return False if self.interferes else True if decided else None
 
-    # -- pairs -------------------------------------------------------------------------------
-
     def bound(self, boxes: Pairs) -> Array:
         """1 for a pair that may be nearer than the roller's radius, −1 for the others.
 
@@ -153,8 +151,6 @@ class _FlankSearch(BoxSearch[Pairs]):
             one = self._box(box.piece, box.low, middle)
             self.halves[box] = one, self._box(box.piece, middle, box.high)
         return self.halves[box]
-
-    # -- boxes -------------------------------------------------------------------------------
 
     def _boxes_of(self, piece: MotionPiece) -> Iterator[_Box]:
         """Boxes along one piece, narrow enough and with little turning of the tangent."""

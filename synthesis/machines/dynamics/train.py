@@ -74,10 +74,7 @@ class TrainSpec(FiniteModel):
         description="Speeds of the cam; left out: that of the cam's own spec.",
     )
     turns: int = Field(
-        0,
-        ge=0,
-        le=100,
-        description="Turns from rest to compare with the periodic response.",
+        0, ge=0, le=100, description="Turns from rest to compare with the periodic response."
     )
 
     @property

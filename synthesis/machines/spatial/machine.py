@@ -176,8 +176,6 @@ class SpatialMachine(BaseModel, ABC):
         its least and largest position, ``lowest`` and ``highest`` from the start of the turn.
         """
 
-    # -- sizing: members used where the dimension ``size_field`` is minimised ----------------------
-
     @property
     def can_be_sized(self) -> bool:
         """Whether a dimension or a law may be left free."""

@@ -239,9 +239,6 @@ def _departures(
     return np.asarray(np.maximum(np.max(np.abs(between), axis=1), np.max(np.abs(across), axis=1)))
 
 
-# -- spans between which nothing happens that the spline would see -----------------------------
-
-
 class MergedSpans(ClosedCurve):
     """A curve with some of its spans made one: they run on in proportion to their sizes.
 

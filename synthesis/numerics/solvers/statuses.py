@@ -1,7 +1,5 @@
 """Why a solver stopped, in one vocabulary. What the point is worth is measured elsewhere."""
 
-from __future__ import annotations
-
 from enum import Enum
 
 

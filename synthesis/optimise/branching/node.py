@@ -25,7 +25,7 @@ from synthesis.optimise.propagation.improving_region import Parts
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.relaxation import size_rows
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 
 Sizes = tuple[tuple[float, float], ...]
 INTERVALS = 20  # of the mesh on which the caps of the laws are read

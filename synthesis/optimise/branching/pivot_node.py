@@ -37,7 +37,7 @@ from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import refine_mesh
 from synthesis.optimise.relaxation.size_rows import NEAR, relative_excess, reverse_convex_rows
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 COARSE = 20  # intervals of the mesh on which laws and sizes are bounded
 NODES = 7  # points of a law at which it is bounded

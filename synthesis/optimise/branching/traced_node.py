@@ -20,14 +20,7 @@ import numpy as np
 from synthesis.numerics import clock
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.node import (
-    BoundTask,
-    Node,
-    Tree,
-    binding_parts,
-    halve,
-    is_traced,
-)
+from synthesis.optimise.branching.node import BoundTask, Node, Tree, binding_parts, halve, is_traced
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
@@ -43,7 +36,7 @@ from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
 from synthesis.optimise.relaxation import size_rows
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 INTERVALS = 20  # of the first mesh of every node
 SAMPLES = 200  # points of a segment at which limits are looked at

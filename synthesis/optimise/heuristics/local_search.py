@@ -21,8 +21,7 @@ from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.state.solve_state import SolveState, Stage
-from synthesis.optimise.state.warm_start import WarmStart
+from synthesis.optimise.state import SolveState, Stage, WarmStart
 
 Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]

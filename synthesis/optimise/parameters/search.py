@@ -32,7 +32,7 @@ from synthesis.optimise.parameters.table_smoothing import smooth_tables
 from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state.solve_state import Stage
+from synthesis.optimise.state import Stage
 from synthesis.optimise.strategy.phase_one import least_excess
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.spec.free_parameters import FreeParameters

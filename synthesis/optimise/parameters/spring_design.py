@@ -36,7 +36,7 @@ from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
-from synthesis.optimise.state.solve_state import Stage
+from synthesis.optimise.state import Stage
 from synthesis.spec.design_spec import DesignSpec
 
 CAM_ROUNDS: Final = 3  # of cam and spring

@@ -26,7 +26,7 @@ from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.numerics.solvers.clarabel import ConeProgram, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.problem.boundary import given_end, required_end
-from synthesis.optimise.state.solve_state import Stage
+from synthesis.optimise.state import Stage
 
 FIRST, MOST = 16, 2048  # intervals
 GAIN = 1e-2  # relative: halving the knots is worth it from this gain on

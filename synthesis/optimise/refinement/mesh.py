@@ -31,7 +31,7 @@ from synthesis.optimise.problem.grid import (
 )
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than they gain
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots

@@ -19,7 +19,7 @@ from synthesis.optimise.conic.program import natural_scales
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 
 ALLOWED = 1e-9  # relative excess of a row that is the solver's noise; the certificate decides
 

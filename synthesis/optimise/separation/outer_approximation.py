@@ -25,7 +25,7 @@ from synthesis.optimise.heuristics.local_search import improve_from, smooth_star
 from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 
 MAX_ROUNDS = 24  # cone programs on one mesh
 STALLED = 0.05  # of the tolerance, or of the open gap: a round that gains less has stalled

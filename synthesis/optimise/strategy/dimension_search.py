@@ -27,7 +27,7 @@ from synthesis.optimise.recovery.candidate import (
     smallest_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 STARTS = 9
 """Values of the dimension from which a local search starts."""

@@ -25,7 +25,7 @@ from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 FIRST = 1.0
 """tan 45°: where the bisection begins."""

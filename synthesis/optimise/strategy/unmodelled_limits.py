@@ -6,7 +6,7 @@ import numpy as np
 
 from synthesis.catalogue.limits import Limit
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 
 SAMPLES = 200
 """Points of a segment."""

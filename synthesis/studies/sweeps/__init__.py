@@ -5,8 +5,6 @@ the design spec of every item; nothing is solved here, the service does. Open ``
 ``pareto`` finds the non-dominated designs.
 """
 
-from __future__ import annotations
-
 from synthesis.studies.sweeps.spec import SweepSpec
 
 __all__ = ["SweepSpec"]

@@ -11,10 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from synthesis.catalogue.constraints import MotionSizeBox
-from synthesis.catalogue.followers.swinging_face import (
-    SwingingFaceConstraint,
-    minorant_plane,
-)
+from synthesis.catalogue.followers.swinging_face import SwingingFaceConstraint, minorant_plane
 
 DISTANCE, COUNT = 71.3, 24
 

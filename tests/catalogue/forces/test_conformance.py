@@ -15,9 +15,7 @@ from tests.catalogue.forces import loads
 LOADS = get_args(get_args(AnyLoad)[0])
 MODELS: tuple[type[FrictionModel], ...] = get_args(AnyFriction) or (AnyFriction,)
 STROKE = 25.0  # mm
-FRICTION = {
-    "GuideFriction": {"coefficient": 0.13, "overhang_mm": 60.0, "bearing_length_mm": 80.0},
-}
+FRICTION = {"GuideFriction": {"coefficient": 0.13, "overhang_mm": 60.0, "bearing_length_mm": 80.0}}
 """An example of every friction model, valid up to the stroke."""
 
 

@@ -16,11 +16,7 @@ from synthesis.machines.spatial.body import Blank, BlankOptions, build_body, tri
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.step import BODY, FacetedOptions, build_solid
 from synthesis.machines.spatial.grooves import GrooveSections
-from synthesis.machines.spatial.solid.geometry import (
-    NotSmooth,
-    Shell,
-    line,
-)
+from synthesis.machines.spatial.solid.geometry import NotSmooth, Shell, line
 from tests.exporters import kernel
 from tests.exporters.kernel import OCP
 from tests.machines.spatial.drums import INNER, designed

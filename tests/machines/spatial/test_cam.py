@@ -25,10 +25,7 @@ def body(**changes: Any) -> dict[str, Any]:
         "roller_radius_mm": 29.1, "roller_inner_mm": 71.9, "roller_width_mm": 30.5,
     }  # fmt: skip
     rise = {"kind": "rise", "angle_deg": 120, "lift_deg": 60, "law": {"kind": "cycloidal"}}
-    return {
-        "program": [rise, {"kind": "dwell", "angle_deg": 240}],
-        "machine": machine | changes,
-    }
+    return {"program": [rise, {"kind": "dwell", "angle_deg": 240}], "machine": machine | changes}
 
 
 def cam_of(spec: SpatialCamSpec) -> SpatialCam:

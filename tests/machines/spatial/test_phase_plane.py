@@ -18,7 +18,7 @@ from synthesis.machines.spatial.sizing.sequential_convex import bound_by_chords,
 from synthesis.optimise.problem.boundary import boundary_states
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 from tests.machines.spatial.sizes import (
     INNER,
     SPEED,

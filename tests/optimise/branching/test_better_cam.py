@@ -10,7 +10,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 from tests.optimise.scenes import angles, dwell, fall, jerk, rise, scene
 
 TOLERANCE = 5e-3

@@ -12,10 +12,7 @@ from hypothesis import strategies as st
 
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.control import law_controls
-from synthesis.optimise.dual_bound.bound import (
-    add_costates,
-    bound_from_lagrangian,
-)
+from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (

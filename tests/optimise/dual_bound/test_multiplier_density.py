@@ -12,16 +12,7 @@ from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.row_functionals import row_functionals
 from tests.optimise.scenes import TURNING as TURN
-from tests.optimise.scenes import (
-    acceleration,
-    angles,
-    direct,
-    even,
-    jerk,
-    problem,
-    scene,
-    uneven,
-)
+from tests.optimise.scenes import acceleration, angles, direct, even, jerk, problem, scene, uneven
 
 EACH = 8
 # the acceleration binds at the top of the stroke, where one law ends and the next begins

@@ -21,7 +21,7 @@ from synthesis.optimise.recovery.smooth_limits import (
     sample,
     violation,
 )
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 from tests.optimise.scenes import acceleration, angles, dwell, fall, jerk, problem, rise, scene
 
 RADIUS = {"kind": "profile_radius", "min_mm": 7.3}

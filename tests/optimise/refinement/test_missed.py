@@ -13,7 +13,7 @@ from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.state.solve_state import SolveState
+from synthesis.optimise.state import SolveState
 
 INTERVALS = 13  # so few that rows at knots alone are missed between them
 

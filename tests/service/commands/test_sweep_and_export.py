@@ -166,11 +166,7 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
         ("fixed-laws", ["--theme", "dark"], "csv has no such option"),
         ("fixed-laws", ["--curve", "outside"], "outside"),
         ("fixed-laws", ["--points-per-degree", "0"], "above 0 and at most 100"),
-        (
-            "fixed-laws",
-            ["--decimals", "3"],
-            "--decimals: csv has no such option. It has --curve",
-        ),
+        ("fixed-laws", ["--decimals", "3"], "--decimals: csv has no such option. It has --curve"),
         ("fixed-laws", ["--part", "shadow"], "shadow"),
         ("flat-face", ["--format", "grinding.nc"], "Give curve=cutter and cutter_diameter_mm"),
         (

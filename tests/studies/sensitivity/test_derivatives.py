@@ -10,12 +10,7 @@ from typing import Any
 
 import pytest
 
-from synthesis.studies.sensitivity.sensitivities import (
-    Derivatives,
-    Number,
-    describe,
-    differentiate,
-)
+from synthesis.studies.sensitivity.sensitivities import Derivatives, Number, describe, differentiate
 
 AT = 3.7
 

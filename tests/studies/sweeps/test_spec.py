@@ -64,10 +64,7 @@ def test_a_latin_hypercube_uses_each_part_of_each_axis_once_and_its_seed_decides
     spec = sweep(*loose, TURN, plan=plan)
     found = [spec.item_values(number) for number in range(spec.size)]
     angle, speed, turn = zip(*found, strict=True)
-    for share in (
-        (np.array(angle) - 21.5) / 12.0,
-        np.log(np.array(speed) / 12.5) / np.log(16.0),
-    ):
+    for share in ((np.array(angle) - 21.5) / 12.0, np.log(np.array(speed) / 12.5) / np.log(16.0)):
         assert sorted(np.floor(share * 23).astype(int)) == list(range(23))
     assert abs(turn.count("cw") - turn.count("ccw")) <= 1
     again = sweep(*loose, TURN, plan=plan)

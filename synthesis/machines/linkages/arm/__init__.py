@@ -5,8 +5,6 @@ every pose, holding torques, singular arm angles. Open ``geometry`` first: kinem
 joint limits and the regions that the tool reaches within them; ``report`` puts the answer together.
 """
 
-from __future__ import annotations
-
 from synthesis.machines.linkages.arm.report import PalletisingArm, analyse_arm
 from synthesis.machines.linkages.arm.spec import ArmSpec
 

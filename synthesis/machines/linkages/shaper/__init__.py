@@ -7,8 +7,6 @@ is the search for the best and the explanation where there are none, ``design_sp
 that keep the limits, as a unit box, and the objectives.
 """
 
-from __future__ import annotations
-
 from synthesis.machines.linkages.shaper.report import SixBarShaper
 from synthesis.machines.linkages.shaper.sizing import analyse_or_size_shaper
 from synthesis.machines.linkages.shaper.spec import ShaperSpec

@@ -87,10 +87,7 @@ def flank_poses(cam: SpatialCam, which: Wall, theta: Array, radius: float) -> Cu
 
 
 def envelope_error(
-    cam: SpatialCam,
-    which: Wall,
-    poses: tuple[CutterPoses, CutterPoses, CutterPoses],
-    radius: float,
+    cam: SpatialCam, which: Wall, poses: tuple[CutterPoses, CutterPoses, CutterPoses], radius: float
 ) -> Array:
     """Deviation of the cutter's envelope from the wall: (n, m), positive where material is left.
 

@@ -193,9 +193,6 @@ def segment_bound_extremes(
                 )
 
 
-# -- contacts and ribs -----------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class ContactQuantity(Quantity):
     """A quantity ``of`` contacts, (n, m) values, and how its extremum is proven, if it is."""

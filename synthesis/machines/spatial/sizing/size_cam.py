@@ -37,7 +37,7 @@ from synthesis.optimise.parameters.table_smoothing import Tables
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.recovery.junction_repair import Splines
-from synthesis.optimise.state.solve_state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage
 
 SMALLEST = 1e-3  # mm: a radius or an inner end without a least value
 CLEAR = 3e-8  # relative: a size keeps off the bound that it was solved for, against rounding

@@ -56,8 +56,6 @@ class Builder:
         self.shell.check()
         return self.shell
 
-    # -- edges --------------------------------------------------------------------------------
-
     def _wall(self, piece: Piece) -> None:
         surface, error = fit_patch(self.sheets, piece, self.tolerance, self.stride)
         self.errors.append(error)
@@ -133,8 +131,6 @@ class Builder:
         x, y, z = self.shell.vertices[corner]
         return float(self.sheets.blank.chart.from_meridian(np.hypot(x, y), z)[1])
 
-    # -- regions ------------------------------------------------------------------------------
-
     def _level(self, j: int, level: int) -> None:
         for low, high in pairs(self.sheets, level):
             for run in runs(spans(self.sheets, j, low, high, level)):
@@ -157,8 +153,6 @@ class Builder:
         ring, (radius, _) = self.sheets.blank.chart.torus_radii(depth), self._end(LOW, level)
         surface = geometry.cylinder(radius) if ring is None else geometry.torus(*ring)
         self.shell.add(surface, edges, place, (place - deeper) / STEP)
-
-    # -- ends ---------------------------------------------------------------------------------
 
     def _sections(self, j: int) -> None:
         """Sections of ribs by the blank's ends."""

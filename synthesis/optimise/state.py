@@ -16,13 +16,26 @@ from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.dual_bound.bound import Bound
-from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasible
-from synthesis.optimise.state.warm_start import WarmStart
 
 DEFAULT_TIGHTENING = 1e-7
 """Relative tightening of the rows as long as the certificate has refused no cam."""
+
+
+@dataclass(frozen=True, eq=False)
+class WarmStart:
+    """A local optimum.
+
+    Attributes:
+        grids: knots and collocation points of every free law.
+        laws, size: the laws, and the size variables [core length units].
+    """
+
+    grids: tuple[Grid, ...]
+    laws: tuple[SplineLaw, ...]
+    size: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -116,8 +129,6 @@ class SolveState:
         """The state with one more stage in its report."""
         return replace(self, stages=(*self.stages, stage))
 
-    # --- incumbents -----------------------------------------------------------------------------
-
     def with_relaxed(self, cam: Candidate) -> SolveState:
         """Take a cam of the relaxation, and the cam that it becomes under the other limits."""
         better = self.relaxed is None or cam.value < self.relaxed.value
@@ -147,8 +158,6 @@ class SolveState:
         cams = (self.relaxed, self.incumbent)
         return min((cam.value for cam in cams if cam is not None), default=inf)
 
-    # --- bounds ---------------------------------------------------------------------------------
-
     def with_bound(self, bound: Bound) -> SolveState:
         """Keep the bound of a relaxation.
 
@@ -175,8 +184,6 @@ class SolveState:
         """The bound, or the least prime radius where that is larger and bounds the same norm."""
         norm = self.problem.objective.norm(self.problem.machine)
         return lower if norm is None else max(lower, self.problem.sizing.min_norm)
-
-    # --- gaps -----------------------------------------------------------------------------------
 
     def gap_between(self, cam: Candidate | None, lower: float) -> float:
         """Relative gap of a cam to a lower bound, in the wire's unit; infinite while unknown."""

@@ -1,4 +1,0 @@
-"""State of a solve: incumbent, bound, mesh, and what each stage cost. Immutable.
-
-Open ``solve_state.py``.
-"""
