@@ -9,6 +9,7 @@ from synthesis.catalogue.laws import LAWS
 from synthesis.catalogue.laws.base import characteristics, extremes
 from synthesis.catalogue.motion import Motion
 from synthesis.spec.program import Dwell, Return, Rise
+from synthesis.units import CORE_UNITS
 
 KINDS = sorted(LAWS)
 REST = [kind for kind in KINDS if LAWS[kind].ends == "R-R"]
@@ -160,7 +161,7 @@ def test_joins_dwells(kind: str) -> None:
     start, s, segments = 0.0, 0.0, []
     for i, segment in enumerate(program):
         angle = np.deg2rad(segment.angle_deg)
-        segments.append(segment.place(i, start, angle, s))
+        segments.append(segment.place(i, start, angle, s, CORE_UNITS))
         start, s = start + angle, s + segment.signed_lift
     motion = Motion.of(segments)
     joints = np.array([segment.start for segment in segments[1:]])
@@ -181,8 +182,8 @@ def test_joins_dwells(kind: str) -> None:
 def test_rise_and_return_meet_at_a_turn(kind: str) -> None:
     law = LAWS[kind]
     angle = 1.1
-    up = Rise(angle_deg=63.0, lift_mm=8.5, law=law).place(0, 0.0, angle, 0.0)
-    down = Return(angle_deg=63.0, lift_mm=8.5, law=law).place(1, angle, angle, 8.5)
+    up = Rise(angle_deg=63.0, lift_mm=8.5, law=law).place(0, 0.0, angle, 0.0, CORE_UNITS)
+    down = Return(angle_deg=63.0, lift_mm=8.5, law=law).place(1, angle, angle, 8.5, CORE_UNITS)
     motion = Motion.of([up, down])
     left, right = (motion.derivatives([angle], 2, side)[:, 0] for side in ("left", "right"))
     assert left == pytest.approx(right, abs=1e-12)

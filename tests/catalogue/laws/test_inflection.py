@@ -9,6 +9,7 @@ from synthesis.catalogue.laws import LAWS, MotionLaw
 from synthesis.catalogue.laws.base import characteristics
 from synthesis.catalogue.motion import Motion
 from synthesis.spec.program import Return
+from synthesis.units import CORE_UNITS
 
 REST = sorted(kind for kind, law in LAWS.items() if "inflection" in type(law).model_fields)
 X = np.array([0.0123, 0.0987, 0.1234567, 0.2345, 0.3141593, 0.4567, 0.55, 0.6789, 0.8765, 0.9876])
@@ -74,7 +75,7 @@ def test_a_return_counts_from_its_own_start() -> None:
     """The follower falls fastest at λ of the segment, 0.3 · 80° after the return begins."""
     law = asymmetric("cycloidal", 0.3)
     angle = np.deg2rad(80.0)
-    fall = Return(angle_deg=80.0, lift_mm=12.0, law=law).place(0, 0.0, angle, 12.0)
+    fall = Return(angle_deg=80.0, lift_mm=12.0, law=law).place(0, 0.0, angle, 12.0, CORE_UNITS)
     theta = np.linspace(0.0, angle, 8001)
     s, v = Motion.of([fall]).derivatives(theta, 1)
     assert theta[np.argmin(v)] == pytest.approx(0.3 * angle, abs=1e-3)
