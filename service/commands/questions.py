@@ -28,6 +28,7 @@ from service.commands.terminal import (
     stop,
 )
 from service.settings import settings_from
+from synthesis.design.design import WITHOUT_CAM
 from synthesis.errors import CamwrightError, InputError
 from synthesis.machines.linkages import LINKAGES
 
@@ -92,7 +93,7 @@ def cam_set(
     if cams.has_cams:
         files = dict(bundle_files(cams, BundleOptions()))
     save(files, out_dir, [f"{len(files)} files"])
-    if cams.status == "infeasible":
+    if cams.status in WITHOUT_CAM:
         raise typer.Exit(3)
 
 
@@ -218,13 +219,13 @@ def spatial(
     from synthesis.machines.spatial.files import FORMATS, formats_of
 
     design = answer("spatial-cams", spec, url)
-    infeasible = design.status == "infeasible"
+    nothing = design.status in WITHOUT_CAM
     print_answer(design, tables.describe_spatial_cam(design), as_json)
     if out_dir is not None:
-        names = () if infeasible else formats_of(design.machine)
+        names = () if nothing else formats_of(design.machine)
         files = files_of("spatial.json", design, (FORMATS[name] for name in names))
         save(files, out_dir, () if as_json else None)
-    if infeasible:
+    if nothing:
         raise typer.Exit(3)
 
 
@@ -256,7 +257,7 @@ def linkage(
     formats = LINKAGE_FILES[kind].values() if quantities else ()
     files = files_of("linkage.json", result, (each for each in formats if each.suits(result)))
     save(files, out_dir)
-    if result.status == "infeasible":
+    if result.status in WITHOUT_CAM:
         raise typer.Exit(3)
 
 

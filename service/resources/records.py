@@ -91,8 +91,9 @@ DESIGNS = Resource(
     title="Synthesise a cam",
     text="""Chooses base radius, offset and spline laws together and proves that every limit holds.
 
-    Infeasible is a result (status `infeasible`, with the conflict), not an error. The same spec
-    gives the same id and the same bytes.
+    That nothing fits is a result, not an error: status `infeasible` where it is proven over all
+    that was asked, `unsolved` where no cam was found; both with the conflict. The same spec gives
+    the same id and the same bytes.
     """,
     answer_text="Dimensions, motion, extremes, certificate, report and links.",
     status=Status,

@@ -27,6 +27,7 @@ from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
 from service.wire.problem import problem_response
+from synthesis.design.design import WITHOUT_CAM
 from synthesis.exporters import FileContent, form
 
 T = TypeVar("T")
@@ -44,7 +45,7 @@ PAGE_POLICY = (
 )
 POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
 WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
-BROKEN_LIMITS = ("infeasible", "violated")
+BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
 WAITING = "202 while it is being worked on; where it failed, the problem that the work ended with."
 UNDER_WAY: dict[int | str, dict[str, Any]] = {

@@ -79,6 +79,7 @@ class SweepRow(StoredRow):
     quantities: Mapped[list[str]] = mapped_column(JSON)
     optimal: Mapped[int] = mapped_column(Integer, default=0)
     feasible: Mapped[int] = mapped_column(Integer, default=0)
+    unsolved: Mapped[int] = mapped_column(Integer, default=0)
     infeasible: Mapped[int] = mapped_column(Integer, default=0)
     failed: Mapped[int] = mapped_column(Integer, default=0)
     owner: Mapped[str | None] = mapped_column(String(64))
@@ -87,7 +88,7 @@ class SweepRow(StoredRow):
     @property
     def done(self) -> int:
         """Items that are finished, whatever came out."""
-        return self.optimal + self.feasible + self.infeasible + self.failed
+        return self.optimal + self.feasible + self.unsolved + self.infeasible + self.failed
 
 
 class ItemRow(Base):

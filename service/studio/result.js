@@ -7,7 +7,8 @@ import { nameAndUnit, words } from "./names.js";
 const STATUS_TEXT = {
   optimal: "Optimal: every limit is proven at every cam angle, and the gap is within the tolerance.",
   feasible: "Feasible: every limit is proven at every cam angle; how far the best may be is the gap.",
-  infeasible: "Infeasible: nothing fits these limits together.",
+  unsolved: "Unsolved: no cam was found, and that there is none is not proven.",
+  infeasible: "Infeasible: proven that nothing fits these limits together.",
 };
 
 /** One line about a design or a problem, also read aloud. */

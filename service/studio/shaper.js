@@ -90,6 +90,7 @@ function about(value) {
 }
 
 function told(found) {
+  if (found.status === "unsolved") return "Unsolved: no lengths were found, and that there are none is not proven.";
   if (found.stroke_mm === null) return "Infeasible: no lengths keep these requirements together.";
   const broken = found.limits.filter((each) => !each.holds).map((each) => nameAndUnit(each.limit)[0]);
   if (broken.length > 0) return `Infeasible: these lengths do not keep ${broken.join(", ")}.`;

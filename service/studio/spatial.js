@@ -121,6 +121,7 @@ function told(text) {
 const STATUS_TEXT = {
   optimal: "Optimal: every limit holds, and the gap is within the tolerance.",
   feasible: "Feasible: every limit holds, and no wall is undercut.",
+  unsolved: "Unsolved: no cam was found, and that there is none is not proven.",
   infeasible: "Infeasible: a limit is broken, or a wall is undercut.",
 };
 

@@ -120,7 +120,7 @@ export class Sweep {
   #progress({ progress, counts, time_left_s: left }) {
     byId("sweep-progress").value = progress;
     const rest = left ? `, ${figure(left, 2)} s left` : "";
-    this.#report(`${counts.done} of ${counts.items} designs, ${counts.infeasible} infeasible, ${counts.failed} failed${rest}.`);
+    this.#report(`${counts.done} of ${counts.items} designs, ${counts.unsolved} unsolved, ${counts.infeasible} infeasible, ${counts.failed} failed${rest}.`);
   }
 
   async #end(summary) {

@@ -24,7 +24,7 @@ from service.storage.store import Store, find_or_add, select_newest
 from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 
-STATUSES = ("optimal", "feasible", "infeasible", "failed")
+STATUSES = ("optimal", "feasible", "unsolved", "infeasible", "failed")
 UNDER_WAY = ("accepted", "running")
 PAGE = 1000  # items read at once for events, tables and fronts: some MB at most
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had

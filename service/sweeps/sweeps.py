@@ -22,7 +22,7 @@ from service.settings import Settings
 from service.storage.store import Store
 from service.storage.tables import SweepRow
 from service.sweeps.chunks import CHAIN, STRIKES, Chunks
-from service.sweeps.store import LeaseLost, SweepStore
+from service.sweeps.store import STATUSES, LeaseLost, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, item_spec, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
@@ -277,7 +277,7 @@ class Sweeps:
             created=datetime.now(UTC), state="accepted",
             spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
             axes=[axis.pointer for axis in spec.axes],
-            optimal=0, feasible=0, infeasible=0, failed=0,
+            **dict.fromkeys(STATUSES, 0),
         )  # fmt: skip
         row = await self.store.accept(row)
         await self._start(row)

@@ -29,7 +29,7 @@ from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.pareto import non_dominated
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
-ItemStatus = Literal["optimal", "feasible", "infeasible", "failed"]
+ItemStatus = Literal["optimal", "feasible", "unsolved", "infeasible", "failed"]
 FILES = ("items", "items.csv", "items.parquet", "pareto", "events")
 PATH = "/v1/sweeps"
 # Columns of tables before and after those of axes and quantities.
@@ -45,7 +45,8 @@ class Counts(BaseModel):
     done: int = Field(description="Finished, with any status.")
     optimal: int = Field(description="Certified, gap within the tolerance.")
     feasible: int = Field(description="Certified.")
-    infeasible: int = Field(description="No cam fits; the design says why.")
+    unsolved: int = Field(description="No cam was found, and none is excluded.")
+    infeasible: int = Field(description="Proven that no cam fits; the design says why.")
     failed: int = Field(description="Without a design: `problem` says why.")
 
 

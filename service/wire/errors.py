@@ -29,7 +29,7 @@ class ProblemType(Enum):
     METHOD_NOT_ALLOWED = 405, "The resource does not have this method"
     NOT_DONE = 409, "The answer is not finished", "It is being worked on, or the work failed."
     PART_OF_SWEEP = 409, "The design belongs to a sweep", "It is deleted with the sweep."
-    NOTHING_FITS = 409, "The design is infeasible and has no files"
+    NOTHING_FITS = 409, "The design has no cam and so no files"
     DISMISSED = 409, "The question was deleted", "That happened while it was being worked on."
     BODY_TOO_LARGE = 413, "The body is too large", "It is larger than this server's limit."
     WRONG_MEDIA_TYPE = 415, "The body must be application/json"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal
 
@@ -190,6 +190,17 @@ def ends(dimension: float | Range | None) -> tuple[float, float]:
         return dimension, dimension
     low, high = (None, None) if dimension is None else (dimension.min, dimension.max)
     return -math.inf if low is None else low, math.inf if high is None else high
+
+
+def named_lengths(*models: BaseModel) -> Iterator[float]:
+    """Every length [mm] that models name, ends of ranges too."""
+    for model in models:
+        for name in type(model).model_fields:
+            value = getattr(model, name)
+            if isinstance(value, BaseModel) and not isinstance(value, Range):
+                yield from named_lengths(value)
+            elif name.endswith("_mm") and isinstance(value, float | Range):
+                yield from (abs(end) for end in ends(value) if math.isfinite(end))
 
 
 def without_end(dimension: float | Range | None, end: str) -> Range | None:

@@ -85,8 +85,8 @@ class SizeChange(AnswerModel):
         "Whether the follower's own place stays as given: its offset, or the distance of its pivot."
     )
     status: Status | None = doc(
-        "infeasible: no size was found that mends it; optimal, feasible: certified; null: the "
-        "solvers gave no answer."
+        "infeasible: proven that no size mends it; unsolved: none was found; optimal, feasible: "
+        "certified; null: the solvers gave no answer."
     )
     dimensions: dict[str, float] = doc("Base radius, prime radius, offset, … by name and unit.")
     base_radius_change_mm: float | None = doc("New base radius less the given one.")

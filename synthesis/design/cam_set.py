@@ -15,7 +15,7 @@ from synthesis.design.identity import engine_version, question_id
 from synthesis.spec.cam_set import CamOnShaft, CamSetSpec, wrap_turn
 
 START = itemgetter(0)
-WORST_FIRST: tuple[Status, ...] = ("infeasible", "feasible", "optimal")
+WORST_FIRST: tuple[Status, ...] = ("infeasible", "unsolved", "feasible", "optimal")
 
 
 class MountedCam(AnswerModel):
@@ -77,7 +77,9 @@ class CamSet(AnswerModel):
     id: str = doc("Hash of the spec and the engine's version.")
     name: str = doc("Name from the spec.")
     engine_version: str = doc("Version of Camwright that made it.")
-    status: Status = doc("The worst of the cams': infeasible before feasible before optimal.")
+    status: Status = doc(
+        "The worst of the cams': infeasible before unsolved before feasible before optimal."
+    )
     rotation: Rotation = doc("Sense in which the shaft turns.")
     speed_rpm: float = doc("Speed of the shaft.")
     cams: list[MountedCam] = doc("The cams in the order of the spec.")

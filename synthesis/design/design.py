@@ -90,7 +90,9 @@ class Forces(AnswerModel):
     rollers: list[RollerLife] = doc("The rollers.")
 
 
-Status = Literal["optimal", "feasible", "infeasible"]
+Status = Literal["optimal", "feasible", "unsolved", "infeasible"]
+WITHOUT_CAM: tuple[Status, ...] = ("unsolved", "infeasible")
+"""Statuses of answers that have no cam on which every limit holds."""
 
 
 class SplineCurve(AnswerModel):
@@ -229,7 +231,11 @@ class Conflict(AnswerModel):
     relaxations: list[Relaxation] = doc(
         "For each of them that the spec sets: what it would have to be."
     )
-    evidence: str = doc("How the conflict is known, and whether it is proven.")
+    evidence: str = doc("How the conflict is known, and what a proof of it covers.")
+    proven: bool = doc(
+        "Whether a theorem excludes every cam: all laws that are free, all sizes, all free "
+        "numbers. If not, the status is `unsolved`: no cam was found."
+    )
 
 
 def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
@@ -245,7 +251,7 @@ class Design(AnswerModel):
     engine_version: str = doc("Version of Camwright that made it.")
     status: Status = doc(
         "optimal: certified, every gap within the tolerance; feasible: certified; "
-        "infeasible: no certified cam."
+        "unsolved: no cam was found, and none is excluded; infeasible: proven that there is none."
     )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")

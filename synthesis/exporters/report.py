@@ -14,7 +14,7 @@ from itertools import repeat
 from typing import Any
 
 from synthesis.design.analysis import Sensitivities
-from synthesis.design.design import Conflict, Design, Extreme, Proof
+from synthesis.design.design import WITHOUT_CAM, Conflict, Design, Extreme, Proof
 from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
@@ -28,7 +28,8 @@ Formats = Mapping[str, Exporter[Any]]
 VERDICTS = {
     "optimal": "certified, and proven to be within the tolerance of the best possible",
     "feasible": "certified: every limit holds at every cam angle",
-    "infeasible": "no certified cam",
+    "unsolved": "no cam was found, and that there is none is not proven",
+    "infeasible": "proven: no cam keeps these limits",
 }
 
 
@@ -67,7 +68,7 @@ def _head(design: Design, name: str) -> str:
         ("Design", design.id),
         ("Made by", f"Camwright {design.engine_version}"),
     ]
-    kind = "broken" if design.status == "infeasible" else "holds"
+    kind = "broken" if design.status in WITHOUT_CAM else "holds"
     return (
         f"<header><h1>{html.plain(name)}</h1>"
         f'<p class="{kind}"><strong>{design.status}</strong>: {html.plain(verdict)}.</p>'

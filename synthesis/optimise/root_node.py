@@ -24,18 +24,20 @@ from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
 from synthesis.optimise.heuristics.local_search import local_search
+from synthesis.optimise.problem.derivative_caps import without_highest_caps
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import (
     add_midpoints,
     halve_intervals,
+    is_same_mesh,
     polish_knots,
     refine_mesh,
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import Relaxed, relax
-from synthesis.optimise.state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage, over_bound
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 
@@ -55,10 +57,14 @@ FINE_ENOUGH = 2.0
 """Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
 GROWTH = 1.1
 """Factor on the number of intervals: a round that adds fewer says nothing about finer knots."""
+WIDE_GAP = 0.05
+"""A gap at which caps that do not bind may be what keeps the bound low."""
 IDLE = 0.9
 """A round that leaves more of the gap is idle."""
 MARGIN_BITS = 16
 """Of the margin for rows written at points: it is known no better."""
+LEVEL_ROOMS = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
+"""Tolerances below the level reached at which it is proven that no cam is so good."""
 LEVEL_ROUNDS = 12
 """Trial levels of a fractional objective on one mesh."""
 
@@ -116,7 +122,7 @@ class RootNode(Node):
         if failed or _needs_no_finer_mesh(state, model, solution, bound):
             mesh = _mesh_for_local_search(state, cam, bound, violations)
             return self._finish(replace(state, grids=mesh))
-        idle = IDLE * gap_before < state.relaxation_gap < inf
+        idle = IDLE * over_bound(gap_before) < over_bound(state.relaxation_gap) < inf
         intervals = _count(state.grids)
         few_added = intervals < GROWTH * self.intervals and not state.nonconvex_limits_cost
         gained = state.lower - bound_before
@@ -127,7 +133,10 @@ class RootNode(Node):
         ):
             return self._finish(state)
         solvable = state.grids if bound is not None else ()
-        state = replace(state, grids=_refined(state, cam, bound, violations, every=idle))
+        refined = _refined(state, cam, bound, violations, every=idle)
+        if is_same_mesh(refined, state.grids):
+            return self._finish(state)
+        state = replace(state, grids=refined)
         if state.nonconvex_limits_cost and state.relaxation_gap < CURVATURE_GAP:
             # The local search finds its cam on this mesh, and far above this bound.
             return self._finish(state)
@@ -170,12 +179,32 @@ class RootNode(Node):
         if not self.presolved:
             state = polish_knots(state, _solve_once)
             state = _bound_without_vibration(state)
+            state = self._bound_without_highest_caps(state)
         # A least value of a dimension is not convex: where the relaxation's cam is below it, the
         # dimension is fixed at one value after the other.
         has_least = any(cone.lower > 0.0 for cone in problem.sizing.norm_bounds)
         if _fixable(problem) and has_least and not state.solved:
             return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
         return state, node
+
+    def _bound_without_highest_caps(self, state: SolveState) -> SolveState:
+        """A bound and knots without caps so far out of reach that they bind nowhere.
+
+        The wider the highest derivative's cap, the more knots the bound over all laws takes. With
+        a lower derivative capped, the relaxation without it needs fewer; its knots serve here too.
+        """
+        wide = state.relaxation_gap > WIDE_GAP and state.time_left > 0.0 and state.grids
+        problem = without_highest_caps(state.problem) if wide else None
+        if problem is None:
+            return state
+        wider = self.optimise(problem, state.tolerance, state.deadline, state.tighten)
+        if wider.covers_all_laws:
+            state = state.raise_bound(wider.lower, wider.valid_for)
+        if not wider.grids or state.time_left <= 0.0:
+            return state
+        finer, _ = _solve_once(replace(state, grids=wider.grids), self.number + 1)
+        better = finer.relaxation_gap < state.relaxation_gap
+        return finer if better else replace(finer, grids=state.grids)
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """A local search, then the whole domain again, with the incumbent's value to bound it."""
@@ -318,7 +347,8 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
     """A fractional objective on the present mesh, by Dinkelbach's method.
 
     The level is lowered to the value of the last solution until it stays; a program at a level just
-    below that has a positive optimum, which proves that no cam reaches that level.
+    below that has a positive optimum, which proves that no cam reaches that level. Where the
+    splines of the mesh leave the proof no room so near, lower levels are tried.
     """
     level = 1.0 if state.relaxed is None else state.relaxed.value
     for _round in range(LEVEL_ROUNDS):
@@ -330,12 +360,16 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
         level = reached
         if stays:
             break
-    below = level * (1.0 - 0.5 * state.tolerance)
-    state, _plan, _solution, excess = relax(state, below)
-    if excess is None:
-        return state, model, solution, bound
-    proven = below if excess.value > 0.0 else 0.0
-    return state, model, solution, replace(excess, value=proven)
+    for room in LEVEL_ROOMS:
+        below = level * (1.0 - room * state.tolerance)
+        if below <= 0.0:
+            break
+        state, _plan, _solution, excess = relax(state, below)
+        if excess is None:
+            return state, model, solution, bound
+        if excess.value > 0.0:
+            return state, model, solution, replace(excess, value=below)
+    return state, model, solution, None if bound is None else replace(bound, value=0.0)
 
 
 def _bound_without_vibration(state: SolveState) -> SolveState:

@@ -249,3 +249,8 @@ class SolveState:
         lower = objective.to_wire(self.lower, machine) if isfinite(self.lower) else 0.0
         allowed = lower / (1.0 - 0.98 * min(tolerance, 0.9))
         return objective.from_wire(max(value * (1.0 + 0.1 * tolerance), allowed), machine)
+
+
+def over_bound(gap: float) -> float:
+    """(value − bound)/bound of a gap (value − bound)/value: near 1 the gap shows no progress."""
+    return gap / (1.0 - gap) if gap < 1.0 else inf

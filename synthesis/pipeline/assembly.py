@@ -249,12 +249,14 @@ def design(
     seconds: float,
     conflict: Conflict | None,
 ) -> Design:
-    """The Design; its status follows from the certificate and the gaps alone."""
+    """The Design; its status follows from the certificate, the gaps and the conflict's proof."""
     certified = cam is not None and all(extreme.holds for extreme in extremes)
     close = bool(objective_proofs) and all(
         p.gap is not None and p.gap <= spec.tolerance for p in objective_proofs
     )
-    status: Status = "infeasible" if not certified else "optimal" if close else "feasible"
+    status: Status = "optimal" if close else "feasible"
+    if not certified:
+        status = "infeasible" if conflict is not None and conflict.proven else "unsolved"
     first = objective_proofs[0] if objective_proofs else _unproven(spec)
     return Design(
         id=design_id(spec),

@@ -31,7 +31,8 @@ from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_c
 from synthesis.spec.design_spec import DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
-GROWTHS = 16  # radii tried at most
+SMALL = 5e-2  # strokes: a smaller base radius is no measure of how much it has to grow
+GROWTHS = 14  # radii tried at most
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
@@ -205,7 +206,8 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport
     question, again = crossing.question, replace(goal, warm_start=None)
     spec = question.scaled
     least, largest = _base_radius(crossing), spec.base_radius_range()[1]
-    most, best, step = largest, crossing, FIRST_GROWTH * least
+    most, best = largest, crossing
+    step = FIRST_GROWTH * max(least, SMALL * spec.stroke())
     accuracy = min(spec.tolerance, FIRST_GROWTH)
     for _ in range(GROWTHS):
         trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)

@@ -24,14 +24,16 @@ from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAccelerati
 from synthesis.certify import certify
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
-from synthesis.pipeline.assembly import restate_problem
 from synthesis.pipeline.attempt import Attempt, Goal
+from synthesis.pipeline.infeasibility import infeasibility_proof
 from synthesis.pipeline.largest_radius import ANY, Smallest, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
-DIAGNOSIS_S = 5.0  # for finding out why nothing fits; what is not known by then is said to be so
+DIAGNOSIS_S = 5.0
+"""For finding out why nothing fits, where the spec gives no time of its own; what is not known by
+then is said to be so."""
 TOLERANCE = 1e-3  # of a trial for the smallest cam
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
 ACCURACY = 1e-3  # of the way from the requested value: bracket of a sufficient one at the end
@@ -95,18 +97,7 @@ class Trial:
                 f"proven: no cam has a base radius below {self.smallest.lower:.6g} mm "
                 f"({self.smallest.over})"
             )
-        if not self.attempt.searches or self.attempt.numbers:
-            return ""
-        attempt, question = self.attempt, self.attempt.question
-        last = attempt.searches[-1]
-        problem = restate_problem(question, question.to_physical(attempt.solved_spec), last.problem)
-        known = problem.base_circle_conflict or last.infeasibility_proof
-        if known or problem.constant_conflict:
-            return known or problem.constant_conflict
-        searched = problem.machine.follower.fixable_dimension() is not None
-        if last.infeasible and last.relaxed is None and not problem.free and not searched:
-            return "proven: no size fits the given laws"
-        return ""
+        return infeasibility_proof(self.attempt)
 
 
 @dataclass(eq=False)
@@ -190,7 +181,10 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
     """
     # 1. The deletion filter, with the pipeline as its oracle.
     original = Trial(attempt, smallest, True)
-    oracle = Oracle(attempt.question.physical, min(deadline, clock.now() + DIAGNOSIS_S))
+    spec = attempt.question.physical
+    if spec.time_budget_s is None:
+        deadline = min(deadline, clock.now() + DIAGNOSIS_S)
+    oracle = Oracle(spec, deadline)
     numbers = relaxable_numbers(oracle.spec)
     members, proof_trial, complete = _irreducible(oracle, numbers, original)
     # 2. What each member alone would have to be; first those whose trials have been quick, so that
@@ -213,7 +207,8 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         evidence = f"{evidence}; the certificate refused the cam at hand: {values}"
         names = [extreme.limit.replace("_", " ") for extreme in refused]
         limits += [n for n in names if not any(known.startswith(n) for known in limits)]
-    return Conflict(limits=limits, relaxations=relaxations, evidence=evidence)
+    proven = bool(original.proof or proof_trial.proof)
+    return Conflict(limits=limits, relaxations=relaxations, evidence=evidence, proven=proven)
 
 
 def _irreducible(
@@ -261,7 +256,7 @@ def _evidence(original: Trial, proof_trial: Trial, members: list[Relaxable], com
     else:
         parts.append("leaving out all that the spec limits, none was found either")
     spec = original.attempt.question.physical
-    if ends(spec.base_radius_mm)[1] == inf:
+    if ends(spec.base_radius_mm)[1] == inf and not (proof_trial.proof or original.proof):
         parts.append(f"base radii up to {spec.base_radius_range()[1]:.6g} mm were searched")
     return "; ".join(parts)
 

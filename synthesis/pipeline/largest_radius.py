@@ -34,6 +34,7 @@ from synthesis.pipeline.attempt import (
     solve_and_certify,
     solve_spec,
 )
+from synthesis.pipeline.infeasibility import infeasibility_proof
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
@@ -63,11 +64,12 @@ class Smallest:
     def excludes(self) -> bool:
         """Whether the lower bound proves that no cam is as small as the maximum asks.
 
-        A bound at numbers that were chosen says nothing of other numbers, and one above a cam is
-        none.
+        A bound at numbers that were chosen says nothing of other numbers, one over splines on some
+        knots nothing of other laws, and one above a cam is none.
         """
-        sound = self.lower <= self.radius * (1.0 + ROUNDING)
-        return sound and not self.attempt.numbers and self.lower > self.most * (1.0 + ROUNDING)
+        sound = self.lower <= self.radius * (1.0 + ROUNDING) and not self.attempt.numbers
+        over_all = all(search.covers_all_laws for search in self.attempt.searches[:1])
+        return sound and over_all and self.lower > self.most * (1.0 + ROUNDING)
 
 
 def first_question(spec: DesignSpec) -> DesignSpec:
@@ -113,7 +115,7 @@ def complete(
     attempt = _with_gentle_law(spec, attempt, goal, stages)
     if not limited or minimised or attempt.certified:
         return attempt, smallest
-    if _proven_infeasible(attempt) or clock.now() >= goal.stop:
+    if infeasibility_proof(attempt) or clock.now() >= goal.stop:
         return attempt, smallest
     # 4. Phase 1: any cam that is small enough will do, whatever the objective.
     nearest = Goal(goal.stop, sufficient=most)
@@ -141,7 +143,7 @@ def _with_gentle_law(
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
     little acceleration leaves the size all the room that there is. Bounds remain those known.
     """
-    if known.certified or known.crosses_itself or known.numbers or _proven_infeasible(known):
+    if known.certified or known.crosses_itself or known.numbers or infeasibility_proof(known):
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
@@ -254,8 +256,3 @@ def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> t
             break
         before, at = at, at - excess(at) * (at - before) / slope
     return enlarged(size, at)
-
-
-def _proven_infeasible(attempt: Attempt) -> bool:
-    """Whether no motion law fits, at numbers that are all given."""
-    return bool(attempt.searches[-1].infeasibility_proof) and not attempt.numbers

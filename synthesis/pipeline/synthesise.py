@@ -51,7 +51,8 @@ def synthesise(
             certificate says.
 
     Returns:
-        the design; where nothing fits its status is ``infeasible`` and ``conflict`` says why.
+        the design. Its status is ``infeasible`` where that no cam fits is proven, and ``unsolved``
+        where none was found; ``conflict`` says why.
 
     Raises:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
@@ -112,6 +113,6 @@ def _smoothness_cost(found: Design, question: DesignSpec, stop: float) -> Smooth
         other = error.best
     except SolverFailed as error:
         return smoothness_cost(proof, None, str(error))
-    if other.status == "infeasible":
+    if not other.motion:
         return smoothness_cost(proof, None, "no C2 cam was certified, although this one is")
     return smoothness_cost(proof, other.certificate, "")

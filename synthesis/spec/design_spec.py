@@ -20,6 +20,7 @@ from synthesis.catalogue.fields import (
     Name,
     Range,
     ends,
+    named_lengths,
 )
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
@@ -35,6 +36,7 @@ from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, 
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100  # of a program
+FARTHEST = 1e4  # lengths of the spec: where the search ends if a base radius is open above
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
 DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
@@ -271,12 +273,15 @@ class DesignSpec(FiniteModel):
         return self.follower.feasible_base_radii(self.searched_radii(), self.stroke())
 
     def searched_radii(self) -> tuple[float, float]:
-        """Smallest and largest base radius [mm]; an open end is at 1e-3 or 1e4 strokes."""
-        (least, largest), stroke = ends(self.base_radius_mm), self.stroke()
-        return (
-            min(1e-3 * stroke, 0.5 * largest) if math.isinf(least) else least,
-            1e4 * max(stroke, least) if math.isinf(largest) else largest,
-        )
+        """Smallest and largest base radius [mm]; an open lower end is at 1e-3 strokes.
+
+        An open upper end is at ``FARTHEST`` times the longest length that the spec names. What is
+        claimed of all cams does not rest on it: ``Problem.open_above`` says where it might.
+        """
+        least, largest = ends(self.base_radius_mm)
+        lengths = [self.stroke(), least, *named_lengths(self.follower, *self.limits)]
+        small = min(1e-3 * self.stroke(), 0.5 * largest) if math.isinf(least) else least
+        return small, FARTHEST * max(lengths) if math.isinf(largest) else largest
 
     def all_limits(self) -> tuple[Limit, ...]:
         """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.

@@ -13,7 +13,7 @@ from synthesis.certify import report_forces
 from synthesis.certify.curve_analysis import CurveAnalysis
 from synthesis.certify.quantities import MeasuredCam
 from synthesis.design.analysis import Analysis, Remedy, SizeChange
-from synthesis.design.design import Conflict, Design
+from synthesis.design.design import WITHOUT_CAM, Conflict, Design
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
@@ -64,10 +64,15 @@ def as_design(analysis: Analysis) -> Design:
     remedy, conflict = analysis.remedy, None
     if remedy is not None and remedy.limits:
         conflict = Conflict(
-            limits=remedy.limits, relaxations=remedy.relaxations, evidence=remedy.evidence
+            limits=remedy.limits,
+            relaxations=remedy.relaxations,
+            evidence=remedy.evidence,
+            proven=True,
         )
     cam = given_cam(analysis.spec)
-    return design(analysis.spec, cam, analysis.extremes, [], [], 0.0, conflict)
+    drawn = design(analysis.spec, cam, analysis.extremes, [], [], 0.0, conflict)
+    # The one cam that there is has been measured: where it breaks a limit, none fits.
+    return drawn if analysis.holds else drawn.model_copy(update={"status": "infeasible"})
 
 
 def given_cam(spec: DesignSpec) -> Cam:
@@ -111,7 +116,7 @@ def _smallest_size(spec: DesignSpec, cam: Cam, offset: Offset, stop: float) -> S
     left_out = {**dict.fromkeys(follower.redundant_fields), **opened}
     freed = {"base_radius_mm": None, "follower": follower.model_copy(update=left_out)}
     smallest = _smallest_cam(spec.model_copy(update=freed), stop)
-    found = None if smallest is None or smallest.status == "infeasible" else smallest
+    found = None if smallest is None or smallest.status in WITHOUT_CAM else smallest
     old, new = spec.follower.dimensions(cam.size), {} if found is None else found.dimensions
     changes = {name: new[name] - old[name] for name in ("base_radius_mm", "offset_mm", *opened)
                if name in new}  # fmt: skip

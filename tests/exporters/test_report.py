@@ -134,7 +134,7 @@ def test_no_text_becomes_an_element(build, infeasible: bool) -> None:
         change = Relaxation(
             limit=NASTY, field=NASTY, unit="mm", requested=1.0, needed=None, note=NASTY
         )
-        conflict = Conflict(limits=[NASTY], relaxations=[change], evidence=NASTY)
+        conflict = Conflict(limits=[NASTY], relaxations=[change], evidence=NASTY, proven=True)
         design = design.model_copy(update={"conflict": conflict})
     told = page(design)
     names = {tag for tag, _ in told.tags}
@@ -157,7 +157,7 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
         limit="jerk", field="limits/1/max_mm_per_s3", unit="mm/s³", requested=6e5, needed=8.3596e5
     )
     idle = helps.model_copy(update={"limit": "pressure_angle_rise", "needed": None, "unit": "deg"})
-    conflict = Conflict(limits=["jerk"], relaxations=[helps, idle], evidence="proven")
+    conflict = Conflict(limits=["jerk"], relaxations=[helps, idle], evidence="proven", proven=True)
     none = build(status="infeasible").model_copy(update={"conflict": conflict})
     told = page(none)
     assert told.headings == ["Why nothing fits", "What was asked"]
@@ -173,7 +173,7 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
 
 
 def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
-    conflict = Conflict(limits=["jerk"], relaxations=[], evidence="proven")
+    conflict = Conflict(limits=["jerk"], relaxations=[], evidence="proven", proven=True)
     told = page(judged.model_copy(update={"status": "infeasible", "conflict": conflict}))
     assert "this cam was given, and breaks jerk." in told.text
     assert told.headings[:2] == ["What would mend it", "Dimensions"]

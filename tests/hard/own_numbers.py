@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import enlarged
 from synthesis.certify import certify, certify_size
-from synthesis.design.design import Design
+from synthesis.design.design import WITHOUT_CAM, Design
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.numerics import clock
 from tests.hard.families import FAMILIES, Spec, random_scene
@@ -168,9 +168,11 @@ def report(found: list[Outcome]) -> str:
             f"{kind}: {len(mine)} asked, {false} false, {ratio:.2f} times the open question's time"
         )
     false, low = sum(one.false for one in found), sum(one.needed is not None for one in found)
-    other = sum(one.status not in ("optimal", "feasible", "infeasible") for one in found)
+    unsolved = sum(one.status == "unsolved" for one in found)
+    other = sum(one.status not in ("optimal", "feasible", *WITHOUT_CAM) for one in found)
     lines.append(
-        f"{len(found)} questions, {false} false ({false / max(len(found), 1):.1%}), {low} with a "
+        f"{len(found)} questions, {false} false ({false / max(len(found), 1):.1%}), "
+        f"{unsolved} unsolved, {low} with a "
         f"needed value below what was asked, {other} without an answer"
     )
     return "\n".join(lines)

@@ -120,7 +120,7 @@ def _inconsistent(design: dict[str, Any]) -> Iterable[str]:
     if certified and not all(extreme["holds"] for extreme in design["extremes"]):
         yield "certified, though a limit is said not to hold"
     if not certified and design["conflict"] is None:
-        yield "infeasible without a reason"
+        yield "no cam, and no reason"
     proof = design["certificate"]
     for one in (proof, *proof["other_objectives"]):
         value, bound = one["value"], one["lower_bound"]

@@ -34,7 +34,7 @@ def judge(case: Case) -> str | None:
         return "; ".join(complaints)
     if expect == "refused":
         reasons = [*(design["conflict"] or {"limits": []})["limits"]]
-        if status == "infeasible" and any(named in reason for reason in reasons):
+        if status in ("infeasible", "unsolved") and any(named in reason for reason in reasons):
             return None
         return f"{status}, for {reasons}"
     if status not in ACCEPTED.get(expect, ()):

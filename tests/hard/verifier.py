@@ -401,7 +401,7 @@ def numbered(spec: dict[str, Any], design: dict[str, Any]) -> dict[str, Any]:
 def verify(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
     """What a design says and does not keep; empty where it keeps everything."""
     if not design["motion"]:
-        told = design["status"] == "infeasible" and design["conflict"] is not None
+        told = design["status"] in ("infeasible", "unsolved") and design["conflict"] is not None
         return [] if told else ["no motion, and no conflict named"]
     asked, spec = spec, numbered(spec, design)
     cam = rebuilt(spec, design)
@@ -414,7 +414,7 @@ def verify(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
         found += _chosen(asked, spec)
         found += _proofs(cam, spec, design)
     elif design["conflict"] is None or not design["conflict"]["limits"]:
-        found.append("infeasible without a reason")
+        found.append("no cam, and no reason")
     return found
 
 

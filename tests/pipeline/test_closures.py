@@ -189,7 +189,7 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be(
     for place, field in ((0.8 * enough, ""), ({"max": 0.8 * enough}, "/max")):
         explain_only(f"follower/closure/distance_mm{field}")
         refused = synthesise(spec(PAIR | {"distance_mm": place}, limit))
-        assert refused.status == "infeasible"
+        assert refused.status == ("unsolved" if field else "infeasible")  # a range is not proven
         told = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
         assert [r.field for r in told] == [f"follower/closure/distance_mm{field}"]
         assert 0.8 * enough < told[0].needed <= enough * (1.0 + 1e-6)

@@ -113,7 +113,7 @@ def test_with_laws_free_no_length_beside_it_is_better() -> None:
     at = found.dimensions["arm_mm"]
     for factor in (0.94, 1.06):
         other = synthesise(spec(angles(), jerk(1.9), arm=factor * at, **asked))
-        assert other.status == "infeasible" or prime(found) <= prime(other) * (1.0 + 2e-2)
+        assert not other.motion or prime(found) <= prime(other) * (1.0 + 2e-2)
 
 
 def test_a_length_at_which_nothing_is_found_is_given_up_soon() -> None:
@@ -181,7 +181,7 @@ def test_the_answer_survives_the_wire_and_makes_files(pair: Design) -> None:
 @pytest.mark.usefixtures("unexplained")
 def test_where_nothing_fits_the_length_tried_is_named() -> None:
     design = synthesise(spec(angles(1.3, 1.9), law="cycloidal", distance=DISTANCE))
-    assert design.status == "infeasible"
+    assert design.status == "unsolved"
     assert design.conflict is not None
     assert "follower/arm_mm = " in design.conflict.evidence
 

@@ -111,7 +111,7 @@ def test_no_other_angle_is_better(objective: str) -> None:
     for other in (92.0, 109.0, 131.0, up - 2.0, up + 2.0):
         if 90.0 <= other <= 150.0:
             at = design(other, 240.0 - other)
-            assert at.status == "infeasible" or at.certificate.value > value * (1.0 - 3e-3)
+            assert not at.motion or at.certificate.value > value * (1.0 - 3e-3)
 
 
 def test_a_narrow_range_of_possible_angles_is_found() -> None:

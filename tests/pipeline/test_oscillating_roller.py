@@ -206,7 +206,7 @@ def test_everything_free_is_no_worse_than_any_distance_tried(everything_free: De
     at = design.dimensions["centre_distance_mm"]
     for factor in (0.93, 0.99, 1.01, 1.08):
         given = synthesise(scene(angles(), jerk(1.9), distance=factor * at, tolerance=5e-3))
-        assert given.status == "infeasible" or prime(design) <= prime(given) * (1.0 + 5e-3)
+        assert not given.motion or prime(design) <= prime(given) * (1.0 + 5e-3)
 
 
 def test_everything_free_is_proven_over_all_laws_and_pivots(everything_free: Design) -> None:

@@ -78,7 +78,7 @@ def test_a_design_grows_until_it_does_not_cross_itself() -> None:
 
 def test_a_design_that_may_not_grow_is_refused_for_it() -> None:
     found = synthesise(lobe(base_radius_mm={"min": 0.4, "max": 0.7}))
-    assert found.status == "infeasible"
+    assert found.status == "unsolved"
     assert not crossing(found).holds
     assert found.conflict is not None
     assert "self crossing" in found.conflict.limits

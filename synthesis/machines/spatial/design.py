@@ -74,7 +74,8 @@ class SpatialDesign(AnswerModel):
     engine_version: str = doc("Version of Camwright that made it.")
     status: Status = doc(
         "optimal: every limit holds and the gap is within the tolerance; feasible: every limit "
-        "holds; infeasible: one does not, or no cam was found."
+        "holds; infeasible: one does not on a cam that was given, or it is proven that no cam "
+        "fits; unsolved: no cam was found."
     )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")

@@ -18,7 +18,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from synthesis.catalogue.motion import Motion
-from synthesis.design.design import Certificate, Conflict, Report, StageReport
+from synthesis.design.design import WITHOUT_CAM, Certificate, Conflict, Report, StageReport, Status
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
@@ -76,7 +76,7 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
             return _answer(spec, stages, started, proof, None, {}, conflict)
         cam = build_cam(spec, result.sizes, result.motion)
         design = _answer(spec, stages, started, proof, cam, result.splines)
-        if design.status != "infeasible" or clock.now() >= stop:
+        if design.status not in WITHOUT_CAM or clock.now() >= stop:
             break
     return design
 
@@ -106,6 +106,10 @@ def _answer(
     holds = cam is not None and all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
     segments = cam.motion.segments if cam else ()
+    status: Status = "optimal" if within else "feasible"
+    if not holds:
+        proven = certificate is GIVEN or (conflict is not None and conflict.proven)
+        status = "infeasible" if proven else "unsolved"
     walls = [
         SpatialWall(
             name=wall.name, roller=wall.seat.number, side=wall.letter,
@@ -115,7 +119,7 @@ def _answer(
     ]  # fmt: skip
     return SpatialDesign(
         id=spatial_design_id(spec), name=spec.name, engine_version=engine_version(),
-        status="infeasible" if not holds else "optimal" if within else "feasible",
+        status=status,
         rotation=spec.rotation, speed_rpm=spec.speed_rpm, machine=spec.machine.kind,
         dimensions=dict(spec.machine.dimensions(cam.sizes)) if cam else {},
         motion=segment_motions(spec.program, spec.machine.travel, segments, splines),

@@ -18,6 +18,7 @@ from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
+from synthesis.optimise.problem.derivative_caps import with_tighter_caps
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
@@ -27,6 +28,9 @@ Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
 FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
+GENTLER = (0.01, 0.03, 0.1, 0.3, 1.0)
+"""Shares of the caps on the highest derivative, in turn: a factor of three apart."""
+FAR_GAP = 0.2  # gap above which further starts are tried
 EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
 GROWTH = 0.1  # share of the tolerance that IPOPT may leave to the final enlargement; it saves a run
 STOP_GAP = 0.08
@@ -46,7 +50,44 @@ def local_search(state: SolveState) -> SolveState:
     if state.incumbent is None or state.incumbent.value > FAR * state.lower:
         state, _ = smooth_start(state)
     start = state.incumbent or state.relaxed or state.last
-    return state if start is None else improve_from(state, start)
+    state = state if start is None else improve_from(state, start)
+    return _continue_from_gentler_laws(state)
+
+
+def _continue_from_gentler_laws(state: SolveState) -> SolveState:
+    """Where the gap stays wide, a continuation in the caps on the highest derivative.
+
+    The local optimum may be one of several. That under a share of these caps satisfies the problem
+    too, and limits that the relaxation leaves out bind less on laws that bend less sharply: from
+    the gentlest such law on each optimum is the start under wider caps.
+    """
+    problem, start = state.problem, None
+    for share in GENTLER:
+        tighter = with_tighter_caps(problem, share)
+        gap = state.gap_between(state.incumbent, state.lower)
+        if tighter is None or state.suffices or gap <= FAR_GAP or state.time_left <= 0.0:
+            break
+        if start is None and share == GENTLER[-1]:
+            break  # the problem itself: searched already
+        trial = replace(state, problem=tighter, incumbent=None, relaxed=None, stages=())
+        start = start or _relaxed_cam(trial)
+        if start is None:
+            continue  # no law is so gentle
+        trial, _ = scp_search(trial, start.laws, start.size, f"tangents, {share:g} of the caps")
+        state = replace(state, stages=state.stages + trial.stages)
+        start = trial.incumbent or start
+        if trial.incumbent is not None:
+            state, _ = offer_local_optimum(state, start.laws, start.size)
+    return state
+
+
+def _relaxed_cam(state: SolveState) -> Candidate | None:
+    """The cam of the relaxation on the present mesh; None where there is none."""
+    model = formulate(state.problem, state.grids, 0.0, state.tightening)
+    solution = solve(model.program, state.time_left)
+    if solution.stopped not in USABLE:
+        return None
+    return recover_cam(state.problem, *model.recover(solution.x))
 
 
 def improve_from(state: SolveState, start: Candidate) -> SolveState:

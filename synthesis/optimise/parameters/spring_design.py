@@ -30,7 +30,7 @@ from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
 from synthesis.catalogue.limits.base import Machine
 from synthesis.catalogue.limits.forces import ContactForce
 from synthesis.catalogue.motion import Motion
-from synthesis.design.design import Certificate, Design, Proof, StageReport
+from synthesis.design.design import WITHOUT_CAM, Certificate, Design, Proof, StageReport
 from synthesis.design.identity import design_id
 from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
@@ -73,7 +73,7 @@ def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
             break
         # 3. The cam with this spring and all limits.
         candidate = solve(given(chosen))
-        if design is not first and candidate.status == "infeasible":
+        if design is not first and candidate.status in WITHOUT_CAM:
             break
         design, numbers, peak = candidate, chosen, spring.peak
         stages.append(StageReport(**asdict(spring.stage)))

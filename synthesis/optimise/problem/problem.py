@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
+from math import inf, isfinite
 from typing import Literal
 
 from synthesis.catalogue.constraints import (
@@ -16,6 +16,7 @@ from synthesis.catalogue.constraints import (
     VibrationBound,
     max_enlargement,
 )
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import base_gap
 from synthesis.catalogue.limits import Limit, Machine
@@ -63,6 +64,8 @@ class Problem:
         length: unit of length inside the formulations: the stroke [length].
         objective_caps: earlier objectives.
         base_radius_range: smallest and largest base radius [length], which the sizing comes from.
+        open_above: whether the largest of these is an end of the search alone, and no limit of its
+            own bounds the size: the question has larger cams too.
         least_base_circle: least radius of a dwell on the base circle (``_least_base_circle``).
     """
 
@@ -74,6 +77,7 @@ class Problem:
     length: float
     objective_caps: tuple[ObjectiveCap, ...] = ()
     base_radius_range: tuple[float, float] = (0.0, inf)
+    open_above: bool = False
     least_base_circle: float = 0.0
     _rows: dict[PlacedSegment, tuple[LinearInequality, ...]] = field(
         default_factory=dict, init=False, repr=False
@@ -235,7 +239,18 @@ def formulate_problem(
         spec.stroke(),
         held,
         radii,
+        _is_open_above(spec, placed),
         _least_base_circle(spec, placed),
+    )
+
+
+def _is_open_above(spec: DesignSpec, segments: Sequence[PlacedSegment]) -> bool:
+    """Whether the cam may be larger than any that is searched, by the spec and its follower."""
+    reached, searched = spec.base_radius_range()[1], spec.searched_radii()[1]
+    if isfinite(ends(spec.base_radius_mm)[1]) or reached < searched:
+        return False
+    return not any(
+        limit.norm_bounds(tuple(segments), spec.machine()) for limit in spec.all_limits()
     )
 
 

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from synthesis.catalogue.constraints import AffineNorm
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
@@ -24,7 +25,10 @@ OUTSIDE = 1e-12  # of the norm: how far a size may lie outside a half-plane
 
 
 def half_planes(problem: Problem) -> tuple[Array, Array]:
-    """normals · z ≤ offsets for every row and bound, on given segments: (k, n), (k,)."""
+    """normals · z ≤ offsets for every row and bound, on given segments: (k, n), (k,).
+
+    Ends of the size that come from our own end of an open base radius are no half-planes.
+    """
     bounding = [
         (row.size, row.upper - maximise(segment.placed(), row.coefficients)[0])
         for segment in problem.segments
@@ -37,17 +41,29 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
     scale, room = np.abs(normals).max(axis=1), np.array([room for _, room in bounding])
     # of size 1, and without their last digits, as ``row_on_given_law`` states them
     normals, offsets = round_mantissa(normals / scale[:, None]), round_mantissa(room / scale)
-    return np.vstack([normals, unit, -unit]), np.concatenate([offsets, high, -low])
+    box, ends = np.vstack([unit, -unit]), np.concatenate([high, -low])
+    if problem.open_above:
+        kept = ends < problem.base_radius_range[1]
+        box, ends = box[kept], ends[kept]
+    return np.vstack([normals, box]), np.concatenate([offsets, ends])
 
 
-def closed_form_size(problem: Problem, clear: float = 0.0) -> Vector | None:
+def closed_form_size(
+    problem: Problem, clear: float = 0.0, *, norm: AffineNorm | None = None, slack: float = 0.0
+) -> Vector | None:
     """The size of least prime radius on all half-planes; None where they have no common point.
 
-    Cones and limits that are not convex are not looked at. ``clear``: share of the norm by which
-    the half-planes of curved limits are drawn in.
+    Cones and limits that are not convex are not looked at.
+
+    Args:
+        clear: share of the norm by which the half-planes of curved limits are drawn in.
+        norm: what is least; None: the prime radius.
+        slack: by how much every half-plane is moved out [length].
     """
+    norm = norm or problem.machine.follower.radius_norm()
     normals, offsets = half_planes(problem)
-    size = _nearest_size(problem, normals, offsets)
+    offsets = offsets + slack
+    size = _nearest_size(problem, norm, normals, offsets)
     for _ in range(EXCHANGES if problem.has_curved_limits else 0):
         if size is None:
             return None
@@ -58,14 +74,15 @@ def closed_form_size(problem: Problem, clear: float = 0.0) -> Vector | None:
         if not np.any(more):
             break
         normals = np.vstack([normals, violated.normals[more]])
-        offsets = np.concatenate([offsets, violated.offsets[more] - clear * scale])
-        size = _nearest_size(problem, normals, offsets)
+        offsets = np.concatenate([offsets, violated.offsets[more] - clear * scale + slack])
+        size = _nearest_size(problem, norm, normals, offsets)
     return size
 
 
-def _nearest_size(problem: Problem, normals: Array, offsets: Array) -> Vector | None:
+def _nearest_size(
+    problem: Problem, norm: AffineNorm, normals: Array, offsets: Array
+) -> Vector | None:
     """The same for given half-planes."""
-    norm = problem.machine.follower.radius_norm()
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
     tolerance = 1e-12 * problem.length
     if len(matrix) < matrix.shape[1]:

@@ -203,3 +203,12 @@ def _switches(breaks: Array, level: Array) -> Array:
         places.append(min(max(at, float(breaks[first])), float(breaks[last + 1])))
     inner = np.array(places)
     return np.unique(inner[(inner > 0.0) & (inner < 1.0)])
+
+
+def is_same_mesh(grids: Sequence[Grid], others: Sequence[Grid]) -> bool:
+    """Whether knots and points are the same: another round would find what this one has."""
+    return all(
+        np.array_equal(one.space.breaks, other.space.breaks)
+        and np.array_equal(one.points, other.points)
+        for one, other in zip(grids, others, strict=True)
+    )

@@ -29,16 +29,18 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import dual_bound
-from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid
+from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_caps
+from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
-from synthesis.optimise.refinement.mesh import refine_mesh
+from synthesis.optimise.refinement.mesh import halve_intervals, is_same_mesh, refine_mesh
 
 ROUNDS = 8  # of moving knots to the switches of the ideal law
-PROVEN = 1e-9  # what a bound has to lie above 1 by
+PROOF_ROUNDS = 12  # of finer knots in a proof that limits exclude each other
+PROVEN = 1e-9  # what a bound has to lie above 1, or an excess above 0, by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
 GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do
-STEERING = (3, 2)  # derivatives whose limits make laws switch
+INTERVALS = 24  # of a mesh where none is known
 
 
 class LargestShare(Objective):
@@ -50,11 +52,11 @@ class LargestShare(Objective):
     def rows(
         self, segment: PlacedSegment, machine: Machine, level: float
     ) -> tuple[LinearInequality, ...]:
-        return tuple(
-            replace(row, coefficients=_over(row), upper=0.0, level=-1.0)
-            for limit in self.shared
-            for row in limit.rows(segment, machine)
-        )
+        return tuple(self._share(row) for limit in self.shared
+                     for row in limit.rows(segment, machine))  # fmt: skip
+
+    def _share(self, row: LinearInequality) -> LinearInequality:
+        return replace(row, coefficients=_over(row, row.upper), upper=0.0, level=-1.0)
 
     def to_wire(self, value: float, machine: Machine) -> float:
         return value
@@ -63,8 +65,33 @@ class LargestShare(Objective):
         return value
 
 
-def _over(row: LinearInequality) -> tuple[float, float, float, float]:
-    s, v, a, j = (factor / row.upper for factor in row.coefficients)
+class LargestExcess(LargestShare):
+    """By how much the rows of some limits are exceeded at most, over their largest coefficient.
+
+    Limits that make no linear rows are left out, and rows on the size where ``size_free`` is set:
+    what is then shown to be above 0 is so for every size.
+    """
+
+    kind: Literal["excess"] = "excess"  # type: ignore[assignment]
+    size_free: bool = False
+
+    def rows(
+        self, segment: PlacedSegment, machine: Machine, level: float
+    ) -> tuple[LinearInequality, ...]:
+        each = (row for limit in self.shared for row in limit.rows(segment, machine))
+        kept = (row for row in each if not row.is_constant and not row.equality)
+        return tuple(self._share(row) for row in kept if not (self.size_free and any(row.size)))
+
+    def _share(self, row: LinearInequality) -> LinearInequality:
+        unit = max(map(abs, (*row.coefficients, *row.size)))
+        size = tuple(factor / unit for factor in row.size)
+        return replace(
+            row, coefficients=_over(row, unit), size=size, upper=row.upper / unit, level=-1.0
+        )
+
+
+def _over(row: LinearInequality, unit: float) -> tuple[float, float, float, float]:
+    s, v, a, j = (factor / unit for factor in row.coefficients)
     return s, v, a, j
 
 
@@ -121,10 +148,12 @@ def minimise_excess(
         tighten: relative amount by which rows are drawn in for the solver's sake.
         deadline: ``time.monotonic()`` at which to stop.
     """
-    steering = _steering(problem)
+    steering = highest_caps(problem)
     if not steering:
         return None
     others = tuple(limit for limit in problem.limits if limit not in steering)
+    if problem.open_above:  # the end of the search is ours: what is shown is to hold for every size
+        others = tuple(limit for limit in others if not _speaks_of_size(limit, problem))
     asked = replace(
         problem, limits=others, objective=LargestShare(shared=steering), objective_caps=()
     )
@@ -147,6 +176,60 @@ def minimise_excess(
             break
         present = refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present))
     return best
+
+
+def excess_proof(problem: Problem) -> str:
+    """Why no motion law and no size keep the linear rows of all limits; empty without a proof.
+
+    The proof is a lower bound, above 0, of the largest excess of a row: by weak duality it holds
+    for every law whose highest limited derivative is bounded so, and for every size. Where the base
+    radius is open above, its end in the search is ours: only rows without the size are looked at.
+    """
+    # What caps the control stays a limit: the bound over all laws rests on it.
+    caps = highest_caps(problem)
+    others = tuple(limit for limit in problem.limits if limit not in caps)
+    objective = LargestExcess(shared=others, size_free=problem.open_above)
+    asked = replace(
+        problem, limits=caps, objective=objective, objective_caps=(),
+        segments=tuple(_roughest(segment, caps, problem) for segment in problem.segments),
+    )  # fmt: skip
+    if not any(objective.rows(s, problem.machine, 0.0) for s in problem.segments):
+        return ""
+    least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in asked.free)
+    for _ in range(PROOF_ROUNDS):
+        model = formulate(asked, grids, 0.0)
+        solution = solve(model.program)
+        if solution.stopped not in USABLE:
+            return ""
+        bound, found = dual_bound(model, solution), recover_cam(asked, *model.recover(solution.x))
+        if bound.value > PROVEN and (bound.switching or not problem.free):
+            return "proven for every motion law and size: the limits exclude each other"
+        # Finer knots bring the bound nearer to what the best law exceeds, if that is above 0.
+        if not bound.switching or found.value <= PROVEN or bound.value <= least:
+            return ""
+        least, nowhere = bound.value, [np.zeros(0)] * len(grids)
+        finer = refine_mesh(asked, grids, found, bound, nowhere)
+        if is_same_mesh(finer, grids):
+            finer = halve_intervals(asked, grids, nowhere)
+        if is_same_mesh(finer, grids):
+            return ""
+        grids = finer
+    return ""
+
+
+def _roughest(segment: PlacedSegment, caps: Sequence[Limit], problem: Problem) -> PlacedSegment:
+    """A free law whose capped derivative may jump everywhere: the bound covers such laws too.
+
+    The ideal law switches from one end of the cap to the other; smoother splines come near it
+    slowly, and their multipliers give a bound as far below.
+    """
+    law = segment.free
+    if law is None or segment.law is not None or not caps:
+        return segment
+    roughest = 2 if caps_derivative(caps[0], 3, problem) else 1
+    start, end = (min(each, roughest) for each in law.end_continuity)
+    smoothness = min(law.smoothness, roughest)
+    return replace(segment, free=replace(law, smoothness=smoothness, end_continuity=(start, end)))
 
 
 def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> float | None:
@@ -184,29 +267,13 @@ def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> flo
     return float(max(solution.x[-1], 0.0)) if solution.stopped in USABLE else None
 
 
-def _steering(problem: Problem) -> tuple[Limit, ...]:
-    """The limits on the highest derivative that is limited all along free laws."""
-    for order in STEERING:
-        found = tuple(limit for limit in problem.limits if _limits(limit, order, problem))
-        if found:
-            return found
-    return ()
-
-
 def _jumps(problem: Problem, steering: Sequence[Limit]) -> bool:
     """Whether accelerations are limited, and laws may not jump in theirs."""
-    bent = any(limit.rows(s, problem.machine) and _limits(limit, 2, problem)
+    bent = any(limit.rows(s, problem.machine) and caps_derivative(limit, 2, problem)
                for limit in steering for s in problem.free)  # fmt: skip
     return bent and any(s.free is not None and s.free.smoothness > 1 for s in problem.free)
 
 
-def _limits(limit: Limit, order: int, problem: Problem) -> bool:
-    """Whether all that a limit says on free laws is of one derivative, bounded all along."""
-    rows = [row for s in problem.free for row in limit.rows(s, problem.machine)]
-    return bool(rows) and all(
-        row.interval is None
-        and not any(row.size)
-        and row.upper > 0.0
-        and [k for k, factor in enumerate(row.coefficients) if factor] == [order]
-        for row in rows
-    )
+def _speaks_of_size(limit: Limit, problem: Problem) -> bool:
+    rows = (row for s in problem.free for row in limit.rows(s, problem.machine))
+    return any(any(row.size) for row in rows)

@@ -57,7 +57,7 @@ def items_at(client: httpx2.Client, where: str, **query: Any) -> list[dict[str, 
 
 def counted(found: dict[str, Any], **expected: int) -> None:
     """Exactly these counts; those not named are 0."""
-    zero = dict.fromkeys(("optimal", "feasible", "infeasible", "failed"), 0)
+    zero = dict.fromkeys(("optimal", "feasible", "unsolved", "infeasible", "failed"), 0)
     assert found["counts"] == {"items": 0, "done": 0} | zero | expected
 
 

@@ -112,7 +112,8 @@ class SixBarShaper(AnswerModel):
     engine_version: str = doc("Version of Camwright that made it.")
     status: Status = doc(
         "optimal: every requirement is met and the gap is within the tolerance; feasible: every "
-        "requirement is met; infeasible: see conflict, or limits where all lengths are given."
+        "requirement is met; infeasible: proven, see conflict, or limits where all lengths are "
+        "given; unsolved: no lengths were found."
     )
     spec: ShaperSpec = doc("The request.")
     dimensions: dict[str, float] = doc("Every length [mm]; empty where nothing fits.")
@@ -220,9 +221,10 @@ def analyse_shaper(spec: ShaperSpec, lengths: dict[str, float]) -> SixBarShaper:
 
 def report_infeasible(spec: ShaperSpec, conflict: Conflict) -> SixBarShaper:
     """The answer where no lengths meet the requirements."""
+    status: Status = "infeasible" if conflict.proven else "unsolved"
     return SixBarShaper(
         id=question_id(spec, KIND), name=spec.name, engine_version=engine_version(),
-        status="infeasible", spec=spec, dimensions={}, guide=None, guide_angle=None,
+        status=status, spec=spec, dimensions={}, guide=None, guide_angle=None,
         coupler_angle=None, stroke_mm=None, quick_return=None, dead_centres=[],
         least_transmission_angle_deg=None, extremes=[], limits=[], certificate=None,
         conflict=conflict,

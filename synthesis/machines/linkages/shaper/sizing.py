@@ -93,7 +93,7 @@ def analyse_or_size_shaper(spec: ShaperSpec, deadline: float | None = None) -> S
         lowest = max(space.sines, key=lambda name: space.sines[name][0])
         highest = min(space.sines, key=lambda name: space.sines[name][1])
         return report.report_infeasible(spec, Conflict(
-            limits=sorted({lowest, highest}), evidence=CLOSED,
+            limits=sorted({lowest, highest}), evidence=CLOSED, proven=True,
             relaxations=list(_closed_form_relaxations(spec, space, deadline)),
         ))  # fmt: skip
     objective = OBJECTIVES[spec.objective.kind]
@@ -125,7 +125,7 @@ def _certified(answer: SixBarShaper, objective: ShaperObjective, bound: float) -
     )
     status: Status = "optimal" if gap <= answer.spec.tolerance else "feasible"
     if not all(limit.holds for limit in answer.limits):
-        status = "infeasible"
+        status = "unsolved"
     return answer.model_copy(update={"certificate": proof, "status": status})
 
 
@@ -196,7 +196,7 @@ def _explain_coupler(
     if proven:
         evidence = f"No lengths within the ranges can keep {names}: excluded by branch and bound. "
         evidence += "Proven."
-    return Conflict(limits=limits, relaxations=relaxations, evidence=evidence)
+    return Conflict(limits=limits, relaxations=relaxations, evidence=evidence, proven=proven)
 
 
 @dataclass(frozen=True, eq=False)

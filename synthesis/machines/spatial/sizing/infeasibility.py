@@ -52,6 +52,7 @@ def diagnose(spec: SpatialCamSpec, tables: Tables, result: SizingResult, stop: f
         relaxations=[each for _, each in tried],
         evidence=f"{result.why}; {known}"
         + ("; changing any one of those named would do" if binding else ""),
+        proven=result.proven,
     )
 
 

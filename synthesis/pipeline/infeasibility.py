@@ -1,0 +1,156 @@
+"""Why no cam at all answers a question: the theorems on which the word ``infeasible`` rests.
+
+Each covers everything that was asked: all motion laws where laws are free, all sizes, all numbers.
+A solver's status, an end of our own of an open range, numbers that were chosen and a clock prove
+nothing; where only these speak, the question is unsolved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.design.design import Extreme
+from synthesis.optimise.conic.linear_rows import row_excess
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.candidate import given_cam
+from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.strategy.phase_one import excess_proof
+from synthesis.pipeline.assembly import restate_problem
+from synthesis.pipeline.attempt import Attempt
+from synthesis.units import DEGREE
+
+ROUNDING = 1e-9  # relative to a bound, or to the stroke: an excess below it is none
+NEAR = 1e-9  # rad: an extreme at the end of a segment belongs to it
+
+
+@lru_cache(maxsize=16)
+def infeasibility_proof(attempt: Attempt) -> str:
+    """Why no cam answers a question, as a sentence with what it covers; empty without a proof.
+
+    Args:
+        attempt: the question, and what solving it came to.
+    """
+    if attempt.numbers or not attempt.searches:
+        return ""  # other numbers might do
+    # The first search is bound by the question alone, later ones by what earlier ones reached.
+    search, question = attempt.searches[0], attempt.question
+    solved = question.scaled.without_deferred()
+    problem = restate_problem(question, question.to_physical(solved), search.problem)
+    theorems: tuple[Callable[[], str], ...] = (
+        lambda: problem.base_circle_conflict,
+        lambda: problem.constant_conflict,
+        lambda: _given_law_conflict(problem, _given(attempt)),
+        lambda: _mean_velocity_conflict(problem),
+        lambda: _given_cam_conflict(problem, attempt),
+        lambda: search.infeasibility_proof,
+        lambda: _size_conflict(problem, _given(attempt)),
+        lambda: excess_proof(search.problem),
+    )
+    return next((proof for theorem in theorems if (proof := theorem())), "")
+
+
+def _given(attempt: Attempt) -> set[int]:
+    """Segments whose law the question gives; a table leaves its smoothing to us."""
+    placed = attempt.question.scaled.placed_segments()
+    return {segment.index for segment in placed if segment.law is not None}
+
+
+def _given_law_conflict(problem: Problem, given: set[int]) -> str:
+    """Which limit on the motion alone a given law exceeds: no size and no other law mends it."""
+    for segment in problem.segments:
+        if segment.index not in given:
+            continue
+        for limit in problem.limits:
+            for row in limit.rows(segment, problem.machine):
+                if any(row.size) or row.level or row.is_constant:
+                    continue
+                over = row_excess(row, segment, ())
+                if over > ROUNDING * (abs(row.upper) + problem.length):
+                    name = (row.source or limit.kind).replace("_", " ")
+                    return f"proven: the law given for program/{segment.index} breaks {name}"
+    return ""
+
+
+def _mean_velocity_conflict(problem: Problem) -> str:
+    """Which limit lies below a mean velocity: by the mean value theorem every law reaches that."""
+    for segment in problem.free:
+        for row in (
+            row for limit in problem.limits for row in limit.rows(segment, problem.machine)
+        ):
+            if row.orders != (1,) or any(row.size) or row.level or row.interval is not None:
+                continue
+            mean = row.coefficients[1] * segment.lift / segment.angle
+            if mean > row.upper + ROUNDING * abs(mean):
+                name = row.source.replace("_", " ")
+                return f"proven: {name} is below the mean velocity over program/{segment.index}"
+    return ""
+
+
+def _given_cam_conflict(problem: Problem, attempt: Attempt) -> str:
+    """Which limits the only cam breaks: its laws and size are given, or the motion at a place."""
+    given = _given(attempt)
+    jumps = {e.angle_deg for e in attempt.extremes if e.limit.endswith("_jump")}
+    of_motion = [
+        extreme
+        for extreme in _broken(attempt.extremes)
+        if extreme.field == "continuity"
+        or extreme.field.startswith("program")
+        or (extreme.value is None and extreme.angle_deg in jumps)
+        if all(s.index in given for s in problem.segments if _contains(s, extreme.angle_deg))
+    ]
+    if of_motion:
+        names = ", ".join(dict.fromkeys(e.limit.replace("_", " ") for e in of_motion))
+        return f"proven: the motion is given there, and breaks {names}"
+    everything = len(given) == len(attempt.question.scaled.program)
+    fixed = attempt.solved_spec.without_deferred() == attempt.built
+    if everything and fixed and given_cam(attempt.searches[0].problem) is not None:
+        names = ", ".join(
+            dict.fromkeys(e.limit.replace("_", " ") for e in _broken(attempt.extremes))
+        )
+        return f"proven: laws and size are given, and that one cam breaks {names}" if names else ""
+    return ""
+
+
+def _broken(extremes: list[Extreme]) -> Iterator[Extreme]:
+    """Those that are broken for certain: by more than their enclosure is wide."""
+    for extreme in extremes:
+        if not extreme.holds and (extreme.margin is None or extreme.margin < -extreme.width):
+            yield extreme
+
+
+def _contains(segment: PlacedSegment, angle_deg: float) -> bool:
+    """Whether a cam angle lies on a segment, its ends included."""
+    beyond = (angle_deg * DEGREE - segment.start + NEAR) % (2.0 * pi)
+    return beyond <= segment.angle + 2.0 * NEAR
+
+
+def _size_conflict(problem: Problem, given: set[int]) -> str:
+    """Whether the segments whose law is given, dwells among them, leave no size.
+
+    Every limit on a given law is a half-plane of the size, or several. If these have no common
+    point, or none within a cone of the size, no law of the other segments mends it: the nearest
+    point to the cone's axis lies outside. Half-planes are moved out by more than rounding.
+    """
+    follower = problem.machine.follower
+    known = tuple(segment for segment in problem.segments if segment.index in given)
+    if not known or follower.fixable_dimension() is not None:
+        return ""
+    alone, slack = replace(problem, segments=known), ROUNDING * problem.length
+    which = "the given laws" if not problem.free else "the dwells and the given laws"
+    if closed_form_size(alone, slack=slack) is None:
+        return f"proven: no size fits {which}"
+    for cone in problem.norm_bounds:
+        rows, columns = np.shape(cone.norm.matrix)
+        if rows > 1 and (rows != columns or np.linalg.matrix_rank(cone.norm.matrix) < rows):
+            continue  # nearest in such a norm is no corner of the polygon
+        nearest = closed_form_size(alone, norm=cone.norm, slack=slack)
+        if nearest is None or cone.norm.value(nearest) > cone.upper + slack:
+            name = cone.source.replace("_", " ")
+            return f"proven: no size fits {which} and {name} together"
+    return ""
