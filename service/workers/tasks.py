@@ -44,8 +44,8 @@ class Answer:
 
     Attributes:
         body: the response body.
-        status: optimal, feasible, unsolved or
-            infeasible; of an analysis, holds or violated; of points, read.
+        status: optimal, feasible, unsolved or infeasible; of an analysis, holds or violated; of
+            points, read.
         summary: the other fields of a list's row.
         seconds: time that it took.
         quantities: what a sweep measures: dimensions, objectives and others, by name with unit.

@@ -279,9 +279,12 @@ class DesignSpec(FiniteModel):
         claimed of all cams does not rest on it: ``Problem.open_above`` says where it might.
         """
         least, largest = ends(self.base_radius_mm)
-        lengths = [self.stroke(), least, *named_lengths(self.follower, *self.limits)]
         small = min(1e-3 * self.stroke(), 0.5 * largest) if math.isinf(least) else least
-        return small, FARTHEST * max(lengths) if math.isinf(largest) else largest
+        if math.isfinite(largest):
+            return small, largest
+        return small, FARTHEST * max(
+            self.stroke(), least, *named_lengths(self.follower, *self.limits)
+        )
 
     def all_limits(self) -> tuple[Limit, ...]:
         """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.

@@ -246,9 +246,10 @@ def formulate_problem(
 
 def _is_open_above(spec: DesignSpec, segments: Sequence[PlacedSegment]) -> bool:
     """Whether the cam may be larger than any that is searched, by the spec and its follower."""
-    reached, searched = spec.base_radius_range()[1], spec.searched_radii()[1]
-    if isfinite(ends(spec.base_radius_mm)[1]) or reached < searched:
+    if isfinite(ends(spec.base_radius_mm)[1]):
         return False
+    if spec.base_radius_range()[1] < spec.searched_radii()[1]:
+        return False  # the follower reaches no farther
     return not any(
         limit.norm_bounds(tuple(segments), spec.machine()) for limit in spec.all_limits()
     )

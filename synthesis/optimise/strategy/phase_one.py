@@ -33,7 +33,7 @@ from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_
 from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
-from synthesis.optimise.refinement.mesh import halve_intervals, is_same_mesh, refine_mesh
+from synthesis.optimise.refinement.mesh import refine_mesh
 
 ROUNDS = 8  # of moving knots to the switches of the ideal law
 PROOF_ROUNDS = 12  # of finer knots in a proof that limits exclude each other
@@ -207,13 +207,8 @@ def excess_proof(problem: Problem) -> str:
         # Finer knots bring the bound nearer to what the best law exceeds, if that is above 0.
         if not bound.switching or found.value <= PROVEN or bound.value <= least:
             return ""
-        least, nowhere = bound.value, [np.zeros(0)] * len(grids)
-        finer = refine_mesh(asked, grids, found, bound, nowhere)
-        if is_same_mesh(finer, grids):
-            finer = halve_intervals(asked, grids, nowhere)
-        if is_same_mesh(finer, grids):
-            return ""
-        grids = finer
+        least = bound.value
+        grids = refine_mesh(asked, grids, found, bound, [np.zeros(0)] * len(grids))
     return ""
 
 
