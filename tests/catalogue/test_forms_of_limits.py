@@ -60,7 +60,9 @@ class Cam:
                 still = size * row.size if row.size else np.zeros(1)
                 terms = np.abs(shares).sum(axis=0) + np.abs(still).sum() + abs(row.upper)
                 yield np.max((shares.sum(axis=0) + still.sum() - row.upper) / (terms + 1e-300))
-            for value in limit.smooth_constraints(segment, self.machine, theta, tuple(s), self.size):
+            for value in limit.smooth_constraints(
+                segment, self.machine, theta, tuple(s), self.size
+            ):
                 yield float(np.max(value))
         for bounds in limit.norm_bounds(self.motion.segments, self.machine):
             value = bounds.norm.value(self.size)

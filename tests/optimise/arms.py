@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import pi, radians
 from typing import Any
 
 import numpy as np
+from scipy.optimize import differential_evolution
 
 from synthesis.numerics.piecewise import Array
 from synthesis.spec.design_spec import DesignSpec
@@ -65,3 +67,26 @@ def slope(psi: Array, rate: Array, distance: float, sense: str, arm: float = ARM
     """
     away = distance / (1.0 + SENSES[sense] * rate)  # of the centre from the pivot
     return np.asarray((arm - away * np.cos(psi)) / (away * np.sin(psi)))
+
+
+Ends = tuple[float, float]
+
+
+def least(worth: Callable[[Array, int], float], bounds: Sequence[Ends]) -> float:
+    """Least value by differential evolution: roughly over the bounds, then finely near it.
+
+    ``worth`` takes a point and the number of cam angles at which limits are looked at.
+    """
+
+    def search(count: int, ends: Sequence[Ends], accuracy: float) -> Any:
+        return differential_evolution(
+            worth, ends, (count,), rng=7, popsize=12, tol=0.0, atol=accuracy, maxiter=400,
+            polish=False,
+        )  # fmt: skip
+
+    rough = search(151, bounds, 1e-6).x
+    around = [
+        (max(low, x - 0.005 * (high - low)), min(high, x + 0.005 * (high - low)))
+        for x, (low, high) in zip(rough, bounds, strict=True)
+    ]
+    return float(search(2001, around, 1e-9).fun)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import cos, pi, radians, sqrt, tan
 from typing import Any
 
 import casadi
 import numpy as np
 import pytest
-from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, synthesise
 from tests.optimise.arms import (
@@ -21,6 +21,7 @@ from tests.optimise.arms import (
     angles,
     body,
     jerk,
+    least,
     scene,
     slope,
 )
@@ -40,7 +41,8 @@ def certified(design: Design) -> bool:
 # -- laws given ------------------------------------------------------------------------------
 
 
-def dense(count: int = 4001) -> list[tuple[np.ndarray, np.ndarray, float]]:
+@cache
+def dense(count: int) -> list[tuple[np.ndarray, np.ndarray, float]]:
     """φ and φ' of the cycloidal rise and return, with tan of their limits."""
     x = np.linspace(0.0, 1.0, count)
     g, rate = x - np.sin(2.0 * pi * x) / (2.0 * pi), 1.0 - np.cos(2.0 * pi * x)
@@ -53,22 +55,18 @@ def dense(count: int = 4001) -> list[tuple[np.ndarray, np.ndarray, float]]:
 
 def searched(sense: str, distance: float | None) -> float:
     """The least prime radius by differential evolution over d and ψ0."""
-    courses = dense()
 
-    def radius(point: np.ndarray) -> float:
+    def radius(point: np.ndarray, count: int) -> float:
         d, start = (distance, point[0]) if distance is not None else (point[1], point[0])
         worst = max(
             float(np.max(np.abs(slope(start + phi, rate, d, sense)) - limit))
-            for phi, rate, limit in courses
+            for phi, rate, limit in dense(count)
         )
         found = sqrt(d * d + ARM * ARM - 2.0 * d * ARM * cos(start))
         return found if worst <= 0.0 else 1e4 + worst
 
     bounds = [(0.01, 2.5), (0.4 * ARM, 2.5 * ARM)][: 1 if distance is not None else 2]
-    found = differential_evolution(
-        radius, bounds, rng=7, popsize=24, tol=0.0, atol=1e-7, maxiter=700, polish=False
-    )
-    return float(found.fun)
+    return least(radius, bounds)
 
 
 @pytest.mark.parametrize(("sense", "distance"), [("opposite", None), ("same", DISTANCE)])

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from scipy.optimize import differential_evolution
 
 from synthesis import Design, DesignSpec, synthesise
-from tests.optimise.arms import ARM, FALL, RISE, SENSES, SWING, jerk, scene, slope
+from tests.optimise.arms import ARM, FALL, RISE, SENSES, SWING, jerk, least, scene, slope
 from tests.pipeline.test_oscillating_flat_face import RADIUS, asked, dense
 
 PEAK: dict[str, Any] = {"kind": "peak_pressure_angle"}
@@ -26,7 +25,7 @@ def certified(design: Design) -> bool:
     return design.certificate.certified and all(extreme.holds for extreme in design.extremes)
 
 
-def steepest(psi0: float, distance: float, sense: str, count: int = 4001) -> float:
+def steepest(psi0: float, distance: float, sense: str, count: int) -> float:
     """The largest |tan α| of the cycloidal scene, from the instant centre; ∞ past dead centre."""
     x = np.linspace(0.0, 1.0, count)
     g, rate, swing = (
@@ -42,16 +41,13 @@ def steepest(psi0: float, distance: float, sense: str, count: int = 4001) -> flo
 def searched(sense: str, distance: float | None, largest: float) -> float:
     """The least peak [deg] over ψ0, and d, by differential evolution."""
 
-    def worth(point: np.ndarray) -> float:
+    def worth(point: np.ndarray, count: int) -> float:
         d = distance or point[1]
         prime = sqrt(d * d + ARM * ARM - 2.0 * d * ARM * cos(point[0]))
-        return steepest(point[0], d, sense) + 1e3 * max(prime - ROLLER - largest, 0.0)
+        return steepest(point[0], d, sense, count) + 1e3 * max(prime - ROLLER - largest, 0.0)
 
     bounds = [(0.01, 2.5), (0.4 * ARM, 2.5 * ARM)][: 1 if distance else 2]
-    found = differential_evolution(
-        worth, bounds, rng=11, popsize=20, tol=0.0, atol=1e-9, maxiter=400, polish=False
-    )
-    return degrees(atan(float(found.fun)))
+    return degrees(atan(least(worth, bounds)))
 
 
 @pytest.mark.parametrize(

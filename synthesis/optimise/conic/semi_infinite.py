@@ -94,8 +94,7 @@ def _planes(
 ) -> HalfPlanes:
     """All families at given angles, one family after the other."""
     s = np.zeros((4, len(theta)))
-    for order in range(curve.order + 1):
-        s[order] = placed.at(theta, piece, order)
+    s[: curve.order + 1] = placed.jet(theta, piece, curve.order)
     families = curve.half_planes(s)
     normals = np.concatenate([np.zeros((0, len(z))), *(cuts.size.T for cuts in families)])
     offsets = np.concatenate([np.zeros(0), *(cuts.upper for cuts in families)])

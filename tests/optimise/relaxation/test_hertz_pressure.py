@@ -163,7 +163,7 @@ LEAST = 32.0  # of the peak of g''', that of the law with the smallest
 
 def laws(draw, count: int, cap: float):
     """Random laws g to g''' (4, count, n) from rest to rest, none falling, |g'''| ≤ cap; x (n,)."""
-    x = np.linspace(0.0, 1.0, 801)
+    x = np.linspace(0.0, 1.0, 401)
     t = np.minimum(x, 1.0 - x)
     u = t - 0.25
     first = np.stack([16.0 / 3.0 * t**3, 16.0 * t**2, 32.0 * t, 32.0 + 0.0 * t])
@@ -186,7 +186,7 @@ def laws(draw, count: int, cap: float):
 
 
 def smallest(limit: float, e: np.ndarray, draw, near: Design) -> np.ndarray:
-    """Prime radii of random cams, each as small as limits at 801 angles of both laws allow.
+    """Prime radii of random cams, each as small as limits at 401 angles of both laws allow.
 
     Their laws lie between a design's and random ones: there jerk and sense of motion are kept, too.
     """
@@ -233,10 +233,10 @@ def test_the_gap_is_closed_where_hertz_pressure_binds(proven):
 def test_no_feasible_cam_is_better_than_the_bound(proven):
     draw = np.random.default_rng(11)
     best = proven[1]
-    offsets = best.dimensions["offset_mm"] + draw.normal(size=300) * draw.random(300)
+    offsets = best.dimensions["offset_mm"] + draw.normal(size=100) * draw.random(100)
     radii, lower = smallest(690.0, offsets, draw, best), best.certificate.lower_bound + ROLLER
     assert np.min(radii) >= lower
-    assert np.count_nonzero(radii < 1.03 * lower) > 10  # some of them are good
+    assert np.count_nonzero(radii < 1.03 * lower) > 3  # some of them are good
 
 
 def test_a_dwell_alone_needs_a_size():
