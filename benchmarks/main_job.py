@@ -31,8 +31,8 @@ BITING = CONVEX | {"limits": [*CONVEX["limits"], {"kind": "profile_radius", "min
 SCENES: dict[str, dict[str, Any]] = {
     "pressure angle 30°/45°, jerk ≤ 1.5 × minimum": CONVEX,
     "the same, tolerance 0.1 %": CONVEX | {"tolerance": 1e-3},
-    "and profile radius ≥ 12 mm (not convex)": BITING,
-    'the same, `proof: "thorough"`': BITING | {"proof": "thorough"},
+    'and profile radius ≥ 12 mm (not convex), `proof: "quick"`': BITING | {"proof": "quick"},
+    'the same, `proof: "auto"`': BITING,
 }
 TEXT = """Example 13-6's motion with the laws free: 30 mm up over 60°, 30° dwell, 60° back, at 10
 rad/s; roller radius 10 mm; tolerance 0.5 % unless said otherwise. Time from the spec to the

@@ -14,7 +14,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import spread
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem, formulate_problem
-from synthesis.optimise.state import SolveState
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
 from synthesis.spec.design_spec import DesignSpec
 
 TOLERANCE = 5e-3
@@ -149,18 +149,18 @@ def measured(scene: Scene, repeats: int) -> Found:
     """All searches, timed."""
     spec, unlimited = scene.spec(), scene.spec(limited=False)
     problem = formulate_problem(spec, spec.objectives()[0])
-    quick, first = _timed(problem, repeats, thorough=False)
-    thorough, both = _timed(problem, repeats, thorough=True)
+    quick, first = _timed(problem, repeats, proof=QUICK)
+    thorough, both = _timed(problem, repeats, proof=THOROUGH)
     without = optimise(formulate_problem(unlimited, unlimited.objectives()[0]), TOLERANCE)
     return Found(without, quick, thorough, first, both)
 
 
 def _timed(
-    problem: Problem, repeats: int, *, thorough: bool
+    problem: Problem, repeats: int, *, proof: ProofBudget
 ) -> tuple[SolveState, tuple[float, ...]]:
     seconds = list[float]()
     while not seconds or (len(seconds) < repeats and sum(seconds) < LONG):
         began = perf_counter()
-        found = optimise(problem, TOLERANCE, thorough=thorough)
+        found = optimise(problem, TOLERANCE, proof=proof)
         seconds.append(perf_counter() - began)
     return found, tuple(seconds)

@@ -2,10 +2,13 @@
 
 A deadline says when to stop with the best so far, a cancellation to stop with nothing. Both are
 looked for in the same places: stages look between their steps, solvers between their iterations.
+
+Where an answer must not depend on the machine's speed, solved programs are counted instead.
 """
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,6 +19,13 @@ from threading import Event
 from synthesis.errors import Cancelled
 
 _cancelling: ContextVar[Event | None] = ContextVar("cancelling", default=None)
+
+
+class _Solved(threading.local):
+    programs = 0
+
+
+_solved = _Solved()
 
 
 @contextmanager
@@ -38,6 +48,16 @@ def now() -> float:
     if event is not None and event.is_set():
         raise Cancelled
     return time.monotonic()
+
+
+def count_program() -> None:
+    """Count one more program that a solver has ended; linear ones of one matrix count as one."""
+    _solved.programs += 1
+
+
+def programs_solved() -> int:
+    """Programs that solvers have ended in this thread so far."""
+    return _solved.programs
 
 
 def seconds_left(budget_s: float | None, deadline: float | None) -> float:

@@ -22,6 +22,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf
 
+from synthesis.numerics import clock
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.branching.node import Node, Tree
@@ -39,7 +40,14 @@ from synthesis.optimise.recovery.candidate import (
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.root_node import RootNode
-from synthesis.optimise.state import DEFAULT_TIGHTENING, SolveState, Stage, WarmStart
+from synthesis.optimise.state import (
+    DEFAULT_TIGHTENING,
+    QUICK,
+    ProofBudget,
+    SolveState,
+    Stage,
+    WarmStart,
+)
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 
@@ -65,7 +73,9 @@ EXITS: tuple[tuple[str, Test], ...] = (
     ("time", lambda state, tree, node: node.processed and state.time_left <= 0.0),
     (
         "node limit",
-        lambda state, tree, node: (node.processed or node.upper_half) and tree.count >= tree.limit,
+        lambda state, tree, node: (
+            (node.processed or node.upper_half) and tree.count >= tree.node_limit(state)
+        ),
     ),
 )
 """The only places where the loop ends, besides a lowest node that cannot be divided."""
@@ -77,7 +87,7 @@ def optimise(
     deadline: float = inf,
     tighten: float = DEFAULT_TIGHTENING,
     *,
-    thorough: bool = False,
+    proof: ProofBudget = QUICK,
     warm_start: WarmStart | None = None,
     sufficient: float = -inf,
 ) -> SolveState:
@@ -88,7 +98,7 @@ def optimise(
         tolerance: relative gap at which to stop.
         deadline: ``time.monotonic()`` at which to stop with the best so far.
         tighten: relative tightening of the rows against the solver's tolerance.
-        thorough: branch on sizes where nonconvex limits leave a gap.
+        proof: what may be spent where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
@@ -96,9 +106,11 @@ def optimise(
     Returns:
         the final state; without an incumbent where no cam was found.
     """
+    now = clock.now()
     state = SolveState(
-        problem, tolerance, deadline, tighten, warm_start=warm_start, thorough=thorough,
-        sufficient=sufficient,
+        problem, tolerance, deadline, tighten, warm_start=warm_start, sufficient=sufficient,
+        last_program=clock.programs_solved() + proof.programs,
+        proof_deadline=now + proof.share * (deadline - now),
     )  # fmt: skip
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a
@@ -110,7 +122,7 @@ def optimise(
         node = tree.next_node
         if not node.processed:
             state, processed = node.process(state)
-            tree = tree.with_processed(node, processed, state)
+            tree = tree.with_processed(node, processed)
             continue
         state, children = node.branch(state)
         if not children:

@@ -24,6 +24,25 @@ DEFAULT_TIGHTENING = 1e-7
 """Relative tightening of the rows as long as the certificate has refused no cam."""
 
 
+@dataclass(frozen=True)
+class ProofBudget:
+    """What nodes over parts of the domain may take where the quick proof leaves a gap.
+
+    The quick proof is made whatever it takes; at these limits the rest ends with what is proven.
+
+    Attributes:
+        programs: solved in all, those of the quick proof included: the same on every machine.
+        share: of the time from the start to the deadline.
+    """
+
+    programs: float
+    share: float
+
+
+QUICK, THOROUGH = ProofBudget(0.0, 0.5), ProofBudget(inf, 1.0)
+"""A quick proof leaves time to others also where its own nodes take long (limits on forces)."""
+
+
 @dataclass(frozen=True, eq=False)
 class WarmStart:
     """A local optimum.
@@ -61,7 +80,8 @@ class SolveState:
         tolerance: relative gap at which to stop, of the objective in the wire's unit.
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative tightening of all rows against the solver's tolerance.
-        thorough: whether to branch on sizes where nonconvex limits leave a gap.
+        last_program: ``clock.programs_solved()`` from which on only a quick proof is made.
+        proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop.
         sufficient: a value of the objective [wire] at which to stop, whatever the gap.
         margin: relative tightening of rows written at points, against their excess in between.
         incumbent: best cam that satisfies all limits.
@@ -90,7 +110,8 @@ class SolveState:
     tolerance: float
     deadline: float
     tighten: float
-    thorough: bool = False
+    last_program: float = -inf
+    proof_deadline: float = inf
     sufficient: float = -inf
     margin: float = 0.0
     incumbent: Candidate | None = None
@@ -119,6 +140,12 @@ class SolveState:
     def time_left(self) -> float:
         """Seconds until the deadline; negative after it."""
         return self.deadline - clock.now()
+
+    @property
+    def thorough(self) -> bool:
+        """Whether to go on, where nonconvex limits leave a gap, with more than a quick proof."""
+        lasts = clock.programs_solved() < self.last_program
+        return lasts and clock.now() < self.proof_deadline
 
     @property
     def tightening(self) -> Tightening:

@@ -26,7 +26,7 @@ from synthesis.optimise.problem.problem import (
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST
-from synthesis.optimise.state import SolveState, WarmStart
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState, WarmStart
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.spec.design_spec import DesignSpec
 
@@ -34,6 +34,10 @@ FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself,
 SMALL = 5e-2  # strokes: a smaller base radius is no measure of how much it has to grow
 GROWTHS = 14  # radii tried at most
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
+AUTO_PROGRAMS = 100
+"""Programs for a proof that goes on by itself: 2 to 4 s. A program takes 0.02 to 0.04 s of them,
+whatever the family, with all that is computed around it."""
+AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
 
@@ -152,7 +156,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[StageReport]) 
                 from_start = rank == 0 and first is None
                 state = optimise(
                     problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
-                    tighten, thorough=spec.proof == "thorough",
+                    tighten, proof=_proof_budget(spec),
                     warm_start=goal.warm_start if from_start else None,
                     sufficient=sufficient if from_start else -inf,
                 )  # fmt: skip
@@ -214,13 +218,14 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport
         if clock.now() >= goal.stop or trial_radius <= least * (1.0 + 0.1 * accuracy):
             break
         raised = Range(min=trial_radius, max=largest)
-        larger = spec.model_copy(update={"base_radius_mm": raised})
+        larger = spec.model_copy(update={"base_radius_mm": raised, "proof": "quick"})
         trial = question.with_scaled(larger)
         larger_cam = solve_and_certify(
             Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
         )
         if larger_cam.cam is not None and larger_cam.certified:
-            built = larger_cam.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
+            asked = {"base_radius_mm": spec.base_radius_mm, "proof": spec.proof}
+            built = larger_cam.built.model_copy(update=asked)
             extremes = certify_cam(question.physical, larger_cam.cam, question.to_physical(built))
             most = _base_radius(larger_cam)
             best = replace(larger_cam, question=question, built=built, extremes=extremes)
@@ -235,6 +240,17 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport
     first, *later = crossing.bounds
     unknown = [replace(bounded, lower=-inf) for bounded in later]
     return replace(best, bounds=[first, *unknown])
+
+
+def _proof_budget(spec: DesignSpec) -> ProofBudget:
+    """What may be spent on a proof.
+
+    ``auto`` spends part of the time that the spec gives; where it gives none, a number of programs,
+    so that the answer depends on no machine's speed.
+    """
+    programs = AUTO_PROGRAMS if spec.time_budget_s is None else inf
+    auto = ProofBudget(programs, AUTO_SHARE)
+    return {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
 
 
 def _base_radius(attempt: Attempt) -> float:

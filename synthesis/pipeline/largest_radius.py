@@ -147,7 +147,8 @@ def _with_gentle_law(
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
-    gentlest = spec.model_copy(update={"objective": PeakAcceleration(), "tolerance": 1.0})
+    changes = {"objective": PeakAcceleration(), "tolerance": 1.0, "proof": "quick"}
+    gentlest = spec.model_copy(update=changes)
     gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
     if not gentle.certified:
         return known
@@ -157,7 +158,8 @@ def _with_gentle_law(
         Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
         *(Bounded(objective, -inf, "") for objective in later),
     ]
-    built = gentle.built.model_copy(update={"objective": known.question.scaled.objective})
+    asked = known.question.scaled
+    built = gentle.built.model_copy(update={"objective": asked.objective, "proof": asked.proof})
     return replace(gentle, question=known.question, built=built, bounds=bounds)
 
 

@@ -88,12 +88,16 @@ class DesignSpec(FiniteModel):
         le=1.0,
         description="Relative gap to the best possible that is good enough: it buys time.",
     )
-    proof: Literal["quick", "thorough"] = Field(
-        "quick",
+    proof: Literal["auto", "quick", "thorough"] = Field(
+        "auto",
         description="Where curvature binds, the quick lower bound is that of the question "
         "without it. `thorough` adds rows that curvature implies where a better cam would "
         "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
-        "gap, for half a second to some ten seconds more.",
+        "gap, for half a second to some ten seconds more. `auto` begins with the quick one and, "
+        "while the gap is above the tolerance, goes on as `thorough` does: for some three "
+        "seconds, counted in programs solved, so that the answer is the same on every machine; "
+        "with `time_budget_s`, for half of that time, and how far it comes depends on the "
+        "machine. In the base of a sweep `quick` is the default.",
     )
     report_smoothness_cost: bool = Field(
         False,

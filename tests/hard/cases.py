@@ -74,7 +74,7 @@ def scene(*limits: Spec, **changes: Any) -> Spec:
     """P1's kind of motion with free laws at sizes that are nothing special."""
     return {
         "speed_rpm": RPM, "program": moves(), "follower": ROLLER, "limits": list(limits),
-        "tolerance": 1e-2,
+        "tolerance": 1e-2, "proof": "quick",
     } | changes  # fmt: skip
 
 

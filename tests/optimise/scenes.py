@@ -82,6 +82,7 @@ def scene(
             "base_radius_mm": base,
             "limits": list(limits),
             "objective": {"kind": objective},
+            "proof": "quick",
         }
     )
 

@@ -37,5 +37,6 @@ def spec(**changes: Any) -> DesignSpec:
         "follower": {"kind": "translating_roller", "roller_radius_mm": 10.0},
         "limits": [PRESSURE, jerk(48.0)],
         "tolerance": 5e-3,
+        "proof": "quick",
     }
     return DesignSpec.model_validate(body | changes)

@@ -130,6 +130,7 @@ def test_arms_are_sized_together_with_their_law_and_their_closure(closure: str) 
     ]
     asked = body.model_dump(mode="json", exclude_none=True) | {
         "program": moves, "base_radius_mm": None, "speed_rpm": 120.0, "tolerance": 1e-2,
+        "proof": "quick",
         "limits": [
             {"kind": "pressure_angle", "rise_deg": 36.0, "return_deg": 37.0},
             {"kind": "jerk", "max_deg_per_s3": 2.1e6},

@@ -32,6 +32,7 @@ def question(
         ],
         "follower": {"kind": "translating_roller", "roller_radius_mm": 2.0},
         "limits": limits,
+        "proof": "quick",
     }
     return DesignSpec.model_validate(body | more)
 

@@ -50,7 +50,7 @@ def asked(
                 "kind": "oscillating_flat_face", "centre_distance_mm": distance,
                 "face_offset_mm": offset, "sense": sense,
             },
-            "limits": list(limits),
+            "limits": list(limits), "proof": "quick",
             **more,
         }
     )  # fmt: skip

@@ -26,7 +26,7 @@ def scene(follower: dict[str, Any], *limits: dict[str, Any]) -> Design:
     body = {
         "speed_rpm": RPM, "program": [up, down, {"kind": "dwell", "angle_deg": 130.4}],
         "follower": follower, "base_radius_mm": BASE, "limits": list(limits),
-        "objective": {"kind": "peak_jerk"}, "tolerance": 0.05,
+        "objective": {"kind": "peak_jerk"}, "tolerance": 0.05, "proof": "quick",
     }  # fmt: skip
     return synthesise(DesignSpec.model_validate(body))
 

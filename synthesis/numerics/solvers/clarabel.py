@@ -108,6 +108,7 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     if must_stop is not None:
         solver.set_termination_callback(lambda _: must_stop())
     found = solver.solve()
+    clock.count_program()
     clock.now()
     return ConeSolution(
         project_on_equalities(program, np.asarray(found.x)),

@@ -81,6 +81,7 @@ def minimise_each(
         )
         if stopped is not StopReason.SOLVED:
             break
+    clock.count_program()
     return found
 
 

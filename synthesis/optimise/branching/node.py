@@ -87,11 +87,11 @@ class Tree:
 
     Attributes:
         leaves: open nodes, and nodes that could not be divided.
-        limit: nodes to process at most. count: nodes processed.
+        first: the first node of its kind, processed; it sets the node limit. count: processed.
     """
 
     leaves: tuple[Node, ...]
-    limit: float = inf
+    first: Node | None = None
     count: int = 0
 
     @property
@@ -99,10 +99,14 @@ class Tree:
         """The node with the least lower bound; of several the first that is not processed."""
         return min(self.leaves, key=lambda node: (node.lower, node.processed))
 
-    def with_processed(self, node: Node, processed: Node, state: SolveState) -> Tree:
-        """The tree after a node was processed; the first of its kind sets the node limit."""
+    def node_limit(self, state: SolveState) -> float:
+        """Nodes to process at most, as long as the budget of the proof lasts."""
+        return inf if self.first is None else self.first.node_limit(state)
+
+    def with_processed(self, node: Node, processed: Node) -> Tree:
+        """The tree after a node was processed."""
         tree = replace(self, leaves=(*self._without(node), processed), count=self.count + 1)
-        return replace(tree, limit=processed.node_limit(state)) if node.is_root else tree
+        return replace(tree, first=processed) if node.is_root else tree
 
     def with_children(self, node: Node, children: Sequence[Node]) -> Tree:
         """The tree after branching on a node; a root among the children is counted as the first."""

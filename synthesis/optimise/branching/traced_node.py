@@ -41,7 +41,6 @@ from synthesis.optimise.state import SolveState, Stage
 INTERVALS = 20  # of the first mesh of every node
 SAMPLES = 200  # points of a segment at which limits are looked at
 SPARE = 1e-9  # relative slack of a value that is held, against rounding
-TIME_SHARE = 0.5  # of the time left, if the proof was not asked for
 FIRST_TURNS, TURNS, FEW_TURNS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
 WIDTH_KEPT = 0.85  # of the bounds' width: a turn that leaves more is idle
@@ -79,8 +78,7 @@ class TracedNode(Node):
     def root(cls, state: SolveState) -> Self | None:
         """The whole domain; None where there is nothing to prove, or no way to.
 
-        Without ``thorough`` the proof is begun for limits on forces alone, and takes part of the
-        time that is left.
+        A quick proof is begun for limits on forces alone.
         """
         started, best, problem = time.perf_counter(), state.incumbent, state.problem
         if best is None or problem.objective.quasiconvex or not problem.free:
@@ -91,8 +89,7 @@ class TracedNode(Node):
         parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
         if not parts and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
-        spared = 0.0 if state.thorough else TIME_SHARE * state.time_left
-        task = BoundTask.of(state, best, state.deadline - spared)
+        task = BoundTask.of(state, best, state.proof_deadline)
         if task is None:
             return None
         region = initial_region(task.problem, task.controls, parts)
@@ -124,11 +121,9 @@ class TracedNode(Node):
         if not self.is_root:
             return state, tighten(inside, replace(self, upper_half=False), TURNS)._processed()
         node = solve_relaxation(inside, self)
-        if not state.thorough:
-            return state, tighten(inside, node, FEW_TURNS)._processed()
         for turns in (FIRST_TURNS, TURNS):
             node = tighten(inside, node, turns)
-            if node.is_pruned(state) or inside.time_left <= 0.0:
+            if node.is_pruned(state) or inside.time_left <= 0.0 or not state.thorough:
                 break
             inside, node = _improve_incumbent(inside, node)
         return replace(inside, deadline=state.deadline), node._processed()
@@ -207,11 +202,14 @@ def tighten(state: SolveState, node: TracedNode, turns: int) -> TracedNode:
     """Tighten bounds and rows in turns, each from what the other has shown.
 
     All laws are tightened at first, and once more before it is given up; in between only those on
-    which the relaxation's solution violates a limit: other bounds would not cut it off.
+    which the relaxation's solution violates a limit: other bounds would not cut it off. At the root
+    a quick proof has few turns, and so has one whose budget has ended.
     """
     among = every = tuple(range(len(node.task.problem.free)))
-    for _ in range(turns):
+    for turn in range(turns):
         if node.is_empty or not node.grids or state.time_left <= 0.0:
+            break
+        if node.is_root and turn >= FEW_TURNS and not state.thorough:
             break
         before, region = node.region.for_laws(among).mean_width, _tighten_region(state, node, among)
         if region is None:

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, JsonValue, model_validator
+from pydantic import Field, JsonValue, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.fields import FiniteModel, Name
@@ -256,7 +256,9 @@ class SweepSpec(FiniteModel):
     """Many designs: the base with other values of some fields."""
 
     name: Name = Field("", description="Shown in lists and file names.")
-    base: DesignSpec = Field(description="The design that is varied.")
+    base: DesignSpec = Field(
+        description="The design that is varied; its `proof` is `quick` where it is left out."
+    )
     axes: list[Axis] = Field(
         min_length=1, max_length=MAX_AXES, description="Fields to vary, and their values."
     )
@@ -274,6 +276,13 @@ class SweepSpec(FiniteModel):
         "then differ from those of the same spec alone, within the gap that is told; such a "
         "design names the other one in started_from and has an id of its own.",
     )
+
+    @field_validator("base")
+    @classmethod
+    def _prove_quickly(cls, base: DesignSpec) -> DesignSpec:
+        """Of many designs none takes seconds for its proof, unless that is asked for."""
+        asked = "proof" in base.model_fields_set
+        return base if asked else base.model_copy(update={"proof": "quick"})
 
     @model_validator(mode="after")
     def _check_fields(self) -> SweepSpec:

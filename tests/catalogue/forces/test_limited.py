@@ -38,6 +38,7 @@ BODY: dict[str, Any] = {
         {"kind": "jerk", "max_mm_per_s3": 3e7},
     ],
     "tolerance": 5e-3,
+    "proof": "quick",
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.state import SolveState
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
 from tests.optimise.scenes import angles, dwell, fall, jerk, rise, scene
 
 TOLERANCE = 5e-3
@@ -22,17 +22,17 @@ SPEC = scene(
 )  # fmt: skip
 
 
-def searched(*, thorough: bool) -> SolveState:
-    return optimise(formulate_problem(SPEC, SPEC.objectives()[0]), TOLERANCE, thorough=thorough)
+def searched(proof: ProofBudget) -> SolveState:
+    return optimise(formulate_problem(SPEC, SPEC.objectives()[0]), TOLERANCE, proof=proof)
 
 
 @pytest.fixture(scope="module")
 def close() -> SolveState:
-    return searched(thorough=True)
+    return searched(THOROUGH)
 
 
 def test_the_gap_is_closed_by_a_better_cam_and_a_better_bound(close: SolveState):
-    quick = searched(thorough=False)
+    quick = searched(QUICK)
     assert close.incumbent is not None
     assert quick.incumbent is not None
     assert close.gap_between(close.incumbent, close.lower) <= TOLERANCE

@@ -20,6 +20,7 @@ from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
+from synthesis.optimise.state import QUICK, THOROUGH
 
 OMEGA, SHARES = 10.0, (1.03, 0.91, 0.97, 1.12, 0.88, 1.06, 1.1, 0.93)
 
@@ -100,7 +101,7 @@ def test_the_best_cam_lies_where_better_cams_are_said_to_lie(found):
 
 def test_a_proof_of_many_laws_comes_to_its_end():
     quick = posed(6, dwells=False)
-    thorough = optimise(quick.problem, 5e-3, thorough=True)
+    thorough = optimise(quick.problem, 5e-3, proof=THOROUGH)
     assert quick.gap_between(quick.incumbent, quick.lower) > 0.05
     assert thorough.gap_between(thorough.incumbent, thorough.lower) <= 5e-3
     assert thorough.lower <= quick.incumbent.value
@@ -112,8 +113,8 @@ def test_where_the_size_is_given_hulls_are_narrowed_and_no_box_is_cut():
     body |= {"base_radius_mm": 33.26, "objective": {"kind": "peak_acceleration"}}
     spec = DesignSpec.model_validate(body)
     quick, thorough = (
-        optimise(formulate_problem(spec, spec.objectives()[0]), 5e-3, thorough=proof)
-        for proof in (False, True)
+        optimise(formulate_problem(spec, spec.objectives()[0]), 5e-3, proof=proof)
+        for proof in (QUICK, THOROUGH)
     )
     assert thorough.incumbent is not None
     assert quick.lower < thorough.lower <= thorough.incumbent.value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import json
 from typing import Any
@@ -51,6 +52,18 @@ def test_a_grid_has_every_combination_once_the_last_axis_fastest() -> None:
     assert found[-1][:2] == (33.5, 200.0)
 
 
+def test_a_base_that_leaves_its_proof_out_is_proven_quickly() -> None:
+    spec = sweep(ANGLE)
+    assert spec.item(spec.item_values(3))["proof"] == "quick"
+    again = SweepSpec.model_validate_json(spec.model_dump_json())
+    assert again.document == spec.document
+    for proof in ("auto", "quick", "thorough"):
+        told = SweepSpec.model_validate({"base": BASE | {"proof": proof}, "axes": [ANGLE]})
+        assert told.document["proof"] == proof
+    single = DesignSpec.model_validate(BASE)
+    assert SweepSpec.model_validate({"base": single, "axes": [ANGLE]}).base.proof == "quick"
+
+
 def test_rows_go_side_by_side() -> None:
     five = {**ANGLE, "count": 5}
     spec = sweep(five, SPEED, plan={"kind": "rows"})
@@ -76,11 +89,12 @@ def test_a_latin_hypercube_uses_each_part_of_each_axis_once_and_its_seed_decides
 def test_an_item_is_the_base_with_its_values_and_nothing_else_changed() -> None:
     spec = sweep(ANGLE, TURN)
     item = spec.item([25.5, "cw"])
-    expected = DesignSpec.model_validate(BASE).model_dump(mode="json")
+    base = DesignSpec.model_validate(BASE | {"proof": "quick"}).model_dump(mode="json")
+    expected = copy.deepcopy(base)
     expected["limits"][0]["rise_deg"], expected["rotation"] = 25.5, "cw"
     assert item == expected
     assert spec.without_values().item([25.5, "cw"]) == item
-    assert spec.item([29.0, "ccw"]) == DesignSpec.model_validate(BASE).model_dump(mode="json")
+    assert spec.item([29.0, "ccw"]) == base
 
 
 def test_what_goes_along_and_what_gives_way() -> None:
