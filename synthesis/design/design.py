@@ -186,24 +186,39 @@ class SmoothnessCost(AnswerModel):
     note: str = Field("", description="Why there is no price, or what it is worth.")
 
 
-class StageReport(AnswerModel):
-    """One stage of the ladder: what was modelled and what it cost."""
+class Effort(AnswerModel):
+    """One stage: what was modelled, what it cost, and the gap that was left after it."""
 
-    stage: str = doc("closed form, convex (with the round's number) or nonlinear.")
+    stage: str = doc(
+        "What was done: a closed form; convex (the relaxation on one mesh, with its number); "
+        "tangents or nonlinear (local searches); implied rows (branch and bound); others by name."
+    )
     model: str = doc("Class of the model: half-planes, LP, QP, SOCP or NLP.")
     solver: str = doc("Which solver, if any.")
     unknowns: int = doc("Number of unknowns.")
     rows: int = doc("Number of rows, those of cones included.")
     iterations: int = doc("Iterations of the solver, all calls of the stage.")
-    seconds: float = doc("Wall time of the stage.")
+    seconds: float = doc("Wall time of the stage, without that of stages inside it.")
     status: str = doc("Why the solver stopped; the certificate alone says what that is worth.")
     note: str = Field("", description="Anything else worth knowing.")
+    nodes: int = Field(
+        0, description="Nodes of the branch and bound processed; 0: the domain was not divided."
+    )
+    gap: float | None = Field(
+        None, description="Gap of the best cam to the best bound after it; null: one is not known."
+    )
+    exit: str = Field(
+        "",
+        description="Why the search ended, in its last stage: tolerance (the gap is within it), "
+        "budget of the proof (see `proof`), node limit, time, or what else there was nothing to "
+        "do for. Empty: it went on.",
+    )
 
 
 class Report(AnswerModel):
-    """Stage by stage, and the whole."""
+    """What was bought with what time: stage by stage, and the whole."""
 
-    stages: list[StageReport] = doc("In the order they ran.")
+    stages: list[Effort] = doc("In the order they ran.")
     seconds: float = doc("Wall time of the whole design in the core.")
 
 

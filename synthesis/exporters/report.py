@@ -14,7 +14,7 @@ from itertools import repeat
 from typing import Any
 
 from synthesis.design.analysis import Sensitivities
-from synthesis.design.design import WITHOUT_CAM, Conflict, Design, Extreme, Proof
+from synthesis.design.design import WITHOUT_CAM, Conflict, Design, Extreme, Proof, Report
 from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
@@ -47,6 +47,8 @@ def report_with(
             parts += _cam(design, options)
         if costs is not None:
             parts.append(_sensitivities(costs))
+        if design.report.stages:
+            parts.append(_effort(design.report))
         parts.append(_spec(design))
         if design.motion:
             parts.append(_files(design, profile_formats, motion_formats))
@@ -170,6 +172,20 @@ def _sensitivities(costs: Sensitivities) -> str:
     rows = [[one.field, svg.figure(one.requested, 8), one.sentence] for one in costs.sensitivities]
     table = _table(("Field", "requested", "One unit more there"), rows) if rows else ""
     return _section("What each limit costs", table + _note(costs.evidence))
+
+
+def _effort(report: Report) -> str:
+    """What was bought with what time."""
+    rows = [
+        [
+            each.stage, each.model, f"{svg.figure(each.seconds, 3)} s",
+            str(each.nodes or "–"), _value(each.gap and 100.0 * each.gap, "%", 3), each.exit,
+        ]
+        for each in report.stages
+    ]  # fmt: skip
+    table = _table(("Stage", "Model", "Time", "Nodes", "Gap after it", "Ended by"), rows)
+    note = f"{svg.figure(report.seconds, 3)} s in all, what was measured of the cam included."
+    return _section("What it took", table + _note(note))
 
 
 def _spec(design: Design) -> str:

@@ -60,25 +60,28 @@ LEVEL_STAYS = 1e-7
 of it over steps a thousand times larger."""
 ESTIMATE_TOLERANCE = 1e-2  # relative; an estimate refines no mesh
 
+NODE_LIMIT, BUDGET = "node limit", "budget of the proof"
+
 Test = Callable[[SolveState, Tree, Node], bool]
 
 EXITS: tuple[tuple[str, Test], ...] = (
     (
-        "infeasible: the relaxation has no point",
+        "the relaxation has no point",
         lambda state, tree, node: (
             state.infeasible and (node.processed or bool(state.infeasibility_proof))
         ),
     ),
-    ("no open node holds a better cam", lambda state, tree, node: node.is_pruned(state)),
+    ("no open node has a better cam", lambda state, tree, node: node.is_pruned(state)),
     ("time", lambda state, tree, node: node.processed and state.time_left <= 0.0),
     (
-        "node limit",
+        NODE_LIMIT,
         lambda state, tree, node: (
             (node.processed or node.upper_half) and tree.count >= tree.node_limit(state)
         ),
     ),
 )
 """The only places where the loop ends, besides a lowest node that cannot be divided."""
+UNDIVIDED = "the lowest node is not divided"
 
 
 def optimise(
@@ -128,7 +131,19 @@ def optimise(
         if not children:
             break
         tree = tree.with_children(node, children)
-    return _with_coverage(tree.next_node.conclude(state, tree))
+    state = _with_coverage(tree.next_node.conclude(state, tree))
+    return state.with_exit(_exit(state, tree))
+
+
+def _exit(state: SolveState, tree: Tree) -> str:
+    """Why the loop has ended, for the report."""
+    tests = ((name, holds(state, tree, tree.next_node)) for name, holds in EXITS)
+    if state.solved:
+        return "sufficient" if state.suffices else "tolerance"
+    name = next((name for name, holds in tests if holds), UNDIVIDED)
+    # What only a longer proof would raise: more nodes, or any at all where curvature decides.
+    short = name == NODE_LIMIT or (name == UNDIVIDED and state.needs_local_search)
+    return BUDGET if short and not state.thorough else name
 
 
 def _presolve(state: SolveState) -> tuple[SolveState, bool]:

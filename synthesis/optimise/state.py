@@ -6,6 +6,7 @@ role that fails, or is tried and given up, leaves nothing behind.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from math import inf, isfinite
@@ -59,7 +60,10 @@ class WarmStart:
 
 @dataclass(frozen=True)
 class Stage:
-    """What one stage modelled and what it cost."""
+    """What one stage modelled, what it cost, and how far the search was after it.
+
+    ``Effort`` of the report has the same fields and their meaning.
+    """
 
     stage: str
     model: str
@@ -70,6 +74,9 @@ class Stage:
     seconds: float
     status: str
     note: str = ""
+    nodes: int = 0
+    gap: float | None = None
+    exit: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +160,20 @@ class SolveState:
         return Tightening(self.tighten, self.margin)
 
     def with_stage(self, stage: Stage) -> SolveState:
-        """The state with one more stage in its report."""
-        return replace(self, stages=(*self.stages, stage))
+        """The state with one more stage in its report: what that has found is in the state."""
+        gap = max(self.gap_between(self.incumbent, self.lower), 0.0)
+        reported = replace(stage, gap=gap if isfinite(gap) else None)
+        return replace(self, stages=(*self.stages, reported))
+
+    def with_exit(self, reason: str) -> SolveState:
+        """The state with why the search has ended, in the report of its last stage."""
+        *before, last = self.stages or (None,)
+        return self if last is None else replace(self, stages=(*before, replace(last, exit=reason)))
+
+    @property
+    def stopwatch(self) -> float:
+        """Seconds on a clock that stands still in stages reported, so that none counts twice."""
+        return time.perf_counter() - sum(stage.seconds for stage in self.stages)
 
     def with_relaxed(self, cam: Candidate) -> SolveState:
         """Take a cam of the relaxation, and the cam that it becomes under the other limits."""

@@ -15,13 +15,13 @@ from synthesis.design.design import (
     Certificate,
     Conflict,
     Design,
+    Effort,
     Extreme,
     Proof,
     Report,
     SegmentMotion,
     SmoothnessCost,
     SplineCurve,
-    StageReport,
     Status,
 )
 from synthesis.design.identity import design_id, engine_version
@@ -245,7 +245,7 @@ def design(
     cam: Cam | None,
     extremes: Sequence[Extreme],
     objective_proofs: Sequence[Proof],
-    stages: Sequence[StageReport],
+    stages: Sequence[Effort],
     seconds: float,
     conflict: Conflict | None,
 ) -> Design:

@@ -12,7 +12,7 @@ from math import inf
 
 from synthesis.catalogue.fields import Range
 from synthesis.certify import SELF_CROSSING
-from synthesis.design.design import Extreme, StageReport
+from synthesis.design.design import Effort, Extreme
 from synthesis.numerics import clock
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
@@ -117,7 +117,7 @@ class Attempt:
             caps = (*caps, ObjectiveCap(objective, solution.allowance(spec.tolerance)))
 
 
-def prepare(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
+def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     """Choose what a spec leaves free and smooth its tables: what is left are laws and a size.
 
     Returns:
@@ -129,16 +129,16 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
         from synthesis.optimise.parameters.search import choose_parameters
 
         numbered, stage = choose_parameters(question.scaled, goal.stop)
-        stages.append(StageReport(**vars(stage)))
+        stages.append(Effort(**vars(stage)))
         question = question.with_scaled(numbered)
         physical = question.physical
         numbers = free_parameters.values_in(physical.program, physical.follower)
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
-    stages += [StageReport(**vars(stage)) for stage in tables.stages]
+    stages += [Effort(**vars(stage)) for stage in tables.stages]
     return Attempt(question, numbers, tables, question.scaled, question.scaled)
 
 
-def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[StageReport]) -> Attempt:
+def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
     """Solve with limits tightened more and more, until the certificate accepts the cam.
 
     Only the first solve uses the warm start: a cam that the certificate refuses is no start.
@@ -184,7 +184,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[StageReport]) 
                 question.physical, attempt.cam, question.to_physical(attempt.built)
             )
         for state in attempt.searches:
-            stages += [StageReport(**vars(stage)) for stage in state.stages]
+            stages += [Effort(**vars(stage)) for stage in state.stages]
         finished = attempt.certified or attempt.crosses_itself or attempt.beyond_tightening
         if finished or clock.now() >= goal.stop:
             break
@@ -192,13 +192,13 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[StageReport]) 
     return attempt
 
 
-def solve_spec(spec: DesignSpec, goal: Goal, stages: list[StageReport]) -> Attempt:
+def solve_spec(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     """Solve a question with everything in it a constraint; its cam does not cross itself."""
     attempt = solve_and_certify(prepare(spec, goal, stages), goal, stages)
     return enlarge_until_simple(attempt, goal, stages)
 
 
-def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[StageReport]) -> Attempt:
+def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
     """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
 
     No formulation knows of crossing. The lower bound remains that of the spec as asked, so the

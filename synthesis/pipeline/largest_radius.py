@@ -23,7 +23,7 @@ from synthesis.catalogue.fields import Range, ends
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.objectives import BaseRadius, PeakAcceleration
 from synthesis.certify import certify_size
-from synthesis.design.design import StageReport
+from synthesis.design.design import Effort
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
 from synthesis.pipeline.attempt import (
@@ -78,9 +78,7 @@ def first_question(spec: DesignSpec) -> DesignSpec:
     return wider or spec
 
 
-def solve(
-    spec: DesignSpec, goal: Goal, stages: list[StageReport]
-) -> tuple[Attempt, Smallest | None]:
+def solve(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
     """Solve a question, its maximum of the base radius treated as described above.
 
     Args:
@@ -94,7 +92,7 @@ def solve(
 
 
 def complete(
-    spec: DesignSpec, first: Attempt, goal: Goal, stages: list[StageReport]
+    spec: DesignSpec, first: Attempt, goal: Goal, stages: list[Effort]
 ) -> tuple[Attempt, Smallest | None]:
     """Make the answer to a question of what its first question came to; as ``solve`` besides."""
     # 1. A cam that crosses itself is made larger.
@@ -135,9 +133,7 @@ def _minimises_radius(spec: DesignSpec) -> bool:
     return spec.objectives()[0].kind == "base_radius" and least < most
 
 
-def _with_gentle_law(
-    spec: DesignSpec, known: Attempt, goal: Goal, stages: list[StageReport]
-) -> Attempt:
+def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
     """What came out, or a cam of the gentlest law where none was found and none is excluded.
 
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
@@ -173,7 +169,7 @@ def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
 
 
 def _restart_from(
-    spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[StageReport]
+    spec: DesignSpec, smallest: Smallest, goal: Goal, stages: list[Effort]
 ) -> Attempt:
     """The question solved from the smallest cam on; that cam itself where this finds none."""
     behind = smallest.attempt.searches[0].local_optimum

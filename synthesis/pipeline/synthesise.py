@@ -12,7 +12,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from synthesis.design.design import Design, SmoothnessCost, StageReport
+from synthesis.design.design import Design, Effort, SmoothnessCost
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.state import WarmStart
@@ -63,7 +63,7 @@ def synthesise(
 
         return design_with_spring(spec, lambda given: synthesise(given, deadline=deadline))
     began, budget = time.perf_counter(), clock.seconds_left(spec.time_budget_s, deadline)
-    stages, stop = list[StageReport](), clock.now() + budget
+    stages, stop = list[Effort](), clock.now() + budget
     near = neighbours[-1] if neighbours else None
     goal = Goal(stop, None if near is None else near.search)
     # 1. Solve and certify. A maximum of the base radius is compared with the smallest cam.

@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 import pytest
 
 from synthesis.design.analysis import Sensitivities, Sensitivity
-from synthesis.design.design import Conflict, Design, Relaxation
+from synthesis.design.design import Conflict, Design, Effort, Relaxation, Report
 from synthesis.exporters import (
     MOTION_FORMATS,
     PICTURES,
@@ -98,6 +98,23 @@ def test_numbers_of_the_design(judged: Design) -> None:
     assert program[1] == ["rise", "0°", "60°", "0 mm", "30 mm", "cycloidal"]
     assert program[4] == ["dwell", "150°", "210°", "0 mm", "0 mm", "–"]
     assert judged.id in told.text
+
+
+def test_what_each_stage_has_bought_is_told(judged: Design) -> None:
+    assert "What it took" not in page(judged).headings
+    each = {"solver": "Clarabel", "unknowns": 71, "rows": 305, "iterations": 13, "status": "solved"}
+    stages = [
+        Effort(stage="convex 1", model="SOCP", seconds=0.0371, **each),
+        Effort(
+            stage="implied rows", model="LPs", seconds=1.73, nodes=7, gap=0.0049213,
+            exit="tolerance", **each,
+        ),
+    ]  # fmt: skip
+    told = page(judged.model_copy(update={"report": Report(stages=stages, seconds=2.13)}))
+    _, first, last = told.tables["What it took"]
+    assert first == ["convex 1", "SOCP", "0.0371 s", "–", "–", ""]
+    assert last == ["implied rows", "LPs", "1.73 s", "7", "0.492 %", "tolerance"]
+    assert "2.13 s in all" in told.text
 
 
 def test_files_have_the_hashes_of_what_is_downloaded() -> None:

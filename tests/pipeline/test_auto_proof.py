@@ -72,4 +72,5 @@ def test_of_a_time_that_is_given_a_part_is_used(monkeypatch: pytest.MonkeyPatch)
         design, more = answered(HARD, time_budget_s=0.8)
     assert more > few
     assert design.status == "feasible"
+    assert design.report.stages[-1].exit == "budget of the proof"
     assert 0.4 <= machine.time < 0.8

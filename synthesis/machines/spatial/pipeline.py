@@ -18,7 +18,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from synthesis.catalogue.motion import Motion
-from synthesis.design.design import WITHOUT_CAM, Certificate, Conflict, Report, StageReport, Status
+from synthesis.design.design import WITHOUT_CAM, Certificate, Conflict, Effort, Report, Status
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
@@ -58,7 +58,7 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
             "Give the number.",
         )
     tables = smooth_tables(spec.placed_segments(), stop)
-    sizes, stages = spec.given_sizes(), list[StageReport]()
+    sizes, stages = spec.given_sizes(), list[Effort]()
     if sizes is not None and not spec.has_free_law:
         cam = build_cam(spec, sizes, Motion.of(tables.segments))
         return _answer(spec, stages, started, GIVEN, cam, tables.splines)
@@ -69,7 +69,7 @@ def synthesise_spatial(spec: SpatialCamSpec, *, deadline: float | None = None) -
     for number, tighten in enumerate(TIGHTENINGS):
         # Most cams have room for their ribs; measuring these waits until a cam is refused.
         result = size_cam(spec, tables, stop, tighten, ribs=number > 0)
-        stages += [StageReport(**asdict(stage)) for stage in result.stages]
+        stages += [Effort(**asdict(stage)) for stage in result.stages]
         proof = _certificate(spec, result)
         if result.sizes is None:
             conflict = diagnose(spec, tables, result, stop)
@@ -94,7 +94,7 @@ def _certificate(spec: SpatialCamSpec, result: SizingResult) -> Certificate:
 
 def _answer(
     spec: SpatialCamSpec,
-    stages: Sequence[StageReport],
+    stages: Sequence[Effort],
     started: float,
     certificate: Certificate,
     cam: SpatialCam | None,

@@ -44,7 +44,7 @@ class Node(ABC):
         upper_half: whether a node was divided by the objective's value and this is the part with
             the larger values, which is processed only while the node limit allows.
         is_root: whether it is the whole domain: the first node of its kind, from which the nodes of
-            this kind are counted. started: ``time.perf_counter()`` of its root.
+            this kind are counted. started: ``SolveState.stopwatch`` at its root.
     """
 
     lower: float = -inf

@@ -10,7 +10,6 @@ than the incumbent need not satisfy them. Rows and bounds tighten each other, in
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -78,7 +77,7 @@ class PivotNode(Node):
     @classmethod
     def root(cls, state: SolveState) -> Self | None:
         """The whole domain; None where no nonconvex limit binds, or no incumbent bounds it."""
-        started, best, free = time.perf_counter(), state.incumbent, state.problem.free
+        started, best, free = state.stopwatch, state.incumbent, state.problem.free
         if best is None or not free:
             return None
         parts = {k: part for k, s in enumerate(free) if (part := nearly_binding_part(best, s))}
@@ -130,8 +129,9 @@ class PivotNode(Node):
         return state.raise_bound(lowest.lower, lowest.valid_for).with_stage(
             Stage(
                 "implied rows", f"cone programs in {len(tree.leaves)} boxes", "Clarabel", 0, 0, 0,
-                time.perf_counter() - self.started, "solved",
+                state.stopwatch - self.started, "solved",
                 "what a better cam keeps to, and the rows that its limits imply there",
+                tree.count,
             )
         )  # fmt: skip
 

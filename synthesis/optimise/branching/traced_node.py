@@ -9,7 +9,6 @@ empty or the bounds no longer change. Then it is divided, in a size or in the va
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
@@ -80,7 +79,7 @@ class TracedNode(Node):
 
         A quick proof is begun for limits on forces alone.
         """
-        started, best, problem = time.perf_counter(), state.incumbent, state.problem
+        started, best, problem = state.stopwatch, state.incumbent, state.problem
         if best is None or problem.objective.quasiconvex or not problem.free:
             return None
         forces = [limit for limit in problem.limits if limit.needs_load]
@@ -172,8 +171,9 @@ class TracedNode(Node):
         return state.with_stage(
             Stage(
                 "implied rows", f"linear and cone programs in {tree.count} boxes",
-                "HiGHS, Clarabel", 0, 0, 0, time.perf_counter() - self.started, "solved",
+                "HiGHS, Clarabel", 0, 0, 0, state.stopwatch - self.started, "solved",
                 "what a better cam keeps to, and the rows that its curvature implies there",
+                tree.count,
             )
         )  # fmt: skip
 

@@ -6,7 +6,6 @@ where that does not converge. A cam that results is an incumbent and proves noth
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
@@ -74,10 +73,11 @@ def _continue_from_gentler_laws(state: SolveState) -> SolveState:
         if start is None:
             continue  # no law is so gentle
         trial, _ = scp_search(trial, start.laws, start.size, f"tangents, {share:g} of the caps")
-        state = replace(state, stages=state.stages + trial.stages)
         start = trial.incumbent or start
         if trial.incumbent is not None:
             state, _ = offer_local_optimum(state, start.laws, start.size)
+        for stage in trial.stages:
+            state = state.with_stage(stage)
     return state
 
 
@@ -103,7 +103,7 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
     start = state.incumbent or start
     accuracies, growth = solver_tolerances(state.tolerance), GROWTH * state.tolerance
     for _ in range(EXCHANGES):
-        started = time.perf_counter()
+        started = state.stopwatch
         model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
         point = model.point(start.laws, start.size)
         solution = solve_ipopt(model, point, state.deadline, *accuracies, growth=growth)
@@ -113,7 +113,7 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
             state = replace(state, local_optimum=WarmStart(state.grids, tuple(laws), size))
         report = Stage(
             "nonlinear", "NLP", "IPOPT", len(solution.x), solution.rows, solution.iterations,
-            time.perf_counter() - started, solution.stopped.value,
+            state.stopwatch - started, solution.stopped.value,
         )  # fmt: skip
         state = state.with_stage(report)
         # once more with points where rows were violated between theirs
@@ -141,21 +141,23 @@ def scp_search(
     repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
     for target in (first, *repeats):
-        started = time.perf_counter()
+        started = state.stopwatch
         # Nonconvex limits enter through their tangents, so rows of curved limits are left out.
         model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
         result = solve_scp(model, laws, size, state.deadline, target)
         stopped = StopReason.SOLVED if result.converged else StopReason.INACCURATE
+        cam = result.cam
+        if cam is not None:
+            enough = cam.value * (1.0 + gap)
+            state, violations = offer_local_optimum(state, cam.laws, cam.size, enough)
+            state = replace(state, local_optimum=WarmStart(state.grids, cam.laws, cam.size))
         report = Stage(
             stage, f"{result.rounds} SOCPs", "Clarabel", model.program.matrix.shape[1],
-            result.rows, result.iterations, time.perf_counter() - started, stopped.value,
+            result.rows, result.iterations, state.stopwatch - started, stopped.value,
         )  # fmt: skip
         state = state.with_stage(report)
-        cam = result.cam
         if cam is None:
             return state, False
-        state, violations = offer_local_optimum(state, cam.laws, cam.size, cam.value * (1.0 + gap))
-        state = replace(state, local_optimum=WarmStart(state.grids, cam.laws, cam.size))
         best = state.incumbent
         if best is not None and best.value <= cam.value * (1.0 + ROW_FACTOR * gap):
             return state, result.converged

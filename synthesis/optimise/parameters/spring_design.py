@@ -30,7 +30,7 @@ from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
 from synthesis.catalogue.limits.base import Machine
 from synthesis.catalogue.limits.forces import ContactForce
 from synthesis.catalogue.motion import Motion
-from synthesis.design.design import WITHOUT_CAM, Certificate, Design, Proof, StageReport
+from synthesis.design.design import WITHOUT_CAM, Certificate, Design, Effort, Proof
 from synthesis.design.identity import design_id
 from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
@@ -65,7 +65,7 @@ def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
     kept = [limit for limit in spec.limits if not limit.needs_load]
     numbers = {name: low for name, (low, _) in load.free_spring.items()}
     first = solve(given(numbers).model_copy(update={"limits": kept}))
-    design, peak, stages = first, float("inf"), list[StageReport]()
+    design, peak, stages = first, float("inf"), list[Effort]()
     for _ in range(CAM_ROUNDS if first.motion else 0):
         # 2. The best spring for its motion; the end where that is no better than the last one.
         spring, chosen = _best_spring(spec, design)
@@ -76,7 +76,7 @@ def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
         if design is not first and candidate.status in WITHOUT_CAM:
             break
         design, numbers, peak = candidate, chosen, spring.peak
-        stages.append(StageReport(**asdict(spring.stage)))
+        stages.append(Effort(**asdict(spring.stage)))
         if len(kept) == len(spec.limits) or not design.certificate.certified:
             break
     return _answer(spec, numbers, design, first, stages)
@@ -108,7 +108,7 @@ def _best_spring(spec: DesignSpec, design: Design) -> tuple[ChosenSpring, Number
 
 
 def _answer(
-    spec: DesignSpec, numbers: Numbers, design: Design, first: Design, stages: list[StageReport]
+    spec: DesignSpec, numbers: Numbers, design: Design, first: Design, stages: list[Effort]
 ) -> Design:
     """The cam as the answer to the spec, with bounds that hold for every spring."""
     fields = {f"load/spring/{name}": value for name, value in numbers.items()}

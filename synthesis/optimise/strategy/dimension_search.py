@@ -8,7 +8,6 @@ over the dimension is known here: the answer is a local optimum, and the report 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, log
@@ -78,14 +77,14 @@ class _FixedDimension:
 
 
 @dataclass(frozen=True)
-class _Effort:
+class _Cost:
     """What the trials so far have cost: their number, and iterations of all their stages."""
 
     values: frozenset[float] = frozenset()
     iterations: int = 0
 
 
-Trial = tuple[SolveState, _Effort]
+Trial = tuple[SolveState, _Cost]
 
 
 def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
@@ -97,18 +96,18 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
     """
     pinning = state.problem.machine.follower.fixable_dimension()
     assert pinning is not None
-    started, fixed = time.perf_counter(), _FixedDimension(state.problem, pinning)
+    started, fixed = state.stopwatch, _FixedDimension(state.problem, pinning)
     if not isfinite(state.lower):
         valid_for = f"a local optimum: no bound over the {pinning.name} is known"
         state = replace(state, valid_for=valid_for)
-    state, effort = _try_motion(state, fixed, state.relaxed, STARTS), _Effort()
+    state, cost = _try_motion(state, fixed, state.relaxed, STARTS), _Cost()
     if not state.solved:
         search = _search_with_free_laws if state.problem.free else _search_values
-        state, effort = search(state, fixed, optimise)
+        state, cost = search(state, fixed, optimise)
     return replace(state, infeasible=state.incumbent is None).with_stage(
         Stage(
-            "pinned", f"{pinning.name}, {len(effort.values)} values", "all of the above", 1, 0,
-            effort.iterations, time.perf_counter() - started,
+            "pinned", f"{pinning.name}, {len(cost.values)} values", "all of the above", 1, 0,
+            cost.iterations, state.stopwatch - started,
             "solved" if state.incumbent else "failed",
         )
     )  # fmt: skip
@@ -116,19 +115,19 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
 
 def _solve_at(
     state: SolveState,
-    effort: _Effort,
+    cost: _Cost,
     fixed: _FixedDimension,
     optimise: Optimise,
     value: float,
     tolerance: float,
-) -> tuple[SolveState, _Effort, SolveState]:
+) -> tuple[SolveState, _Cost, SolveState]:
     """Solve with the dimension fixed, and offer the cam to the problem at hand."""
     trial = optimise(fixed.at(value), tolerance, state.deadline, state.tighten)
     relaxed = _better(state.relaxed, trial.relaxed and fixed.freed(value, trial.relaxed))
     incumbent = _better(state.incumbent, trial.incumbent and fixed.freed(value, trial.incumbent))
     state = replace(state, relaxed=relaxed, incumbent=incumbent)
-    iterations = effort.iterations + sum(stage.iterations for stage in trial.stages)
-    return state, _Effort(effort.values | {value}, iterations), trial
+    iterations = cost.iterations + sum(stage.iterations for stage in trial.stages)
+    return state, _Cost(cost.values | {value}, iterations), trial
 
 
 def _better(known: Candidate | None, found: Candidate | None) -> Candidate | None:
@@ -155,14 +154,14 @@ def _try_motion(
 
 def _search_values(state: SolveState, fixed: _FixedDimension, optimise: Optimise) -> Trial:
     """Given laws: the best value of a few, then the least between its neighbours."""
-    effort = _Effort()
+    cost = _Cost()
 
     def objective(logarithm: float) -> float:
-        nonlocal state, effort
+        nonlocal state, cost
         if state.time_left <= 0.0:
             return NO_CAM
         value = fixed.clipped(exp(logarithm))
-        state, effort, trial = _solve_at(state, effort, fixed, optimise, value, state.tolerance)
+        state, cost, trial = _solve_at(state, cost, fixed, optimise, value, state.tolerance)
         if trial.incumbent is None:
             return NO_CAM
         return trial.problem.objective.to_wire(trial.incumbent.value, trial.problem.machine)
@@ -175,12 +174,12 @@ def _search_values(state: SolveState, fixed: _FixedDimension, optimise: Optimise
         around = logarithms[max(best - 1, 0)], logarithms[min(best + 1, len(values) - 1)]
         accuracy = max(min(0.1 * state.tolerance**0.5, 1e-3), 1e-7)
         minimize_scalar(objective, bounds=around, method="bounded", options={"xatol": accuracy})
-    return state, effort
+    return state, cost
 
 
 def _search_with_free_laws(state: SolveState, fixed: _FixedDimension, optimise: Optimise) -> Trial:
     """Free laws: all together from several starts, then the best laws for where that ended."""
-    effort = _Effort()
+    cost = _Cost()
     grids = tuple(uniform_grid(segment, INTERVALS) for segment in state.problem.free)
     state, smooth = smooth_start(replace(state, grids=grids))
     if state.incumbent is None:
@@ -193,22 +192,22 @@ def _search_with_free_laws(state: SolveState, fixed: _FixedDimension, optimise: 
             if state.time_left <= 0.0:
                 break
             value = fixed.clipped(exp(logarithm))
-            state, effort, trial = _solve_at(state, effort, fixed, optimise, value, START_TOLERANCE)
+            state, cost, trial = _solve_at(state, cost, fixed, optimise, value, START_TOLERANCE)
             if trial.incumbent is not None:
                 starts.append(fixed.freed(value, trial.incumbent))
     for start in starts:
         if state.time_left > 0.0:
             state = improve_from(state, start)
     if state.incumbent is None or state.time_left <= 0.0:
-        return state, effort
+        return state, cost
     value = fixed.pinning.value_in(state.incumbent.size)
     inside = fixed.clipped(value)
     if inside != value:
         # the local search has left the range: the best is at the end of the range
         state = replace(state, incumbent=None, relaxed=None)
-        state, effort, trial = _solve_at(state, effort, fixed, optimise, inside, state.tolerance)
+        state, cost, trial = _solve_at(state, cost, fixed, optimise, inside, state.tolerance)
         state = replace(state, grids=trial.grids or state.grids)
-    return state, effort
+    return state, cost
 
 
 def _starts_beside(fixed: _FixedDimension, best: Candidate) -> Iterator[Candidate]:

@@ -1,0 +1,77 @@
+"""What a design's report says of each stage: its time, its nodes, the gap after it, and the end."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from synthesis import synthesise
+from synthesis.design.design import Design
+from synthesis.numerics import clock
+from synthesis.optimise.branching import traced_node
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.pipeline import attempt
+from tests.pipeline.scenes import PRESSURE, jerk, spec
+from tests.pipeline.test_auto_proof import EASY, HARD
+
+SHARP = {"kind": "acceleration", "max_mm_per_s2": 1.3 * 4.0 * 30.0 / 1.0472**2 * 100.0}
+
+
+def exits(design: Design) -> list[str]:
+    return [each.exit for each in design.report.stages if each.exit]
+
+
+@pytest.fixture(scope="module")
+def bent() -> Design:
+    """An answer with everything in it: a relaxation, local searches, a proof without its end."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(attempt, "AUTO_PROGRAMS", 50)
+        return synthesise(HARD)
+
+
+def test_each_stage_says_which_gap_it_has_left(bent: Design) -> None:
+    gaps = [each.gap for each in bent.report.stages if each.gap is not None]
+    assert len(gaps) > 2
+    assert all(later <= sooner for sooner, later in pairwise(gaps))
+    assert gaps[0] > 0.03
+    assert gaps[-1] == pytest.approx(bent.certificate.gap, rel=1e-6)
+
+
+def test_no_second_counts_twice(bent: Design) -> None:
+    """The branch and bound looks for better cams on its way: stages inside a stage."""
+    stages = bent.report.stages
+    assert stages[-1].stage == "implied rows"
+    assert [each.stage for each in stages].count("tangents") > 1
+    assert 0.5 * bent.report.seconds < sum(each.seconds for each in stages) < bent.report.seconds
+
+
+def test_nodes_are_those_of_the_branch_and_bound(bent: Design) -> None:
+    *before, last = bent.report.stages
+    assert not any(each.nodes for each in before)
+    assert f"in {last.nodes} boxes" in last.model
+
+
+def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None:
+    assert exits(bent) == ["budget of the proof"]
+    assert exits(synthesise(EASY)) == ["tolerance"]
+    rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-3)
+    assert exits(synthesise(rough)) == ["the lowest node is not divided"]
+    for name in ("MAX_NODES", "FIRST_TURNS", "TURNS", "GAIN"):
+        monkeypatch.setattr(traced_node, name, 1)
+    assert exits(synthesise(HARD.model_copy(update={"proof": "thorough"}))) == ["node limit"]
+
+
+def test_every_objective_has_an_end_of_its_own() -> None:
+    in_order = [{"kind": "base_radius"}, {"kind": "rms_jerk"}]
+    both = spec(limits=[PRESSURE, jerk(51.3)], objective=in_order)
+    design = synthesise(both)
+    assert len(exits(design)) == 2
+    assert design.report.stages[-1].exit
+
+
+def test_time_that_runs_out_is_named() -> None:
+    problem = formulate_problem(EASY, EASY.objectives()[0])
+    stages = optimise(problem, 1e-6, clock.now()).stages
+    assert [each.exit for each in stages] == ["time"]
