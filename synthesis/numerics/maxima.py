@@ -36,7 +36,9 @@ def _of_cubics(curve: Piecewise) -> tuple[float, float]:
     c0, c1, c2, c3 = columns = np.zeros((4, curve.count))
     columns[: curve.poly.shape[1]] = curve.poly.T
     # ends and stationary points; of what is no number, an end
-    t = np.stack([left, right, *quadratic_roots(3.0 * c3, 2.0 * c2, c1)])
+    t = np.empty_like(columns)
+    t[0], t[1] = left, right
+    t[2], t[3] = quadratic_roots(3.0 * c3, 2.0 * c2, c1)
     t = np.fmin(np.fmax(t, left), right)
     value = c0 + t * (c1 + t * (c2 + t * c3))
     k, i = np.unravel_index(np.argmax(value), value.shape)

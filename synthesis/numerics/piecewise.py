@@ -149,12 +149,20 @@ class Piecewise:
         """Coefficients, highest power first: (d+1, n)."""
         return np.ascontiguousarray(self.poly.T[::-1])
 
+    @cached_property
+    def _derivatives(self) -> tuple[Array, ...]:
+        """Coefficients of the polynomials and of their derivatives, constant first."""
+        tables = [self.poly]
+        while tables[-1].shape[1] > 1:
+            tables.append(tables[-1][:, 1:] * np.arange(1.0, tables[-1].shape[1]))
+        return tuple(tables)
+
     def combine_derivatives(self, coefficients: Sequence[float]) -> Piecewise:
         """Σ_k coefficients[k] f^(k) as a function of its own; of polynomials alone."""
-        mixed, rows = np.zeros_like(self.poly), self.poly
-        for c in coefficients:
-            mixed[:, : rows.shape[1]] += c * rows
-            rows = rows[:, 1:] * np.arange(1.0, rows.shape[1])
+        mixed = np.zeros_like(self.poly)
+        for c, rows in zip(coefficients, self._derivatives, strict=False):
+            if c != 0.0:
+                mixed[:, : rows.shape[1]] += c * rows
         return Piecewise(self.breaks, self.origins, mixed, self.waves)
 
     def bound_derivative(self, piece: Indices, width: Array, order: int) -> Array:

@@ -46,6 +46,7 @@ DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
     "_reach": frozenset({"program", "follower", "speed_rpm"}),
     "_placed": frozenset({"program", "follower", "speed_rpm", "continuity"}),
     "_limits": frozenset({"program", "follower", "limits"}),
+    "_radii": frozenset({"program", "follower", "limits", "speed_rpm", "base_radius_mm"}),
 })  # fmt: skip
 """What a spec computes once, and the fields that this follows from, if no segment is open."""
 
@@ -282,6 +283,10 @@ class DesignSpec(FiniteModel):
         An open upper end is at ``FARTHEST`` times the longest length that the spec names. What is
         claimed of all cams does not rest on it: ``Problem.open_above`` says where it might.
         """
+        return self._radii
+
+    @cached_property
+    def _radii(self) -> tuple[float, float]:
         least, largest = ends(self.base_radius_mm)
         small = min(1e-3 * self.stroke(), 0.5 * largest) if math.isinf(least) else least
         if math.isfinite(largest):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import clarabel
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.linalg import cho_factor, cho_solve
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
@@ -73,12 +73,13 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
     """
     if program.equalities == 0 or not np.all(np.isfinite(x)):
         return x
-    rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
-    normal = (rows @ rows.T).tocsc()
-    spare = DAMPED * float(normal.diagonal().max())
-    solver = splu(normal + spare * sparse.eye_array(len(rhs), format="csc"))
+    # dense: even of a hundred laws there are only hundreds of equalities, and most have a few
+    rows, rhs = program.matrix[: program.equalities].toarray(), program.rhs[: program.equalities]
+    normal = rows @ rows.T
+    normal[np.diag_indices_from(normal)] += DAMPED * float(normal.diagonal().max())
+    factor = cho_factor(normal, check_finite=False)
     for _ in range(REPEATED):
-        x = np.asarray(x + rows.T @ solver.solve(rhs - rows @ x))
+        x = x + rows.T @ cho_solve(factor, rhs - rows @ x, check_finite=False)
     return x
 
 
