@@ -60,7 +60,7 @@ test-%: export OPENBLAS_NUM_THREADS = 1
 test-%: $(DEV)
 	@$(PY) -m pytest $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 
-hard: $(DEV)  ## all 2000 random specs against the independent verifier, or ARGS=loaded: 500 with a load (ARGS="0 2000 1": first, end, step)
+hard: $(DEV)  ## question after question, judged: ARGS=random (the default), loaded, mixed, bounds, transformed; ARGS=--help says more
 	$(PY) -m tests.hard.run $(ARGS)
 
 lint: $(DEV)  ## style, types and layers only

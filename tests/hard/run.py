@@ -1,17 +1,23 @@
-"""One random spec after another, judged; ``make hard`` runs all of them.
+"""Question after question, judged; ``make hard ARGS="KIND …"``.
+
+    random       sensible and mad specs, against the independent verifier (the default)
+    loaded       specs with a load
+    mixed        units and sizes mixed, limits met exactly, idle limits, up to twelve segments
+    bounds       another optimiser tries to beat every bound and to satisfy what is refused
+    transformed  questions made of others, whose answers must be related
 
 What may come out: a certified design that the verifier confirms, a refusal with its reason that
-no cam of the verifier's own contradicts (where one does, and the refusal says that it is not
-proven, the cam was missed: counted, and no false claim), a spec error, or the end of the time
-budget with the best so far. Everything else is a fault.
+no cam of the verifier's own contradicts, a spec error, or the end of the time budget with the
+best so far. Everything else is a fault, and is printed with its spec.
 
-The verifier knows nothing of forces. Of specs with a load, ``make hard ARGS=loaded``, the judge
-reads what the certificate itself says, and takes the documented errors of ``synthesise`` for
-answers: what may not come out is any other exception.
+The verifier knows nothing of forces. Of specs with a load the judge reads what the certificate
+itself says, and takes the documented errors of ``synthesise`` for answers: what may not come out
+is any other exception.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import time
@@ -19,7 +25,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -28,9 +34,15 @@ from pydantic import ValidationError
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
-from tests.hard import loaded_specs, random_specs
+from tests.hard import loaded_specs, mixed_specs, random_specs
+from tests.hard.adversary.attack import is_modelled, refutation
+from tests.hard.families import FAMILIES as SCENES
+from tests.hard.families import random_scene
 from tests.hard.loaded_specs import loaded_spec
+from tests.hard.mixed_specs import mixed_spec
+from tests.hard.own_numbers import solved
 from tests.hard.random_specs import random_spec
+from tests.hard.transformed import pairs
 from tests.hard.verifier import verify
 from tests.hard.witnesses import contradictions
 
@@ -49,7 +61,11 @@ class Family:
 FAMILIES = {
     "random": Family(random_spec, random_specs.COUNT),
     "loaded": Family(loaded_spec, loaded_specs.COUNT),
+    "mixed": Family(mixed_spec, mixed_specs.COUNT),
 }
+ATTACKED = 400  # questions whose bounds are attacked: scenes of families and mixed specs in turn
+SCENE_COUNT = 200  # that are transformed, each in some fifteen ways
+FIRST_SCENE = 100  # of a family: those before it are other tests'
 
 
 @dataclass(frozen=True)
@@ -62,6 +78,7 @@ class Outcome:
     seconds: float
     gap: float | None
     complaints: tuple[str, ...]
+    body: dict[str, Any] | None = None
 
 
 def outcome(number: int, body: dict[str, Any] | None = None, family: str = "random") -> Outcome:
@@ -111,7 +128,48 @@ def outcome(number: int, body: dict[str, Any] | None = None, family: str = "rand
         complaints.append(f"{type(error).__name__}: {error}")
     if seconds > BUDGET_S + HANG_S:
         complaints.append(f"hangs: {seconds:.1f} s with a budget of {BUDGET_S} s")
-    return Outcome(number, body["follower"]["kind"], status, seconds, gap, tuple(complaints))
+    return Outcome(number, body["follower"]["kind"], status, seconds, gap, tuple(complaints), body)
+
+
+def attacked(number: int, seconds: float) -> Outcome:
+    """A question answered, and its claims attacked for some seconds of processor time."""
+    names = list(SCENES)
+    body = mixed_spec(number // 2)
+    if number % 2 == 0:
+        at = number // 2
+        body = random_scene(names[at % len(names)], FIRST_SCENE + at // len(names))
+    kind = body["follower"]["kind"]
+    try:
+        status, design, needed = solved({"time_budget_s": BUDGET_S, **body})
+        if design is None:
+            return Outcome(number, kind, status.split(":")[0], needed, None, (), body)
+        wire = design.model_dump(mode="json")
+        asked = json.loads(json.dumps(wire["spec"]))
+        bound, gap = wire["certificate"]["lower_bound"], wire["certificate"]["gap"]
+        claims = status in ("infeasible", "unsolved") or bound is not None
+        if not claims or not is_modelled(asked):
+            return Outcome(number, kind, f"{status}, not attacked", needed, gap, (), body)
+        beaten = refutation(asked, wire, seconds, number)
+    except Exception as error:  # of the adversary too
+        return Outcome(
+            number, kind, "crash", 0.0, None, (f"{type(error).__name__}: {error}",), body
+        )
+    if beaten and status == "unsolved":  # it claims nothing; a cam was missed
+        return Outcome(
+            number, kind, "missed: unsolved, though there is a cam", needed, gap, (), body
+        )
+    return Outcome(number, kind, status, needed, gap, (beaten,) if beaten else (), body)
+
+
+def related(number: int) -> list[Outcome]:
+    """A scene transformed in every way."""
+    names = list(SCENES)
+    family, scene = names[number % len(names)], FIRST_SCENE + number // len(names)
+    return [
+        Outcome(number, f"{family}: {other.kind.split(' ')[0]}", answer.status, answer.seconds,
+                answer.gap, tuple(f"{other.kind}: {text}" for text in wrong), other.body)
+        for other, answer, wrong in pairs(family, scene)
+    ]  # fmt: skip
 
 
 def _inconsistent(design: dict[str, Any]) -> Iterable[str]:
@@ -162,16 +220,34 @@ def report(found: list[Outcome]) -> str:
 
 
 def main() -> int:
-    """``[FAMILY] [first [end [step]]]``: random is the family where none is named."""
-    given = sys.argv[1:]
-    name = given.pop(0) if given and given[0] in FAMILIES else "random"
-    first, last, step = [*map(int, given), *(0, FAMILIES[name].count, 1)[len(given) :]]
-    found, judged = [], partial(outcome, family=name)
-    with ProcessPoolExecutor(2, initializer=_budgets_of_processor_time) as pool:
-        for done in pool.map(judged, range(first, last, step), chunksize=4):
-            found.append(done)
-            if done.complaints:
-                print(f"#{done.number} {done.kind} {done.status}: {done.complaints}", flush=True)
+    """Judge what is asked for; print counts, and every fault with its spec as JSON."""
+    kinds = {
+        **{
+            name: (partial(outcome, family=name), family.count) for name, family in FAMILIES.items()
+        },
+        "bounds": (attacked, ATTACKED),
+        "transformed": (related, SCENE_COUNT),
+    }
+    parser = argparse.ArgumentParser(
+        "tests.hard.run", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("kind", nargs="?", default="random", choices=kinds)
+    parser.add_argument("range", nargs="*", type=int, metavar="first end step")
+    parser.add_argument("--seconds", type=float, default=30.0, help="of an attack on one bound")
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
+    given = parser.parse_intermixed_args()
+    judge, count = kinds[given.kind]
+    if given.kind == "bounds":
+        judge = partial(attacked, seconds=given.seconds)
+    numbers = range(*given.range, *(0, count, 1)[len(given.range) :])
+    found: list[Outcome] = []
+    with ProcessPoolExecutor(given.jobs, initializer=_budgets_of_processor_time) as pool:
+        for done in pool.map(judge, numbers):
+            for one in done if isinstance(done, list) else [done]:
+                found.append(one if one.complaints else replace(one, body=None))
+                if one.complaints:
+                    print(f"#{one.number} {one.kind} {one.status}: {one.complaints}")
+                    print(f"    {json.dumps(one.body)}", flush=True)
     print(report(found))
     return 1 if any(one.complaints for one in found) else 0
 

@@ -58,7 +58,7 @@ def motions(spec: dict[str, Any]) -> Iterator[list[PlacedSegment]]:
     choices = []
     for i in free:
         here = placed[position[i]]
-        smooth = (program[i].get("law") or {}).get("smoothness", 2)
+        smooth = max(2, (program[i].get("law") or {}).get("smoothness", 2))  # C2 is C1 too
         ends = []
         for neighbour, x in ((placed[position[i] - 1], 1.0),
                              (placed[(position[i] + 1) % len(placed)], 0.0)):  # fmt: skip
@@ -185,8 +185,31 @@ def keeps(cam: Cam, room: float) -> bool:
     return all(r.value < r.bound - room * abs(r.bound) - r.slack for r in readings(cam))
 
 
+def below_least_peak(spec: dict[str, Any]) -> str:
+    """Which limit no motion keeps: the mean velocity, 4 h/β² and 32 h/β³ between rests; else ""."""
+    program, unit = spec["program"], unit_of(spec)
+    omega = spec.get("speed_rpm", 60.0) * np.pi / 30.0
+    caps = {one["kind"]: value for one in spec.get("limits", []) for key, value in one.items()
+            if key.startswith(f"max_{unit}_per_s")}  # fmt: skip
+    for i, move in enumerate(program):
+        lift, angle = move.get(f"lift_{unit}"), move["angle_deg"]
+        if move["kind"] == "dwell" or isinstance(lift, dict) or isinstance(angle, dict):
+            continue
+        around = (program[i - 1], program[(i + 1) % len(program)])
+        rests = all(one["kind"] == "dwell" for one in around)
+        for kind, order, least in (("velocity", 1, 1.0), ("acceleration", 2, 4.0),
+                                   ("jerk", 3, 32.0)):  # fmt: skip
+            needed = least * abs(lift or 0.0) * (omega / (angle * RAD)) ** order
+            if kind in caps and (rests or order == 1) and caps[kind] < needed * (1.0 - 1e-8):
+                return kind
+    return ""
+
+
 def contradictions(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
-    """Refusals and bounds that a cam of our own shows to be wrong."""
+    """Refusals, bounds and cams that a cam of our own, or a least peak, shows to be wrong."""
+    impossible = below_least_peak(spec)
+    if impossible and design["certificate"]["certified"]:
+        return [f"certified, though no motion has so small a peak {impossible}"]
     if any(isinstance(s.get(k), dict) for s in spec["program"] for k in ("angle_deg", "lift_mm")):
         return []
     if isinstance(spec["follower"].get("arm_mm"), dict):
