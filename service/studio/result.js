@@ -33,9 +33,10 @@ export function showProblem(problem, loose) {
   );
 }
 
-function proven({ gap, bound_valid_for: over, lower_bound: bound, objective }) {
+function proven({ gap, bound_valid_for: over, lower_bound: bound, objective, infimum, value }) {
   if (gap === null || bound === null) return "";
-  const name = nameAndUnit(objective)[0];
+  const [name, unit] = nameAndUnit(objective);
+  if (infimum) return `No cam has the least ${name}: its infimum lies between ${figure(bound, 3)} and ${figure(value, 3)} ${unit}.`;
   if (gap < 1e-6) return `No smaller ${name} exists, to a millionth, over ${over}.`;
   return `No ${name} is more than ${figure(100 * gap, 2)} % smaller, over ${over}.`;
 }

@@ -157,6 +157,12 @@ class Proof(AnswerModel):
     lower_bound: float | None = doc("No cam of the family in bound_valid_for is better than this.")
     bound_valid_for: str = doc("The family of cams that the bound covers.")
     gap: float | None = doc("(value − lower_bound) / value.")
+    infimum: bool = Field(
+        False,
+        description="Whether the base radius is open below and lower_bound is its open end. No cam "
+        "has that base radius; there are cams at least as near to it as this one, so that the "
+        "infimum lies between lower_bound and value. Then the gap says nothing.",
+    )
 
 
 class Certificate(Proof):

@@ -170,8 +170,8 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
         return replace(state, infeasible=impossible), impossible
     cam = cam_at_size(problem, (), size)
     norm = problem.objective.norm(problem.machine)
-    if problem.has_curved_limits:
-        size = closed_form_size(problem) or size  # the cam's own size was tightened
+    if problem.has_curved_limits or problem.searched_norm > problem.least_norm:
+        size = closed_form_size(problem) or size  # the cam's own was drawn in, or is not the least
     exact = cam.value if norm is None else norm.value(size)
     bound = Bound(exact * (1.0 - ROUNDING), "every size of the given laws")
     state = state.with_bound(bound).with_relaxed(cam)

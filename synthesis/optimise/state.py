@@ -19,10 +19,12 @@ from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasible
+from synthesis.optimise.recovery.candidate import CLEARANCE, Candidate, enlarge_until_feasible
 
 DEFAULT_TIGHTENING = 1e-7
 """Relative tightening of the rows as long as the certificate has refused no cam."""
+AT_END = 4.0 * CLEARANCE
+"""Relative: by how much a cam's size may lie above the least that is sought, and count as that."""
 
 
 @dataclass(frozen=True)
@@ -232,10 +234,15 @@ class SolveState:
         return lower if norm is None else max(lower, self.problem.sizing.min_norm)
 
     def gap_between(self, cam: Candidate | None, lower: float) -> float:
-        """Relative gap of a cam to a lower bound, in the wire's unit; infinite while unknown."""
+        """Relative gap of a cam to a lower bound, in the wire's unit; infinite while unknown.
+
+        It says what is left to do: no cam is sought below a least size, though bounds may be lower.
+        """
         if cam is None or not isfinite(lower):
             return inf
         to_wire, machine = self.problem.objective.to_wire, self.problem.machine
+        if self.problem.objective.norm(machine) is not None:
+            lower = max(lower, self.problem.searched_norm)
         value = to_wire(cam.value, machine)
         return (value - to_wire(lower, machine)) / max(abs(value), 1e-300)
 
@@ -256,8 +263,20 @@ class SolveState:
 
     @property
     def suffices(self) -> bool:
-        """Whether the incumbent is sufficient."""
-        return self.incumbent is not None and self.incumbent.value <= self.sufficient_value
+        """Whether the incumbent is sufficient, or as small as any that is sought."""
+        enough = self.incumbent is not None and self.incumbent.value <= self.sufficient_value
+        return enough or self.is_smallest_sought
+
+    @property
+    def is_smallest_sought(self) -> bool:
+        """Whether the incumbent is the smallest cam that is sought, of a size that is open below.
+
+        Then no search finds a better one; the lower bound holds for all sizes.
+        """
+        problem, best = self.problem, self.incumbent
+        if best is None or problem.objective.norm(problem.machine) is None:
+            return False
+        return problem.is_smallest_sought(best.size, AT_END)
 
     @property
     def sufficient_value(self) -> float:

@@ -52,11 +52,16 @@ class Cam:
 
 @dataclass(frozen=True)
 class Bounded:
-    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire]."""
+    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire].
+
+    ``infimum``: whether the bound is the open end of the size, and the cam as near to it as was
+    sought.
+    """
 
     objective: Objective
     lower: float
     over: str
+    infimum: bool = False
 
 
 def to_physical_cam(question: NondimensionalSpec, solved_spec: DesignSpec, cam: Cam) -> Cam:
@@ -77,12 +82,19 @@ def to_physical_cam(question: NondimensionalSpec, solved_spec: DesignSpec, cam: 
     joined = repair_junctions(placed, cam.splines)
     laws = {index: space.curve(coefficients) for index, (space, coefficients) in joined.items()}
     segments = tuple(s.with_law(laws[s.index]) if s.index in laws else s for s in placed)
-    problem = formulate_problem(spec, spec.objectives()[0], (), segments)
-    return Cam(
-        segments,
-        {**cam.splines, **joined},
-        project_size(problem, question.size_to_physical(cam.size)),
-    )
+    physical = Cam(segments, {**cam.splines, **joined}, ())
+    return with_size(question, spec, physical, cam.size)
+
+
+def with_size(question: NondimensionalSpec, spec: DesignSpec, cam: Cam, size: Vector) -> Cam:
+    """A cam in the wire's units at a size in its question's own; dimensions that are given stay.
+
+    Args:
+        question: the spec in both units. spec: what was solved, on the wire.
+        cam: its cam. size: size variables in the question's units.
+    """
+    problem = formulate_problem(spec, spec.objectives()[0], (), cam.segments, 0.0)
+    return Cam(cam.segments, cam.splines, project_size(problem, question.size_to_physical(size)))
 
 
 def in_wire_units(
@@ -94,6 +106,8 @@ def in_wire_units(
         objective, known = each.objective, isfinite(each.lower)
         unit = question.units.of_field(objective.name_on_wire(machine))
         lower = unit * objective.to_wire(each.lower, machine) if known else -inf
+        if known and objective.norm(machine) is not None:
+            lower = max(lower, 0.0)  # of a base radius; conversions may round it below
         converted.append(replace(each, lower=lower))
     return converted
 
@@ -119,7 +133,7 @@ def restate_problem(
         else s
         for s in solved_spec.placed_segments()
     ]
-    return formulate_problem(solved_spec, solved.objective, tuple(held), segments)
+    return formulate_problem(solved_spec, solved.objective, tuple(held), segments, 0.0)
 
 
 def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
@@ -152,6 +166,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
                 lower_bound=lower,
                 bound_valid_for=bounded.over,
                 gap=gap,
+                infimum=bounded.infimum and lower is not None,
             )
         )
     return proven

@@ -23,15 +23,25 @@ from synthesis.optimise.problem.problem import (
     formulate_problem,
     with_smoother_laws,
 )
-from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
+from synthesis.optimise.recovery.candidate import (
+    Candidate,
+    cam_at_size,
+    enlarge_until_feasible,
+    given_cam,
+    objective_value,
+    smallest_size,
+)
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST
 from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState, WarmStart
-from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
-from synthesis.spec.design_spec import DesignSpec
+from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam, with_size
+from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
 SMALL = 5e-2  # strokes: a smaller base radius is no measure of how much it has to grow
+ROUNDING = 1e-12  # strokes: a bound so near to the open end of the size is that
+FURTHER_DOWN = (1e-9, 1e-6, 1e-5, 1e-4)
+"""Strokes: base radii from which on smaller cams are sought, in turn, near an open end."""
 GROWTHS = 14  # radii tried at most
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
 AUTO_PROGRAMS = 100
@@ -49,11 +59,13 @@ class Goal:
         stop: ``clock.now()`` at which to stop with the best so far.
         warm_start: where a neighbouring question's local search ended.
         sufficient: a value of the first objective [wire] that is good enough, proven best or not.
+        smallest: base radius from which on cams are sought where it is open below [strokes].
     """
 
     stop: float
     warm_start: WarmStart | None = None
     sufficient: float = -inf
+    smallest: float = SMALLEST
 
 
 @dataclass(eq=False)
@@ -92,6 +104,14 @@ class Attempt:
         return bool(broken) and all(limit.startswith(SELF_CROSSING) for limit in broken)
 
     @property
+    def is_smallest_sought(self) -> bool:
+        """Whether the base radius is made small, is open below, and as small as was sought."""
+        if self.best is None or not self.certified or not self.searches:
+            return False
+        first = replace(self.searches[0], incumbent=self.best)
+        return first.is_smallest_sought
+
+    @property
     def beyond_tightening(self) -> bool:
         """Whether tighter limits cannot repair the cam: it misses one by more than they move."""
         last = self.searches[-1]
@@ -102,14 +122,14 @@ class Attempt:
         )  # fmt: skip
         return last.infeasible or not last.problem.free or last.incumbent is None or missing
 
-    def problems(self) -> Iterator[Problem]:
+    def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.
 
         Whoever takes a problem appends its solution to ``searches`` before the next.
         """
         spec, caps = self.solved_spec, tuple[ObjectiveCap, ...]()
         for objective in spec.objectives():
-            problem = formulate_problem(spec, objective, caps, self.tables.segments)
+            problem = formulate_problem(spec, objective, caps, self.tables.segments, smallest)
             yield with_smoother_laws(problem) if spec.tolerance <= FINEST else problem
             solution = self.searches[-1]
             if solution.incumbent is None:
@@ -152,7 +172,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
             # 1. Minimise one objective after the other.
             attempt = Attempt(question, numbers, tables, solved_spec, solved_spec)
             last = len(spec.objectives()) - 1
-            for rank, problem in enumerate(attempt.problems()):
+            for rank, problem in enumerate(attempt.problems(goal.smallest)):
                 from_start = rank == 0 and first is None
                 state = optimise(
                     problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
@@ -196,6 +216,45 @@ def solve_spec(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     """Solve a question with everything in it a constraint; its cam does not cross itself."""
     attempt = solve_and_certify(prepare(spec, goal, stages), goal, stages)
     return enlarge_until_simple(attempt, goal, stages)
+
+
+def approach_infimum(found: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
+    """The cam of an open base radius nearer to the open end, if it is the smallest that was sought.
+
+    Where the bound is the open end the laws found will do. Where it is not, a best cam may lie
+    below where the search began: the question is solved again, further down.
+    """
+    if not found.is_smallest_sought or found.best is None:
+        return found
+    alone = len(found.searches) == 1  # later objectives would have to be worked through again
+    if not (alone and found.bounds[0].infimum) and clock.now() < goal.stop:
+        further = replace(goal, smallest=FURTHER_DOWN[0], warm_start=None)
+        nearer = solve_spec(found.question.physical, further, stages)
+        if nearer.certified and _base_radius(nearer) < _base_radius(found):
+            return nearer
+    for smallest in FURTHER_DOWN if alone else ():
+        nearer = _resized_for(found, smallest)
+        if nearer.certified and _base_radius(nearer) < _base_radius(found):
+            return nearer
+    return found
+
+
+def _resized_for(found: Attempt, smallest: float) -> Attempt:
+    """The laws found with the smallest cam that keeps the limits, sought from a base radius on."""
+    (search,), best, cam, question = found.searches, found.best, found.cam, found.question
+    assert best is not None
+    assert cam is not None
+    sought = found.solved_spec.searched_radii(smallest)[0]
+    given = replace(best.problem, smallest_sought=sought)
+    size = smallest_size(given)
+    resized = enlarge_until_feasible(cam_at_size(given, best.laws, size or best.size))
+    if resized is None:
+        return found
+    cam = with_size(question, question.to_physical(found.solved_spec), cam, resized.size)
+    extremes = certify_cam(question.physical, cam, question.to_physical(found.built))
+    problem = replace(search.problem, smallest_sought=sought)
+    search = replace(search, problem=problem, incumbent=resized)
+    return replace(found, searches=[search], best=resized, cam=cam, extremes=extremes)
 
 
 def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -258,15 +317,22 @@ def _base_radius(attempt: Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
+def _nears_open_end(state: SolveState, best: Candidate) -> bool:
+    """Whether a bound is the open end of the size, and the cam the smallest that was sought."""
+    problem = state.problem
+    at_end = state.lower <= problem.least_norm + ROUNDING * problem.length
+    return at_end and replace(state, incumbent=best).is_smallest_sought
+
+
 def _take_best(attempt: Attempt) -> None:
     """The best cam of the searches, and the bound of every objective; nothing without a cam."""
     spec, tables, searches = attempt.solved_spec, attempt.tables, attempt.searches
     objectives = spec.objectives()
     solved = [state for state in searches if state.incumbent is not None]
-    if solved:
-        best = solved[-1].incumbent
+    best = solved[-1].incumbent if solved else None
+    if best is not None:
         attempt.bounds = [
-            Bounded(objective, state.lower, state.valid_for)
+            Bounded(objective, state.lower, state.valid_for, _nears_open_end(state, best))
             for objective, state in zip(objectives, solved, strict=False)
         ]
     else:  # laws and size are given: the only cam there is, its values their own bounds

@@ -29,6 +29,7 @@ from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
 from synthesis.pipeline.attempt import (
     Attempt,
     Goal,
+    approach_infimum,
     enlarge_until_simple,
     prepare,
     solve_and_certify,
@@ -95,8 +96,8 @@ def complete(
     spec: DesignSpec, first: Attempt, goal: Goal, stages: list[Effort]
 ) -> tuple[Attempt, Smallest | None]:
     """Make the answer to a question of what its first question came to; as ``solve`` besides."""
-    # 1. A cam that crosses itself is made larger.
-    attempt = enlarge_until_simple(first, goal, stages)
+    # 1. A cam that crosses itself is made larger; one as small as any that is sought, smaller.
+    attempt = approach_infimum(enlarge_until_simple(first, goal, stages), goal, stages)
     limited, minimised = _without(spec, "max") is not None, _minimises_radius(spec)
     smallest, most = None, ends(spec.base_radius_mm)[1]
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the

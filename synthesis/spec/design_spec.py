@@ -36,6 +36,7 @@ from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, 
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100  # of a program
+SMALLEST = 1e-3  # strokes: where the search begins if a base radius is open below
 FARTHEST = 1e4  # lengths of the spec: where the search ends if a base radius is open above
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
 ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
@@ -274,26 +275,29 @@ class DesignSpec(FiniteModel):
         return highest - lowest
 
     def base_radius_range(self) -> tuple[float, float]:
-        """Smallest and largest base radius that the follower can reach [mm]."""
-        return self.follower.feasible_base_radii(self.searched_radii(), self.stroke())
+        """Least and largest base radius that the question and its follower allow [mm].
 
-    def searched_radii(self) -> tuple[float, float]:
-        """Smallest and largest base radius [mm]; an open lower end is at 1e-3 strokes.
-
-        An open upper end is at ``FARTHEST`` times the longest length that the spec names. What is
+        An open lower end is at 0, which no cam reaches: bounds hold over all that lies above. An
+        open upper end is at ``FARTHEST`` times the longest length that the spec names. What is
         claimed of all cams does not rest on it: ``Problem.open_above`` says where it might.
         """
-        return self._radii
+        return self.follower.feasible_base_radii(self._radii, self.stroke())
+
+    def searched_radii(self, smallest: float = SMALLEST) -> tuple[float, float]:
+        """Smallest and largest base radius at which cams are sought [mm].
+
+        An open lower end is at ``smallest`` strokes: an end of our own, on which no bound rests.
+        """
+        least, largest = self._radii
+        return least or min(smallest * self.stroke(), 0.5 * largest), largest
 
     @cached_property
     def _radii(self) -> tuple[float, float]:
-        least, largest = ends(self.base_radius_mm)
-        small = min(1e-3 * self.stroke(), 0.5 * largest) if math.isinf(least) else least
+        least, largest = max(ends(self.base_radius_mm)[0], 0.0), ends(self.base_radius_mm)[1]
         if math.isfinite(largest):
-            return small, largest
-        return small, FARTHEST * max(
-            self.stroke(), least, *named_lengths(self.follower, *self.limits)
-        )
+            return least, largest
+        lengths = named_lengths(self.follower, *self.limits)
+        return least, FARTHEST * max(self.stroke(), least, *lengths)
 
     def all_limits(self) -> tuple[Limit, ...]:
         """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.

@@ -51,10 +51,10 @@ class ArmGeometry:
         assert self.pivot is not None
         least, most = (enclosed_angle(self.length, self.pivot, radius) for radius in prime)
         high = min(high, most)
-        return min(max(low, least, self._least_angle), high), high
+        return min(max(low, least), high), high
 
     @property
-    def _least_angle(self) -> float:
+    def least_angle(self) -> float:
         """ψ0 at which Rp is larger than at 0 by no more than rounding of a design shows [rad].
 
         At ψ0 = 0 the cam drives the arm nowhere: the least of all prime radii is not reached.

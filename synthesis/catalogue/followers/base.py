@@ -23,7 +23,7 @@ from synthesis.catalogue.followers.kinematics import Flank, Link, TracePoint, Ve
 from synthesis.catalogue.motion import Motion, Segments
 from synthesis.units import MILLIMETRES, Travel
 
-MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius inside a ring
+MIN_PRIME_RADIUS_RATIO = 1e-3  # of the base radius: smallest prime radius sought inside a ring
 
 
 @dataclass(frozen=True)
@@ -121,6 +121,10 @@ class Follower(FiniteModel, TracePoint, ABC):
         """
         return {}
 
+    def searched_norm(self, base_radius: Ends) -> float:
+        """``radius_norm`` of the smallest cam that is sought for base radii between two ends."""
+        return self.norm_from_radius(base_radius[0] + base_gap(self))
+
     @property
     def reason_without_minimum(self) -> str:
         """Why its cam can shrink to a point while only undercut is excluded; "" if it cannot."""
@@ -202,10 +206,12 @@ class RollerFollower(Follower, InverseKinematics, ABC):
 
     def prime_radii(self, base_radius: Ends) -> Ends:
         """Prime radii of base radii between two ends; inside a ring any positive one is a cam."""
-        low, high = (
-            max(radius + base_gap(self), MIN_PRIME_RADIUS_RATIO * radius) for radius in base_radius
-        )
-        return low, high
+        low, high = (radius + base_gap(self) for radius in base_radius)
+        return max(low, 0.0), high if high > 0.0 else MIN_PRIME_RADIUS_RATIO * base_radius[1]
+
+    def searched_norm(self, base_radius: Ends) -> float:
+        low, high = self.prime_radii(base_radius)
+        return self.norm_from_radius(min(max(low, MIN_PRIME_RADIUS_RATIO * base_radius[0]), high))
 
     def clearance(self, away: Any, up: Any) -> Any:
         return np.hypot(away[0], away[1]) - self.roller_radius_mm

@@ -115,6 +115,13 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         low, high = (base if now == was else now - base_gap(self) for base, was, now in kept)
         return low, high
 
+    def searched_norm(self, base_radius: Ends) -> float:
+        norm, arm = super().searched_norm(base_radius), self._arm
+        if arm.pivot is None:
+            return norm
+        _, most = arm.angles(self.prime_radii(base_radius))
+        return max(norm, self.reference * min(arm.least_angle, most))
+
     @property
     def _arm(self) -> ArmGeometry:
         low, high = ends(self.initial_angle_deg)

@@ -247,10 +247,10 @@ class NonlinearModel:
         The cones of the sizing stand first among the balls. The one that bounds the prime radius
         above bounds it below too; without such a cone the size's own bounds say both.
         """
-        sizing, prime = self.model.problem.sizing, self.model.problem.machine.follower.radius_norm()
+        problem, prime = self.model.problem, self.model.problem.machine.follower.radius_norm()
         shares = [
-            max(cone.lower, sizing.min_norm * (cone.norm == prime)) / cone.upper
-            for cone in sizing.norm_bounds
+            max(cone.lower, problem.searched_norm * (cone.norm == prime)) / cone.upper
+            for cone in problem.sizing.norm_bounds
         ]
         for position, ball in enumerate(self.model.cone_blocks):
             if ball.bound_column is None:

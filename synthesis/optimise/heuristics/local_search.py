@@ -48,6 +48,8 @@ def local_search(state: SolveState) -> SolveState:
         return state
     if state.incumbent is None or state.incumbent.value > FAR * state.lower:
         state, _ = smooth_start(state)
+    if state.suffices:
+        return state
     start = state.incumbent or state.relaxed or state.last
     state = state if start is None else improve_from(state, start)
     return _continue_from_gentler_laws(state)
@@ -93,7 +95,7 @@ def _relaxed_cam(state: SolveState) -> Candidate | None:
 def improve_from(state: SolveState, start: Candidate) -> SolveState:
     """Look for a local optimum on the present mesh from a start."""
     state, converged = scp_search(state, start.laws, start.size)
-    if converged or state.time_left <= 0.0:
+    if converged or state.suffices or state.time_left <= 0.0:
         return state
     from synthesis.optimise.heuristics.ipopt_search import (  # CasADi where it is needed
         solve_ipopt,

@@ -107,7 +107,7 @@ class ConvexOptimum(PerturbedOptimum):
 def _is_below_least_radius(problem: Problem, size: tuple[float, ...]) -> bool:
     """Whether a size stays below a least radius, the inner edge of a ring that no cone knows."""
     prime = problem.machine.follower.radius_norm().value(size)
-    rings = [(prime, problem.sizing.min_norm)]
+    rings = [(prime, problem.searched_norm)]
     rings += [(cone.norm.value(size), cone.lower) for cone in problem.norm_bounds]
     return any(radius < least * (1.0 - VIOLATED) for radius, least in rings)
 

@@ -23,7 +23,7 @@ from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 from synthesis.optimise.problem.residual_vibration import amplitude
-from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 Place = tuple[object, ...]
 QUIET = 1e-9  # of the stroke: an amplitude that is none
@@ -63,7 +63,9 @@ class Problem:
         machine: follower and speed. sizing: where the size variables may lie.
         length: unit of length inside the formulations: the stroke [length].
         objective_caps: earlier objectives.
-        base_radius_range: smallest and largest base radius [length], which the sizing comes from.
+        base_radius_range: least and largest base radius [length], which the sizing comes from.
+        smallest_sought: base radius [length] from which on cams are sought. Larger than the least
+            one where that end is open: bounds do not rest on it.
         open_above: whether the largest of these is an end of the search alone, and no limit of its
             own bounds the size: the question has larger cams too.
         least_base_circle: least radius of a dwell on the base circle (``_least_base_circle``).
@@ -77,6 +79,7 @@ class Problem:
     length: float
     objective_caps: tuple[ObjectiveCap, ...] = ()
     base_radius_range: tuple[float, float] = (0.0, inf)
+    smallest_sought: float = 0.0
     open_above: bool = False
     least_base_circle: float = 0.0
     _rows: dict[PlacedSegment, tuple[LinearInequality, ...]] = field(
@@ -190,6 +193,28 @@ class Problem:
         worst = max(beyond, default=0.0) / self.length
         return worst if worst > QUIET else 0.0
 
+    @property
+    def least_norm(self) -> float:
+        """A norm of the size (``radius_norm``) that no cam of the question lies below."""
+        norm = self.machine.follower.radius_norm()
+        return max(norm.lower_bound(self.sizing.bounds), self.sizing.min_norm)
+
+    @cached_property
+    def searched_norm(self) -> float:
+        """The norm of the size from which on cams are sought."""
+        if self.smallest_sought == 0.0:
+            return self.sizing.min_norm
+        sought = max(self.smallest_sought, self.base_radius_range[0]), self.base_radius_range[1]
+        return max(self.machine.follower.searched_norm(sought), self.sizing.min_norm)
+
+    def is_smallest_sought(self, size: tuple[float, ...], near: float) -> bool:
+        """Whether a size is the least that is sought where smaller ones are allowed.
+
+        ``near``: relative distance of its norm that counts as none.
+        """
+        least, norm = self.searched_norm, self.machine.follower.radius_norm()
+        return least > self.least_norm and norm.value(size) <= least * (1.0 + near)
+
     def room(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [length]."""
         return max_enlargement(size, self.sizing.bounds, self.norm_bounds)
@@ -226,8 +251,15 @@ def formulate_problem(
     objective: Objective,
     held: tuple[ObjectiveCap, ...] = (),
     segments: Sequence[PlacedSegment] | None = None,
+    smallest: float = SMALLEST,
 ) -> Problem:
-    """The spec as a problem with one objective; ``segments``: its own with tables smoothed."""
+    """The spec as a problem with one objective.
+
+    Args:
+        spec: what is asked. objective: which of its objectives. held: those before it.
+        segments: its own with tables smoothed; None: as they are.
+        smallest: base radius from which on cams are sought where it is open below [strokes].
+    """
     placed, machine = spec.placed_segments() if segments is None else segments, spec.machine()
     radii = spec.base_radius_range()
     return Problem(
@@ -239,6 +271,7 @@ def formulate_problem(
         spec.stroke(),
         held,
         radii,
+        spec.searched_radii(smallest)[0],
         _is_open_above(spec, placed),
         _least_base_circle(spec, placed),
     )

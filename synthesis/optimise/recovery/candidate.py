@@ -71,7 +71,7 @@ def project_size(problem: Problem, size: Vector) -> Vector:
     steps = [(-cone.norm.growth(size, cone.upper), OUTSIDE * cone.upper) for cone in outside]
     inwards = max((step for step, most in steps if 0.0 < step <= most), default=0.0)
     norm = problem.machine.follower.radius_norm()
-    size = enlarged_to(enlarged(size, -inwards), norm, problem.sizing.min_norm)
+    size = enlarged_to(enlarged(size, -inwards), norm, problem.searched_norm)
     return enlarged(size, max((cone.growth_to_lower(size) for cone in cones), default=0.0))
 
 
@@ -143,7 +143,8 @@ def weighs_size(problem: Problem) -> bool:
 def smallest_size(problem: Problem) -> Vector | None:
     """The closed form's size; None where there is none, or a cone cuts it off."""
     # a curved limit's half-planes hold at one angle each: raising the size may break others
-    size = closed_form_size(problem, 3.0 * CLEARANCE if problem.has_curved_limits else 0.0)
+    clear = 3.0 * CLEARANCE if problem.has_curved_limits else 0.0
+    size = closed_form_size(problem, clear, least=problem.searched_norm)
     if size is None:
         return None
     if any(not cone.lower <= cone.norm.value(size) <= cone.upper for cone in problem.norm_bounds):
@@ -152,7 +153,7 @@ def smallest_size(problem: Problem) -> Vector | None:
     pinning = follower.fixable_dimension()
     if pinning is None or not problem.has_curved_limits:
         return size
-    small = follower.radius_norm().value(size) < problem.sizing.min_norm
+    small = follower.radius_norm().value(size) < problem.searched_norm
     return None if small or not pinning.low <= pinning.value_in(size) <= pinning.high else size
 
 

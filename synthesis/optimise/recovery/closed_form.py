@@ -49,20 +49,26 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
 
 
 def closed_form_size(
-    problem: Problem, clear: float = 0.0, *, norm: AffineNorm | None = None, slack: float = 0.0
-) -> Vector | None:
+    problem: Problem, clear: float = 0.0, *, least: float = 0.0, norm: AffineNorm | None = None,
+    slack: float = 0.0,
+) -> Vector | None:  # fmt: skip
     """The size of least prime radius on all half-planes; None where they have no common point.
 
     Cones and limits that are not convex are not looked at.
 
     Args:
         clear: share of the norm by which the half-planes of curved limits are drawn in.
+        least: norm of the smallest size that is sought, as far as half-planes say it.
         norm: what is least; None: the prime radius.
         slack: by how much every half-plane is moved out [length].
     """
     norm = norm or problem.machine.follower.radius_norm()
     normals, offsets = half_planes(problem)
     offsets = offsets + slack
+    radius = problem.machine.follower.radius_norm()
+    if least > 0.0 and len(radius.matrix) == 1:
+        normals = np.vstack([normals, -np.array(radius.matrix)])
+        offsets = np.append(offsets, radius.shift[0] - least)
     size = _nearest_size(problem, norm, normals, offsets)
     for _ in range(EXCHANGES if problem.has_curved_limits else 0):
         if size is None:
