@@ -54,23 +54,23 @@ def main() -> None:
     parser.add_argument(
         "--write", action="store_true", help="write docs/benchmarks and docs/overview.md"
     )
-    asked = parser.parse_args()
-    unknown = [name for name in asked.name if name not in NAMES]
+    question = parser.parse_args()
+    unknown = [name for name in question.name if name not in NAMES]
     if unknown:
         parser.error(f"there is no {unknown[0]!r}; there are {', '.join(NAMES)}")
-    if asked.write and (asked.name or asked.trial):
+    if question.write and (question.name or question.trial):
         parser.error("the page is written of all benchmarks, run in full")
-    if asked.list:
+    if question.list:
         for name in NAMES:
-            told = importlib.import_module(f"benchmarks.{name}").__doc__ or ""
-            print(f"{name}: {told.strip().splitlines()[0]}")
+            reported = importlib.import_module(f"benchmarks.{name}").__doc__ or ""
+            print(f"{name}: {reported.strip().splitlines()[0]}")
         return
     sections, began = [], perf_counter()
-    for name in asked.name or NAMES:
-        sections.append(section(name, TRIAL if asked.trial else FULL))
+    for name in question.name or NAMES:
+        sections.append(section(name, TRIAL if question.trial else FULL))
         print(sections[-1].markdown(), end="\n\n", flush=True)
     print(f"{perf_counter() - began:.0f} s in all")
-    if asked.write:
+    if question.write:
         page.write(sections, FOLDER, README)
 
 

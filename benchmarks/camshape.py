@@ -109,9 +109,9 @@ def run(effort: Effort = FULL) -> Section:
     rows = []
     for n in effort.some(SIZES):
         r = shape(n)
-        told = f"{PUBLISHED[n]:.9f}" if n in PUBLISHED else "none proven"
+        reported = f"{PUBLISHED[n]:.9f}" if n in PUBLISHED else "none proven"
         time = timed(lambda n=n: shape(n), effort.repeats(50))
         above = f"{bound(n).value - value(r):.1e}"
-        rows.append((str(n), f"{value(r):.9f}", told, above, f"{breach(r):.1e}", str(time)))
+        rows.append((str(n), f"{value(r):.9f}", reported, above, f"{breach(r):.1e}", str(time)))
     head = (">n", ">objective", ">published", ">proven bound above it by", ">worst breach", ">time")
     return Section("camshape", TEXT, [Table(head, rows)])

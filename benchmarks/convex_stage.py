@@ -48,8 +48,8 @@ def spec(objective: str = "base_radius", jerk: float = 1.5, **more: Any) -> Desi
     )
 
 
-def _posed(asked: DesignSpec, intervals: int) -> tuple[Problem, list[Grid]]:
-    problem = formulate_problem(asked, asked.objectives()[0])
+def _posed(question: DesignSpec, intervals: int) -> tuple[Problem, list[Grid]]:
+    problem = formulate_problem(question, question.objectives()[0])
     return problem, [uniform_grid(segment, intervals) for segment in problem.free]
 
 
@@ -57,8 +57,8 @@ def _stages(effort: Effort) -> Table:
     head = (
         "objective", ">intervals", ">unknowns × rows", ">matrices", ">Clarabel", ">bound", ">gap",
     )  # fmt: skip
-    asked = effort.some([(kind, intervals) for kind in KINDS for intervals in INTERVALS])
-    return Table(head, [_stage(kind, intervals, effort) for kind, intervals in asked])
+    question = effort.some([(kind, intervals) for kind in KINDS for intervals in INTERVALS])
+    return Table(head, [_stage(kind, intervals, effort) for kind, intervals in question])
 
 
 def _stage(kind: str, intervals: int, effort: Effort) -> tuple[str, ...]:
@@ -80,11 +80,11 @@ def _stage(kind: str, intervals: int, effort: Effort) -> tuple[str, ...]:
 
 def _diagnoses(effort: Effort) -> Table:
     rows = []
-    for name, asked in effort.some(list(_infeasible().items())):
-        found = synthesise(asked).conflict
+    for name, question in effort.some(list(_infeasible().items())):
+        found = synthesise(question).conflict
         assert found is not None
         helpful = sum(relaxation.needed is not None for relaxation in found.relaxations)
-        time = timed(lambda a=asked: synthesise(a), effort.repeats(5), 0)
+        time = timed(lambda a=question: synthesise(a), effort.repeats(5), 0)
         rows.append((name, "; ".join(found.limits), str(helpful), str(time)))
     note = (
         "Where nothing fits: the whole design, with the limits in conflict and values that suffice."

@@ -67,9 +67,9 @@ def spec(scene: dict[str, Any]) -> DesignSpec:
     )
 
 
-def posed(asked: DesignSpec, intervals: int) -> tuple[ConicModel, np.ndarray, float]:
+def posed(question: DesignSpec, intervals: int) -> tuple[ConicModel, np.ndarray, float]:
     """The plan, the start, and the prime radius that the relaxation allows."""
-    problem = formulate_problem(asked, asked.objectives()[0])
+    problem = formulate_problem(question, question.objectives()[0])
     plan = formulate(problem, [uniform_grid(segment, intervals) for segment in problem.free])
     laws, size = plan.recover(solve(plan.program).x)
     raised = enlarge_until_feasible(recover_cam(problem, laws, size))

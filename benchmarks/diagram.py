@@ -1,6 +1,6 @@
 """Diagrams of the benchmarks: curves over two logarithmic axes, drawn with the core's own canvas.
 
-Series differ by colour, by mark and by line, so that they are told apart in print as well; the
+Series differ by colour, by mark and by line, so that they are distinguished in print as well; the
 style follows a dark screen. The same figures give the same bytes.
 """
 
@@ -57,19 +57,19 @@ class Diagram:
 
     Attributes:
         name: of its file, without the ending. title: shown above it.
-        told: what it shows, for those who do not see it.
+        description: what it shows, for those who do not see it.
         x, y: axes. series: at most as many as there are colours.
     """
 
     name: str
     title: str
-    told: str
+    description: str
     x: Axis
     y: Axis
     series: Sequence[Series]
 
     def markdown(self) -> str:
-        return f"![{self.title}. {self.told}]({self.name}.svg)"
+        return f"![{self.title}. {self.description}]({self.name}.svg)"
 
     def files(self) -> Mapping[str, bytes]:
         return {f"{self.name}.svg": self.svg()}
@@ -86,7 +86,7 @@ class Diagram:
             *_legend(self.series, foot),
         ]
         height = foot + ROW * _rows(self.series) + 2.0
-        return svg.document(WIDTH, height, 1.0, self.title, self.told, body)
+        return svg.document(WIDTH, height, 1.0, self.title, self.description, body)
 
 
 @dataclass(frozen=True)

@@ -49,20 +49,24 @@ def run(effort: Effort = FULL) -> Section:
         for name, (exporter, options) in files.items()
     }
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
-    told = {name: _told(*each, design) for name, each in files.items()}
+    reported = {name: _describe(*each, design) for name, each in files.items()}
     rows = [
-        (f"`{name}`", str(times[name]), f"{len(made[name]) / 1024:.0f} KiB", told[name])
+        (f"`{name}`", str(times[name]), f"{len(made[name]) / 1024:.0f} KiB", reported[name])
         for name in files
     ]
-    table = Table(("file", ">time", ">size", ">told"), rows)
+    table = Table(("file", ">time", ">size", ">stated"), rows)
     front = [
         (f"{POINTS} profile points as CSV", str(times["profile.csv"]), "–"),
-        ("profile and pitch curve as DXF splines", str(times["profile.dxf"]), told["profile.dxf"]),
+        (
+            "profile and pitch curve as DXF splines",
+            str(times["profile.dxf"]),
+            reported["profile.dxf"],
+        ),
     ]
     return Section("Files", TEXT, [table, _exact(design, effort)], front)
 
 
-def _told(exporter: Exporter[Any], options: Any, design: Design) -> str:
+def _describe(exporter: Exporter[Any], options: Any, design: Design) -> str:
     error = exporter.content(design, options).metadata.get("Curve-Error-Mm")
     return f"{error} mm" if error else "–"
 
@@ -83,20 +87,20 @@ def _exact(design: Design, effort: Effort) -> Table:
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
     rows = []
     for tolerance in tolerances:
-        told = _curve(design, tolerance)
-        points = np.array(told["control_points_mm"])[:, :2]
-        spline = BSpline(np.array(told["knots_mm"]), points, told["degree"])
+        reported = _curve(design, tolerance)
+        points = np.array(reported["control_points_mm"])[:, :2]
+        spline = BSpline(np.array(reported["knots_mm"]), points, reported["degree"])
         found = float(np.max(away(truth.places, spline)))
         rows.append(
             (
                 f"{tolerance:g} µm", str(times[f"{tolerance:g} µm"]), str(len(points)),
-                f"{told['error_mm']:.1e} mm", f"{found:.1e} mm",
+                f"{reported['error_mm']:.1e} mm", f"{found:.1e} mm",
             )
         )  # fmt: skip
-    return Table(("tolerance", ">time", ">control points", ">told", ">found"), rows)
+    return Table(("tolerance", ">time", ">control points", ">stated", ">found"), rows)
 
 
 def _curve(design: Design, tolerance_um: float) -> dict[str, Any]:
     options = ExactOptions(tolerance_um=tolerance_um)
-    told: dict[str, Any] = json.loads(PROFILE_FORMATS["nurbs.json"].write(design, options))
-    return told
+    reported: dict[str, Any] = json.loads(PROFILE_FORMATS["nurbs.json"].write(design, options))
+    return reported

@@ -92,11 +92,11 @@ def run(effort: Effort = FULL) -> Section:
     found = list(steps(effort))
     mean = sum(step.seconds for step in found)
     rows = [
-        ("a design", _told([step.seconds for step in found]), ""),
-        ("its local search", _told([step.local for step in found]), ""),
+        ("a design", _describe([step.seconds for step in found]), ""),
+        ("its local search", _describe([step.local for step in found]), ""),
         (
             "a design in its chain",
-            _told([step.warm for step in found]),
+            _describe([step.warm for step in found]),
             _share(1.0 - sum(step.warm for step in found) / mean),
         ),
     ]
@@ -116,7 +116,7 @@ def run(effort: Effort = FULL) -> Section:
     )  # fmt: skip
 
 
-def _told(seconds: Sequence[float]) -> str:
+def _describe(seconds: Sequence[float]) -> str:
     low, _, high = quantiles(seconds, n=4, method="inclusive")
     return spread(median(seconds), low, high)
 

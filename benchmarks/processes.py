@@ -40,7 +40,9 @@ def of(process: int) -> Memory:
 def _fields(file: Path) -> dict[str, float]:
     """Sizes of one of these files [KiB]."""
     lines = (line.partition(":") for line in file.read_text().splitlines())
-    return {name: float(told.split()[0]) for name, _, told in lines if told.endswith(" kB")}
+    return {
+        name: float(reported.split()[0]) for name, _, reported in lines if reported.endswith(" kB")
+    }
 
 
 def family(process: int) -> list[int]:
@@ -62,10 +64,10 @@ def _parents() -> dict[int, int]:
     parents = {}
     for entry in PROC.glob("[0-9]*/stat"):
         try:
-            told = entry.read_text().rpartition(")")[2].split()
+            reported = entry.read_text().rpartition(")")[2].split()
         except OSError:  # ended meanwhile
             continue
-        parents[int(entry.parent.name)] = int(told[1])
+        parents[int(entry.parent.name)] = int(reported[1])
     return parents
 
 

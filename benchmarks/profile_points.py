@@ -55,10 +55,10 @@ def run(effort: Effort = FULL) -> Section:
     place, curvature = errors(6 if effort.trial else 120)
     rows = [(name, str(time)) for name, time in times.items()]
     slowest = max(times.values(), key=lambda time: time.median)
-    told = f"{place:.0e} mm, {curvature:.0e} of curvature"
-    note = f"With the cycloidal law, against the textbook in forty digits: {told} at most."
+    reported = f"{place:.0e} mm, {curvature:.0e} of curvature"
+    note = f"With the cycloidal law, against the textbook in forty digits: {reported} at most."
     table = Table(("motion of rise and return", ">time"), rows, note)
-    front = (f"{POINTS} profile points with curvature, at most", str(slowest), told)
+    front = (f"{POINTS} profile points with curvature, at most", str(slowest), reported)
     return Section(f"{POINTS} profile points", TEXT, [table], [front])
 
 

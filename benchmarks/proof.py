@@ -112,7 +112,7 @@ class Found:
         more = [each - median(self.first) for each in self.both]
         boxes = [s.model for s in self.thorough.stages if s.stage == "implied rows"]
         limits = ((f"ρ ≥ {scene.radius:g}", scene.radius), (f"Rg {scene.cutter:g}", scene.cutter))
-        kind = ", ".join(told for told, value in limits if value)
+        kind = ", ".join(reported for reported, value in limits if value)
         best = self.thorough.incumbent
         return (
             scene.name,

@@ -39,7 +39,7 @@ class Outcome:
     size: int
     time: Timing
     memory: float
-    told: str
+    reported: str
 
 
 def run(effort: Effort = FULL) -> Section:
@@ -105,10 +105,10 @@ def program(segments: int) -> dict[str, Any]:
 
 def _measured(name: str, sizes: tuple[int, ...], effort: Effort) -> list[Outcome]:
     call = CALLS[name]
-    told = {size: call(size) for size in sizes}
+    reported = {size: call(size) for size in sizes}
     calls: dict[str, Call] = {str(size): (lambda s=size: call(s)) for size in sizes}
     times = in_turns(calls, effort.repeats(3), 0)
-    return [Outcome(size, times[str(size)], _memory(name, size), told[size]) for size in sizes]
+    return [Outcome(size, times[str(size)], _memory(name, size), reported[size]) for size in sizes]
 
 
 def _memory(name: str, size: int) -> float:
@@ -118,9 +118,9 @@ def _memory(name: str, size: int) -> float:
     return max(after - before, LEAST)
 
 
-def _table(size: str, told: str, found: list[Outcome]) -> Table:
-    rows = [(str(one.size), str(one.time), _mebibytes(one.memory), one.told) for one in found]
-    return Table((size, ">time", ">memory", f">{told}"), rows)
+def _table(size: str, reported: str, found: list[Outcome]) -> Table:
+    rows = [(str(one.size), str(one.time), _mebibytes(one.memory), one.reported) for one in found]
+    return Table((size, ">time", ">memory", f">{reported}"), rows)
 
 
 def _mebibytes(memory: float) -> str:
@@ -130,10 +130,10 @@ def _mebibytes(memory: float) -> str:
 def _diagram(name: str, kind: str, axis: Axis, curves: Mapping[str, list[Outcome]]) -> Diagram:
     series = [
         Series(
-            told,
+            reported,
             [Point(one.size, one.time.median if kind == "time" else one.memory) for one in found],
         )
-        for told, found in curves.items()
+        for reported, found in curves.items()
     ]
     return Diagram(
         name,

@@ -95,12 +95,14 @@ def run(effort: Effort = FULL) -> Section:
         SLSQP: partial(by_slsqp, scene),
     }
     cases = {
-        (name, asked): partial(solver, asked)
+        (name, question): partial(solver, question)
         for name, solver in solvers.items()
-        for asked in effort.some(ACCURACIES)
+        for question in effort.some(ACCURACIES)
     }
     errors = {case: scene.error(call()) for case, call in cases.items()}
-    calls: dict[str, Call] = {f"{name} {asked}": call for (name, asked), call in cases.items()}
+    calls: dict[str, Call] = {
+        f"{name} {question}": call for (name, question), call in cases.items()
+    }
     measured = in_turns(calls, effort.repeats(7), 0)
     times = dict(zip(cases, measured.values(), strict=True))
     program = scene.plan.program
@@ -116,8 +118,8 @@ Case = tuple[str, float]
 def _table(times: Mapping[Case, Timing], errors: Mapping[Case, float]) -> Table:
     base = times[DIRECT, ACCURACIES[0]]
     rows = [
-        (name, f"{asked:.0e}", str(time), time.over(base), f"{errors[name, asked]:.1e}")
-        for (name, asked), time in times.items()
+        (name, f"{question:.0e}", str(time), time.over(base), f"{errors[name, question]:.1e}")
+        for (name, question), time in times.items()
     ]
     note = "The ratio is to the first row."
     return Table(("solver", ">accuracy asked", ">time", ">ratio", ">error"), rows, note)
@@ -136,11 +138,11 @@ def _diagram(times: Mapping[Case, Timing], errors: Mapping[Case, float]) -> Diag
         )
         for name in names
     ]
-    told = "Error against time of five ways to solve one program, each at several accuracies."
+    reported = "Error against time of five ways to solve one program, each at several accuracies."
     return Diagram(
         "solvers",
         "One cone program: error against time",
-        told,
+        reported,
         Axis("time", seconds),
         Axis("error: objective or worst row", relative, least=NOISE),
         series,
@@ -154,10 +156,10 @@ def _front(
     rows = [("its first cone program, by Clarabel as Camwright calls it", DIRECT)]
     rows += [(f"the same by {name}, against that", name) for name in (COLD, AGAIN, IPOPT, SLSQP)]
     found = []
-    for told, name in rows:
+    for reported, name in rows:
         case = (name, ACCURACIES[0])
         time = str(base) if name == DIRECT else f"{times[case].over(base)} times"
-        found.append((told, time, f"{errors[case]:.0e}"))
+        found.append((reported, time, f"{errors[case]:.0e}"))
     return found
 
 
@@ -213,10 +215,10 @@ class Restated:
         self.problem = cp.Problem(cp.Minimize(cp.norm(self.x[scene.size])), said)
 
     def __call__(self, accuracy: float) -> Array:
-        asked = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), accuracy)
+        question = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), accuracy)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of reduced accuracy: the error is measured
-            self.problem.solve(solver="CLARABEL", **asked)
+            self.problem.solve(solver="CLARABEL", **question)
         return np.asarray(self.x.value)
 
 
@@ -232,14 +234,14 @@ def by_ipopt(scene: Scene, accuracy: float) -> Array:
         "f": casadi.norm_2(x[scene.size]),
         "g": casadi.mtimes(casadi.DM(pattern, packed.data.tolist()), x),
     }
-    told = {
+    reported = {
         "ipopt.tol": accuracy, "ipopt.constr_viol_tol": accuracy, "ipopt.compl_inf_tol": accuracy,
         "ipopt.bound_relax_factor": 0.1 * accuracy, "ipopt.print_level": 0, "ipopt.sb": "yes",
         "ipopt.linear_solver": "mumps", "print_time": False,
     }  # fmt: skip
     lower, upper = np.full(below.stop, -np.inf), program.rhs[: below.stop]
     lower[equal] = upper[equal]
-    solver: Any = casadi.nlpsol("program", "ipopt", stated, told)
+    solver: Any = casadi.nlpsol("program", "ipopt", stated, reported)
     found = solver(x0=scene.start(), lbg=lower, ubg=upper)
     return np.asarray(found["x"]).ravel()
 

@@ -75,8 +75,8 @@ def run(effort: Effort = FULL) -> Section:
     first, *_ = times.values()
     rows = [(name, str(time), error if time is first else "") for name, time in times.items()]
     table = Table(("what", ">time", ">error"), rows)
-    told = f"{POINTS} × {POINTS} points of a globoidal cam's flank, with normals"
-    front = (told, str(first), error)
+    reported = f"{POINTS} × {POINTS} points of a globoidal cam's flank, with normals"
+    front = (reported, str(first), error)
     *_, whole = times.values()
     gap = synthesise_spatial(free).certificate.gap or 0.0
     sized = ("a sized globoidal cam: the whole answer", str(whole), f"gap {100.0 * gap:.2f} %")
@@ -85,17 +85,17 @@ def run(effort: Effort = FULL) -> Section:
 
 def _solids(effort: Effort) -> Table:
     """Time and error of solids as files."""
-    names, asked = effort.some(SOLIDS), FacetedOptions()
+    names, question = effort.some(SOLIDS), FacetedOptions()
     designs = {name: synthesise_spatial(given(name)) for name in names}
     made: dict[str, FileContent] = {}
     calls: dict[str, Call] = {
-        name: lambda name=name, design=design: made.update({name: BODY.content(design, asked)})
+        name: lambda name=name, design=design: made.update({name: BODY.content(design, question)})
         for name, design in designs.items()
     }
     times, rows = in_turns(calls, effort.repeats(2), effort.warm_up(0)), []
     for name in names:
         data, facts = made[name].data, made[name].metadata
         size, error = len(data) / 1e6, 1e3 * float(facts["Surface-Error-Mm"])
-        told = (facts["Body"], facts["Faces"], f"{error:.2f} µm", f"{size:.2f} MB")
-        rows.append((name, *told, str(times[name])))
+        reported = (facts["Body"], facts["Faces"], f"{error:.2f} µm", f"{size:.2f} MB")
+        rows.append((name, *reported, str(times[name])))
     return Table(("body.step", "body", ">faces", ">walls within", ">size", ">time"), rows)

@@ -73,7 +73,7 @@ def _memory(when: str, process: int, rest_s: float) -> tuple[str, ...]:
     """A row of the table of memory."""
     time.sleep(rest_s)
     if not processes.there():
-        return (when, *["not told by this system"] * 5)
+        return (when, *["not reported by this system"] * 5)
     service, family = processes.of(process), processes.family(process)
     largest = max((processes.of(each) for each in processes.workers(family)), key=_peak)
     share = sum(processes.of(each).share for each in family)

@@ -28,9 +28,9 @@ def run(effort: Effort = FULL) -> Section:
     rows = []
     with service() as port, closing(connection(port, PATIENCE_S)) as wire:
         for size in effort.some(SIZES):
-            asked = _asked(size)
-            alone = _alone(asked, effort.repeats(min(size, ALONE)))
-            whole, first = swept(wire, asked)
+            question = _asked(size)
+            alone = _alone(question, effort.repeats(min(size, ALONE)))
+            whole, first = swept(wire, question)
             share = alone / WORKERS / (whole / size)
             rows.append(
                 (str(size), f"{1e3 * alone:.1f} ms", f"{1e3 * whole / size:.1f} ms",
@@ -46,9 +46,9 @@ def _asked(size: int) -> dict[str, Any]:
     return {"name": f"{size} items", "base": CONVEX, "axes": [axis | {"count": size}]}
 
 
-def _alone(asked: dict[str, Any], count: int) -> float:
+def _alone(question: dict[str, Any], count: int) -> float:
     """Seconds an item, in this process."""
-    sweep = SweepSpec.model_validate(asked)
+    sweep = SweepSpec.model_validate(question)
     numbers = range(0, sweep.size, max(1, sweep.size // count))
     specs = [json.dumps(sweep.item(sweep.item_values(number))).encode() for number in numbers]
     solve_design(specs[0], PATIENCE_S)
@@ -58,10 +58,10 @@ def _alone(asked: dict[str, Any], count: int) -> float:
     return (time.perf_counter() - started) / len(specs)
 
 
-def swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[float, float]:
+def swept(wire: http.client.HTTPConnection, question: dict[str, Any]) -> tuple[float, float]:
     """Seconds until all items are there, and until the first one is."""
     started, first = time.perf_counter(), 0.0
-    where = answer(wire, "POST", "/v1/sweeps", json.dumps(asked))["links"]["self"]
+    where = answer(wire, "POST", "/v1/sweeps", json.dumps(question))["links"]["self"]
     while True:
         found = answer(wire, "GET", where)
         passed = time.perf_counter() - started
@@ -69,7 +69,7 @@ def swept(wire: http.client.HTTPConnection, asked: dict[str, Any]) -> tuple[floa
             first = passed
         if found["state"] not in ("accepted", "running"):
             return passed, first
-        time.sleep(0.5 if first and asked["axes"][0]["count"] > 100 else 0.02)
+        time.sleep(0.5 if first and question["axes"][0]["count"] > 100 else 0.02)
 
 
 def answer(
@@ -78,9 +78,9 @@ def answer(
     """What the service answers with, over a connection that does not rest until the next look."""
     headers = {"Content-Type": "application/json", "Connection": "close"}
     wire.request(method, path, body, headers)
-    told = wire.getresponse()
-    content = told.read()
-    if told.status >= 300:
+    reported = wire.getresponse()
+    content = reported.read()
+    if reported.status >= 300:
         raise RuntimeError(content.decode())
     found: dict[str, Any] = json.loads(content)
     return found

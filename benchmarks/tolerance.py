@@ -104,6 +104,6 @@ def _diagram(found: list[Outcome], kind: str, title: str) -> Diagram:
             if one.scene == scene
         ]
         series.append(Series(scene.name, points))
-    told = "One curve a scene; each mark is a tolerance, from 10 % to 10⁻⁵."
+    reported = "One curve a scene; each mark is a tolerance, from 10 % to 10⁻⁵."
     axis = Axis("proven gap" if kind == "gap" else "true error", relative, least=LEAST)
-    return Diagram(f"tolerance-{kind}", title, told, Axis("time", seconds), axis, series)
+    return Diagram(f"tolerance-{kind}", title, reported, Axis("time", seconds), axis, series)

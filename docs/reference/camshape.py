@@ -12,8 +12,8 @@ def rows() -> Iterator[str]:
     for n in SIZES:
         reached = value(shape(n))
         above = "1e-8" if 0.0 <= bound(n).value - reached <= 1e-8 else "more"
-        told = f"{PUBLISHED[n]:.9f}" if n in PUBLISHED else "not found"
-        yield f"| {n} | {reached:.9f} | {told} | {above} |"
+        reported = f"{PUBLISHED[n]:.9f}" if n in PUBLISHED else "not found"
+        yield f"| {n} | {reached:.9f} | {reported} | {above} |"
 
 
 def main() -> None:

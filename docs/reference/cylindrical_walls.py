@@ -26,8 +26,8 @@ THETA = np.linspace(0.0, 2.0 * pi, 2401)
 
 
 def design(**machine: float) -> SpatialDesign:
-    asked = BODY | {"machine": BODY["machine"] | machine}
-    return synthesise_spatial(SpatialCamSpec.model_validate(asked))
+    question = BODY | {"machine": BODY["machine"] | machine}
+    return synthesise_spatial(SpatialCamSpec.model_validate(question))
 
 
 def max_speed(found: SpatialDesign) -> float:

@@ -63,10 +63,10 @@ class Case:
         return unit(self.order) * sqrt(energy * BETA / (2.0 * pi))
 
     def spec(self, tolerance: float) -> DesignSpec:
-        return asked(self.turn, self.caps, self.objective, tolerance, self.smoothness)
+        return question(self.turn, self.caps, self.objective, tolerance, self.smoothness)
 
 
-def asked(
+def question(
     turn: bool,
     caps: tuple[tuple[int, float], ...],
     objective: str,
@@ -143,7 +143,7 @@ class Threshold:
     def status(self, factor: float) -> str:
         """What becomes of a limit at that multiple of the least peak velocity."""
         caps = (*self.caps, (1, self.least * factor))
-        return synthesise(asked(False, caps, "base_radius", 1e-4, self.smoothness)).status
+        return synthesise(question(False, caps, "base_radius", 1e-4, self.smoothness)).status
 
 
 THRESHOLDS = (
@@ -183,10 +183,10 @@ def optima() -> Iterator[str]:
     for case in CASES:
         for tolerance in TOLERANCES:
             design, above, below = reached(case, tolerance)
-            told = "all laws" if "all" in design.certificate.bound_valid_for else "splines"
+            reported = "all laws" if "all" in design.certificate.bound_valid_for else "splines"
             yield (
                 f"| {case.objective.replace('_', ' ')} | {case.law} | {1e6 * tolerance:.0f} "
-                f"| {design.status} | {millionths(above)} | {millionths(below)} | {told} |"
+                f"| {design.status} | {millionths(above)} | {millionths(below)} | {reported} |"
             )
 
 

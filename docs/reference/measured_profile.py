@@ -49,21 +49,23 @@ def spec(follower: dict[str, Any], **changes: Any) -> DesignSpec:
     return DesignSpec.model_validate(body | changes)
 
 
-def measured(asked: DesignSpec, per_degree: float = 2.0, noise: float = 1e-3) -> list[list[float]]:
+def measured(
+    question: DesignSpec, per_degree: float = 2.0, noise: float = 1e-3
+) -> list[list[float]]:
     """Points of the exported profile, rounded to 1 µm, each coordinate with noise [mm]."""
     options = PointOptions(points_per_degree=per_degree)
-    text = PROFILE_FORMATS["txt"].write(synthesise(asked), options).decode()
+    text = PROFILE_FORMATS["txt"].write(synthesise(question), options).decode()
     points = np.array([[float(cell) for cell in line.split()[:2]] for line in text.splitlines()])
     rng = np.random.default_rng(3)
     return (np.round(points, 3) + noise * rng.standard_normal(points.shape)).tolist()
 
 
-def errors(asked: DesignSpec, found: ProfileAnalysis) -> list[float]:
+def errors(question: DesignSpec, found: ProfileAnalysis) -> list[float]:
     """Largest error of displacement to jerk, in the wire's units."""
-    motion, travel = given_cam(asked).motion, asked.follower.travel
+    motion, travel = given_cam(question).motion, question.follower.travel
     true = motion.derivatives(np.radians(found.table["angle_deg"]))
     columns = [values for name, values in found.table.items() if name[1] == "_"]
-    rates = [travel.wire_factor(order, asked.machine().omega) for order in range(4)]
+    rates = [travel.wire_factor(order, question.machine().omega) for order in range(4)]
     pairs = zip(columns, true, rates, strict=True)
     return [float(np.max(np.abs(np.array(c) - rate * t))) for c, t, rate in pairs]
 
@@ -71,20 +73,20 @@ def errors(asked: DesignSpec, found: ProfileAnalysis) -> list[float]:
 def table() -> None:
     """What each follower's motion comes back as, from 2 points a degree with 1 µm of noise."""
     for name, follower in FOLLOWERS.items():
-        asked = spec(follower)
+        question = spec(follower)
         cam = MeasuredCam(
-            speed_rpm=100.0, points_mm=measured(asked), follower=follower, tolerance_mm=TOLERANCE
+            speed_rpm=100.0, points_mm=measured(question), follower=follower, tolerance_mm=TOLERANCE
         )
         found = read_back(cam)
-        told = [peak.error for peak in found.peaks[:4]]
+        reported = [peak.error for peak in found.peaks[:4]]
         print(f"{name}: {found.fit.points} points, rms {1e3 * found.fit.rms_mm:.2f} µm")
-        for peak, error, most in zip(found.peaks, errors(asked, found), told, strict=False):
-            print(f"  {peak.curve}: error {error:.3g}, told {most:.3g} {peak.unit}")
+        for peak, error, most in zip(found.peaks, errors(question, found), reported, strict=False):
+            print(f"  {peak.curve}: error {error:.3g}, stated {most:.3g} {peak.unit}")
 
 
 def example() -> dict[str, Any]:
     """A cam with a valley that was made for a small roller, and a larger one on it."""
-    asked = spec(
+    question = spec(
         FOLLOWERS["roller, offset 7.1"] | {"roller_radius_mm": 4.1},
         program=[
             {"kind": "return", "angle_deg": 38, "lift_mm": 13.7, "law": {"kind": "cycloidal"}},
@@ -92,7 +94,7 @@ def example() -> dict[str, Any]:
             {"kind": "dwell", "angle_deg": 281},
         ],
     )
-    points = np.round(measured(asked, 0.6), 3).tolist()
+    points = np.round(measured(question, 0.6), 3).tolist()
     return {
         "summary": "A roller too large for a valley",
         "description": "Points of a profile, one every 1.7°, and a roller of 33 mm where one of "

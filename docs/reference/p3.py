@@ -36,13 +36,13 @@ def profile(sense: str, theta: np.ndarray) -> CamProfile:
 
 
 def sizes(found: dict[str, Analysis]) -> None:
-    told = found["opposite"].dimensions
+    reported = found["opposite"].dimensions
     units = {"mm": " mm", "deg": "°"}
     table(
         ("dimension", "value"),
         *(
             (name.rpartition("_")[0].replace("_", " "), number(value) + units[name.split("_")[-1]])
-            for name, value in told.items()
+            for name, value in reported.items()
         ),
     )
 
@@ -91,12 +91,12 @@ def pivot(found: dict[str, Analysis]) -> None:
         )
     ]
     for sense in SENSES:
-        told = found[sense].dimensions
+        reported = found[sense].dimensions
         first, last = over_the_pivot(sense)
         rows.append(
             (
-                sense, number(told["outer_radius_mm"]), number(told["centre_distance_mm"]),
-                number(-told["pivot_clearance_mm"]), number(first, 2), number(last, 2),
+                sense, number(reported["outer_radius_mm"]), number(reported["centre_distance_mm"]),
+                number(-reported["pivot_clearance_mm"]), number(first, 2), number(last, 2),
             )
         )  # fmt: skip
     table(*rows)

@@ -18,8 +18,10 @@ UNITS = {"deg": "°", "1": ""}
 
 
 def dimensions(p4: SpatialDesign) -> None:
-    told = ((name.removesuffix("_mm").replace("_", " "), v) for name, v in p4.dimensions.items())
-    table(("dimension", "mm"), *((name, number(value, 3)) for name, value in told))
+    reported = (
+        (name.removesuffix("_mm").replace("_", " "), v) for name, v in p4.dimensions.items()
+    )
+    table(("dimension", "mm"), *((name, number(value, 3)) for name, value in reported))
 
 
 def walls(p4: SpatialDesign) -> None:

@@ -24,7 +24,7 @@ def solve(**changes: object) -> PalletisingArm:
 P6 = solve()
 
 
-def told(value: float) -> str:
+def reported(value: float) -> str:
     return number(value, 3)
 
 
@@ -35,7 +35,7 @@ def reach() -> None:
     for opening in (60.0, degrees(stated), 70.0, 80.0, 90.0):
         square = A2**2 + A3**2 + 2.0 * A2 * A3 * sin(radians(opening))
         found = solve(opening_deg={"min": -80.0, "max": opening}, poses=[])
-        rows.append((number(opening, 4), told(BESIDE + square**0.5), told(found.reach_mm)))
+        rows.append((number(opening, 4), reported(BESIDE + square**0.5), reported(found.reach_mm)))
     table(("largest q = θ2 − θ3 °", "formula mm", "reach mm"), *rows)
 
 
@@ -44,7 +44,7 @@ def border() -> None:
     rows = []
     for arc in region.border:
         values = (*arc.centre_mm, arc.radius_mm, arc.start_deg, arc.sweep_deg, *arc.from_mm)
-        rows.append((arc.keeps.replace("_", " "), *(told(value) for value in values)))
+        rows.append((arc.keeps.replace("_", " "), *(reported(value) for value in values)))
     table(("stands still", "centre r", "centre z", "radius", "from °", "sweep °", "begins r",
            "begins z"), *rows)  # fmt: skip
 
@@ -54,7 +54,12 @@ def size() -> None:
     ends = {"farthest": region.r_max, "nearest": region.r_min, "highest": region.z_max,
             "lowest": region.z_min}  # fmt: skip
     rows = [
-        (name, told(end.value_mm) + " mm", told(end.upper_arm_deg), told(end.forearm_deg))
+        (
+            name,
+            reported(end.value_mm) + " mm",
+            reported(end.upper_arm_deg),
+            reported(end.forearm_deg),
+        )
         for name, end in ends.items()
     ]
     rows += [("area", number(region.area_mm2 * 1e-6, 6) + " m²", "", ""),
@@ -72,7 +77,7 @@ def openings() -> None:
         found = solve(opening_deg=limits, poses=[])
         areas = ", ".join(f"{one.elbow} {number(one.area_mm2 * 1e-6, 4)}" for one in found.regions)
         lines = ", ".join(number(one.opening_deg, 0) + "°" for one in found.singular)
-        rows.append((name, told(found.reach_mm), areas, lines))
+        rows.append((name, reported(found.reach_mm), areas, lines))
     table(("limits of q", "reach mm", "elbow and area m²", "in line at q"), *rows)
 
 
@@ -83,8 +88,8 @@ def poses() -> None:
             beyond = ", ".join(each.joint.replace("_", " ") for each in one.beyond)
             angles = (one.base_deg, one.upper_arm_deg, one.forearm_deg, one.tool_deg, one.in_line)
             r = hypot(pose.x_mm, pose.y_mm)
-            rows.append((f"{pose.name}, {one.base} {one.elbow}", told(r), told(pose.z_mm),
-                         *(told(angle) for angle in angles), beyond))  # fmt: skip
+            rows.append((f"{pose.name}, {one.base} {one.elbow}", reported(r), reported(pose.z_mm),
+                         *(reported(angle) for angle in angles), beyond))  # fmt: skip
     table(("pose", "r mm", "z mm", "A1 °", "θ2 °", "θ3 °", "A6 °", "cos q", "beyond"), *rows)
 
 

@@ -88,7 +88,7 @@ export class Arm {
     const { found, scene } = this;
     if (!found) return;
     const pose = found.poses[this.index];
-    showStatus(told(found, pose), found.status);
+    showStatus(describe(found, pose), found.status);
     byId("pose-note").textContent = pose?.note ?? "";
     const ways = pose?.solutions ?? [];
     const chosen = Math.max(0, ways.findIndex((each) => nameOf(each) === this.way));
@@ -131,7 +131,7 @@ const tidy = (value) => Number(value.toFixed(3));
 /** A way of being somewhere, as long as base and tool turn no further than once. */
 const nameOf = ({ base, elbow, base_deg, tool_deg }) => `${base} ${elbow} ${Math.round(base_deg / 360)} ${Math.round(tool_deg / 360)}`;
 
-function told(found, pose) {
+function describe(found, pose) {
   const taken = found.poses.filter((each) => each.reachable).length;
   const all = found.poses.length === 0 ? "No pose is asked for." : `${taken} of ${found.poses.length} poses can be taken.`;
   const reach = `Reach ${figure(found.reach_mm, 6)} mm.`;

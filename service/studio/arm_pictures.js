@@ -8,7 +8,7 @@ const STEP = 10; // of an arrow key [mm]; with Shift ten of them
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class ArmPictures {
-  /** `moved` is told where the target is wanted: {x_mm, y_mm, z_mm}, or some of them. */
+  /** `moved` receives where the target is wanted: {x_mm, y_mm, z_mm}, or some of them. */
   constructor(moved) {
     this.side = new Picture(byId("side"), ([r, z]) => moved({ ...this.#towards(Math.max(r, 0)), z_mm: z }));
     this.plan = new Picture(byId("plan"), ([x, y]) => moved({ x_mm: x, y_mm: y }));
@@ -51,7 +51,7 @@ function standing(arm, { mirror, parts }, { beyond }, chosen) {
 
 /** A picture, y upwards, with a target that follows pointer and arrow keys. */
 class Picture {
-  /** `moved` is told two coordinates [mm]. */
+  /** `moved` receives two coordinates [mm]. */
   constructor(node, moved) {
     Object.assign(this, { node, moved, scale: 1, at: null, held: false });
     this.shapes = shape("g", {});

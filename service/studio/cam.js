@@ -8,7 +8,7 @@ const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = 0.03; // of the picture
 
 export class Cam {
-  /** `moved` is told the cam angle [°] that is shown. */
+  /** `moved` receives the cam angle [°] that is shown. */
   constructor(moved) {
     this.moved = moved;
     this.parts = [];

@@ -13,7 +13,7 @@ const OF_A_CAM = [
 ];
 
 export class Charts {
-  /** `moved` is told the angle [°] under the pointer; `across` begins the name of its column. */
+  /** `moved` receives the angle [°] under the pointer; `across` begins the name of its column. */
   constructor(moved, curves = OF_A_CAM, across = "theta_") {
     Object.assign(this, { moved, curves, across, plots: [] });
     new ResizeObserver(() => this.#fit()).observe(byId("charts"));

@@ -1,4 +1,4 @@
-// The errors of a problem document, told at the fields of #form that they belong to.
+// The errors of a problem document, shown at the fields of #form that they belong to.
 
 /** Puts errors at their fields, those of before taken away; returns those that have no place. */
 export function showFieldErrors(errors) {

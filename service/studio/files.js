@@ -79,7 +79,7 @@ export class Files {
     byId("file-error").textContent = "";
   }
 
-  /** The browser fetches the file; a refusal is told here instead of landing in a file. */
+  /** The browser fetches the file; a refusal is shown here instead of landing in a file. */
   async #checkDownload() {
     const path = this.#path;
     this.api.note("GET", path);

@@ -86,13 +86,13 @@ export class Form {
       element("td", { class: "row-buttons" }, ...this.#rowButtons(i, more)),
     ];
     const places = ["", "/angle_deg", "/lift_mm", "/lift_deg", "/law", "/kind"];
-    const told = element(
+    const note = element(
       "tr",
       { class: "row-errors" },
       element("td", { colspan: 6 }, ...places.map((name) => element("p", { class: "error", "data-error": at + name }))),
     );
     const inside = this.open.has(i) ? [this.#details(at, segment, schema)] : [];
-    return [element("tr", {}, ...cells), told, ...inside];
+    return [element("tr", {}, ...cells), note, ...inside];
   }
 
   #number(pointer, value, label) {
@@ -204,9 +204,9 @@ export class Form {
     const free = program.some((each) => typeof each.angle_deg === "object");
     const sum = program.reduce((total, each) => total + (Number(each.angle_deg) || 0), 0);
     const text = free ? "Some angles are left free." : `Angles sum to ${figure(sum, 9)}° of 360°.`;
-    const told = byId("program-sum");
-    told.textContent = text;
-    told.classList.toggle("wrong", !free && Math.abs(sum - 360) > 1e-6);
+    const note = byId("program-sum");
+    note.textContent = text;
+    note.classList.toggle("wrong", !free && Math.abs(sum - 360) > 1e-6);
   }
 
   // -- limits and aim -----------------------------------------------------------------------

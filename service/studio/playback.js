@@ -3,7 +3,7 @@
 import { byId, figure } from "./dom.js";
 
 export class Playback {
-  /** `shown` is told the cam angle [°] at every step; keys are those pressed on `picture`. */
+  /** `shown` receives the cam angle [°] at every step; keys are those pressed on `picture`. */
   constructor(shown, picture) {
     this.shown = shown;
     this.turns = 0;

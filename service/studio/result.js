@@ -41,7 +41,7 @@ function proven({ gap, bound_valid_for: over, lower_bound: bound, objective, inf
   return `No ${name} is more than ${figure(100 * gap, 2)} % smaller, over ${over}.`;
 }
 
-/** Terms and figures of a design's dimensions, and of what else is told of it. */
+/** Terms and figures of a design's dimensions, and of what else is known of it. */
 export function sizes(design) {
   return terms({ ...design.dimensions, ...design.objectives, ...design.free_parameters, ...forces(design.forces) });
 }
@@ -60,17 +60,17 @@ export function tableParts(names, rows) {
   return [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows)];
 }
 
-/** The forces in a few numbers; nothing where no load is told. */
+/** The forces in a few numbers; nothing where no load is given. */
 function forces(found) {
   if (!found) return {};
-  const told = { camshaft_torque_rms_n_m: found.torque.rms_n_m, camshaft_power_w: found.torque.power_w };
+  const figures = { camshaft_torque_rms_n_m: found.torque.rms_n_m, camshaft_power_w: found.torque.power_w };
   for (const { flank, largest_n: force, largest_pressure_mpa: pressure } of found.flanks) {
     const name = flank ? `_${flank}` : "";
-    if (force) told[`contact_force${name}_at_most_n`] = force.value;
-    if (pressure) told[`hertz_pressure${name}_at_most_mpa`] = pressure.value;
+    if (force) figures[`contact_force${name}_at_most_n`] = force.value;
+    if (pressure) figures[`hertz_pressure${name}_at_most_mpa`] = pressure.value;
   }
-  if (found.float_onset_rpm !== null) told.float_onset_rpm = found.float_onset_rpm;
-  return told;
+  if (found.float_onset_rpm !== null) figures.float_onset_rpm = found.float_onset_rpm;
+  return figures;
 }
 
 /** A row for every limit that has a bound, with how much of it is used. */

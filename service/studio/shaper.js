@@ -57,7 +57,7 @@ export class Shaper {
 
   async show(found, signal) {
     this.found = found;
-    showStatus(told(found), found.status);
+    showStatus(describe(found), found.status);
     const made = found.stroke_mm !== null;
     this.box.hidden = !made;
     if (!made) return;
@@ -89,7 +89,7 @@ function about(value) {
   return { min: rounded(value / ROOM), max: rounded(value * ROOM) };
 }
 
-function told(found) {
+function describe(found) {
   if (found.status === "unsolved") return "Unsolved: no lengths were found, and that there are none is not proven.";
   if (found.stroke_mm === null) return "Infeasible: no lengths keep these requirements together.";
   const broken = found.limits.filter((each) => !each.holds).map((each) => nameAndUnit(each.limit)[0]);

@@ -76,21 +76,21 @@ class Studio {
     }
   }
 
-  /** The picture; a cam that leaves no body is told instead. */
+  /** The picture; of a cam that leaves no body, the reason. */
   async #draw(design, signal) {
     if (!this.scene || design.motion.length === 0) return;
     try {
       this.scene.show(await this.api.get(`${design.links.self}/surfaces.json`, { signal }));
-      told("");
+      showNote("");
     } catch (error) {
       if (!(error instanceof Problem)) throw error;
       this.scene.clear();
-      told(error.message);
+      showNote(error.message);
     }
   }
 }
 
-/** The picture, or what a browser without one is told. */
+/** The picture, or a note for a browser without WebGL. */
 function sceneOn(canvas) {
   try {
     const scene = new Scene(canvas);
@@ -108,12 +108,12 @@ function sceneOn(canvas) {
     });
     return scene;
   } catch (error) {
-    told(error.message);
+    showNote(error.message);
     return null;
   }
 }
 
-function told(text) {
+function showNote(text) {
   byId("no-picture").textContent = text;
   byId("no-picture").hidden = text === "";
 }

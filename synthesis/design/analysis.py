@@ -151,6 +151,6 @@ class Sensitivities(AnswerModel):
     value: float | None = doc("Its value on the finished cam; null: there is no cam.")
     sensitivities: list[Sensitivity] = doc("The dearest first; empty where they are not known.")
     unconfirmed: list[str] = doc(
-        "Numbers of which nothing is told, because multipliers and seeking again disagree."
+        "Numbers without a sensitivity, because multipliers and a second solve disagree."
     )
     evidence: str = doc("How they are known, or why they are not.")

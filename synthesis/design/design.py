@@ -98,7 +98,7 @@ WITHOUT_CAM: tuple[Status, ...] = ("unsolved", "infeasible")
 class SplineCurve(AnswerModel):
     """A B-spline in normalised form: x = (θ − start)/angle in [0, 1], g(x) from 0 to 1.
 
-    s = s_start + unit · g(x), where the unit is s_end − s_start unless it is told: a table has its
+    s = s_start + unit · g(x), where the unit is s_end − s_start unless it is given: a table has its
     own, and g ends at (s_end − s_start)/unit. Knots are without repetition; both ends are clamped.
     """
 

@@ -169,8 +169,8 @@ def _manifest(cams: CamSet, options: BundleOptions, listed: list[dict[str, Any]]
         | cam.model_dump(mode="json", exclude={"design"})
         for folder, cam in zip(folders(cams), cams.cams, strict=True)
     ]
-    told = ("id", "name", "engine_version", "status", "rotation", "speed_rpm")
-    body = {name: getattr(cams, name) for name in told} | {
+    names = ("id", "name", "engine_version", "status", "rotation", "speed_rpm")
+    body = {name: getattr(cams, name) for name in names} | {
         "conventions": CONVENTIONS,
         "sampling": {
             "curve": options.profile.curve,

@@ -163,8 +163,8 @@ def drive_header(design: Design, options: DriveOptions) -> Mapping[str, str]:
     return {"Fidelity": "; ".join(lines)}
 
 
-def _exporter(name: str, title: str, purpose: str, **told: str) -> Exporter[DriveOptions]:
-    media_type, layout = told.pop("media_type"), Layout(**told)
+def _exporter(name: str, title: str, purpose: str, **fields: str) -> Exporter[DriveOptions]:
+    media_type, layout = fields.pop("media_type"), Layout(**fields)
 
     def write(design: Design, options: DriveOptions) -> bytes:
         return DriveTable.of(design, options).text(layout).encode("ascii")

@@ -127,8 +127,8 @@ def design_format(
     measure: Callable[[Design, Choice], Mapping[str, str]] | None = None,
 ) -> Exporter[Choice]:
     """A format as ``assets/formats.toml`` describes it: title, media type, purpose and the rest."""
-    told = {"name": name, "extension": f".{name}", **_DESCRIBED[part][name]}
-    return Exporter(make=make, options=options, measure=measure, **told)
+    fields = {"name": name, "extension": f".{name}", **_DESCRIBED[part][name]}
+    return Exporter(make=make, options=options, measure=measure, **fields)
 
 
 def machine_format(
@@ -138,5 +138,5 @@ def machine_format(
     options: type[Choice],
 ) -> FileFormat[Subject, Choice]:
     """The same of a machine's answer; its extension is the end of the name."""
-    told = {"name": name, "extension": f".{name.rpartition('.')[2]}", **_DESCRIBED[machine][name]}
-    return FileFormat(make=make, options=options, **told)
+    fields = {"name": name, "extension": f".{name.rpartition('.')[2]}", **_DESCRIBED[machine][name]}
+    return FileFormat(make=make, options=options, **fields)

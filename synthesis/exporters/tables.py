@@ -96,8 +96,9 @@ class JsonOptions(CurveOptions):
 
 def origin(design: Design) -> dict[str, Any]:
     """Which design a file is of, and whether it is certified."""
-    told = {name: getattr(design, name) for name in ("id", "name", "engine_version", "status")}
-    return told | {"certified": design.certificate.certified}
+    names = ("id", "name", "engine_version", "status")
+    about = {name: getattr(design, name) for name in names}
+    return about | {"certified": design.certificate.certified}
 
 
 def _json_profile(design: Design, options: JsonOptions) -> bytes:
@@ -128,11 +129,11 @@ def _json_motion(design: Design, options: MotionOptions) -> bytes:
 def _json_file(
     design: Design, head: dict[str, Any], options: Sampled, columns: Sequence[Column]
 ) -> bytes:
-    told = ("rotation", "speed_rpm", "follower", "dimensions")
+    names = ("rotation", "speed_rpm", "follower", "dimensions")
     body = {
         **head,
         "design": origin(design),
-        **{name: getattr(design, name) for name in told},
+        **{name: getattr(design, name) for name in names},
         "sampling": asdict(options),
         "rows": len(columns[0].values),
     }

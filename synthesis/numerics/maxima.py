@@ -80,7 +80,7 @@ def maximise_between(
     """Largest value of a function over several intervals, and where it is.
 
     Every interval is sampled, and the largest value is closed in on between its neighbours; two
-    peaks of an interval whose heights differ by less than sampling shows are not told apart.
+    peaks of an interval whose heights differ by less than sampling shows are not distinguished.
     ``function``: values at points (n, k), k on each of n intervals, whose indices (n,) are given.
     """
     which, reach = np.arange(len(low)), (high - low) / (SAMPLES - 1)

@@ -21,7 +21,7 @@
     return column[k] === null || column[k + 1] === null
       ? Infinity : column[k] + (place - k) * (column[k + 1] - column[k]);
   };
-  const told = (value, digits) => {
+  const text = (value, digits) => {
     if (!Number.isFinite(value) || Math.abs(value) > 1e6) return "∞";
     return value.toFixed(digits).replace("-", "\u2212");
   };
@@ -33,8 +33,8 @@
         "transform", kind === "turn" ? `rotate(${a + whole * perTurn})` : `translate(${a} ${b})`,
       );
     }
-    for (const { node, digits, column } of outputs) node.textContent = told(at(column, part), digits);
-    one("theta").textContent = told(360 * part, 1);
+    for (const { node, digits, column } of outputs) node.textContent = text(at(column, part), digits);
+    one("theta").textContent = text(360 * part, 1);
     if (document.activeElement !== angle || running) angle.value = 360 * part;
   };
   const run = (on) => {

@@ -40,7 +40,7 @@ class DrawingOptions(PlacedCurve):
     for controls and saws that know no spline."""
     tolerance_um: Annotated[float | None, Field(ge=MIN_ERROR_UM, le=1e3)] = None
     """Largest distance from the true curve, along its normal [µm]. Left out: 0.001 for splines, 1
-    for arcs. What is reached is told in the header Camwright-Curve-Error-Mm."""
+    for arcs. What is reached is reported in the header Camwright-Curve-Error-Mm."""
     companions: bool = True
     """Draw all of the cam, each kind on its own layer: every flank, rollers' paths, base circle,
     bore. Otherwise the one curve alone."""

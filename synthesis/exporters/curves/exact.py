@@ -209,7 +209,7 @@ class ExactOptions(PlacedCurve):
 
     tolerance_um: Annotated[float, Field(ge=MIN_ERROR_UM, le=1e3)] = 1e-3
     """Largest distance of the spline from the true curve, along its normal [µm]. What is reached is
-    told in the header Camwright-Curve-Error-Mm."""
+    reported in the header Camwright-Curve-Error-Mm."""
 
     @property
     def tolerance_mm(self) -> float:

@@ -38,8 +38,8 @@ class Aim:
     def label(self) -> str:
         """Name, unit and which way is better."""
         name, unit = split_unit(self.quantity)
-        told = ", ".join(filter(None, (name.replace("_", " "), svg.unit(unit))))
-        return f"{told} ({'larger' if self.maximise else 'smaller'} is better)"
+        label = ", ".join(filter(None, (name.replace("_", " "), svg.unit(unit))))
+        return f"{label} ({'larger' if self.maximise else 'smaller'} is better)"
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,7 @@ class SolidOptions(Options):
     """Of plate, ring or disc."""
     tolerance_um: Annotated[float, Field(ge=1e-3, le=1e3)] = 1e-3
     """Largest distance of the flanks from the true curve, along its normal [µm]. What is reached is
-    told in the header Camwright-Curve-Error-Mm."""
+    reported in the header Camwright-Curve-Error-Mm."""
     bore_mm: BoreDiameter = None
     keyway: bool = False
     """A keyway in the bore, by DIN 6885-1."""
@@ -56,7 +56,7 @@ class SolidOptions(Options):
     keyway_depth_mm: Length = None
     """Depth beyond the bore's radius; left out: by the bore."""
     keyway_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 90.0
-    """Direction of the keyway in the cam's own frame; in a cam set it is told for every cam."""
+    """Direction of the keyway in the cam's own frame; in a cam set every cam has its own."""
     hub_diameter_mm: Length = None
     """Of a hub on the back."""
     hub_length_mm: Length = None

@@ -141,7 +141,7 @@ class _Trials:
         return solution.stopped is StopReason.INFEASIBLE
 
     def next_slope(self, bracket: _Bracket) -> float:
-        """Where the smallest cam is as large as allowed, if that can be told, else the middle.
+        """Where the smallest cam is as large as allowed, if that is known, else the middle.
 
         Between the bracket's ends the size is taken as a power of the slope.
         """

@@ -273,7 +273,7 @@ class SweepSpec(FiniteModel):
         False,
         description="Where curvature decides, a design's local search begins where that of "
         "the item before has ended, in chains of eight items: a quarter less time. Values may "
-        "then differ from those of the same spec alone, within the gap that is told; such a "
+        "then differ from those of the same spec alone, within the gap that is reported; such a "
         "design names the other one in started_from and has an id of its own.",
     )
 
