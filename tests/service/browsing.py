@@ -52,8 +52,8 @@ class Closed:
             self.refused.append(message.text)
 
     def _failed(self, request: Request) -> None:
-        ended = request.resource_type == "eventsource" and request.failure == "net::ERR_ABORTED"
-        if urlsplit(request.url).hostname == "127.0.0.1" and not ended:  # by the page itself
+        ended = request.failure == "net::ERR_ABORTED"  # by the page itself, or as it closes
+        if urlsplit(request.url).hostname == "127.0.0.1" and not ended:
             self.faults.append(f"{request.url}: {request.failure}")
 
 
@@ -65,7 +65,7 @@ def closed(browser: Browser) -> Iterator[Closed]:
     yield page
     context.close()
     assert page.outside == []
-    assert page.faults == []
+    assert page.faults == [], page.faults
 
 
 def picture(page: Page, folder: Path, name: str) -> None:

@@ -121,6 +121,7 @@ SCENE = {
         {"kind": "profile_radius", "min_mm": 12.1},
     ],
     "tolerance": 5e-3,
+    "proof": "quick",
 }
 
 
