@@ -62,13 +62,19 @@ def test_the_least_peak_jerk_is_found_and_not_beaten() -> None:
     assert LEAST_JERK * (1.0 - 1e-6) < best[-1].value < LEAST_JERK * 1.03
 
 
-def test_a_bound_that_is_too_high_is_beaten() -> None:
-    limits = [{"kind": "pressure_angle", "rise_deg": 31.0, "return_deg": 33.0},
-              {"kind": "jerk", "max_mm_per_s3": 1.9 * LEAST_JERK}]  # fmt: skip
+def test_a_bound_that_is_too_high_is_beaten_and_a_true_one_is_not() -> None:
+    asked = {**NARROW, "objective": {"kind": "peak_jerk"}, "base_radius_mm": 80.0}
+    assert refutation(asked, answer("optimal", 1.1 * LEAST_JERK), ENOUGH_S, 1)
+    assert not refutation(asked, answer("optimal", (1.0 - 1e-5) * LEAST_JERK), 0.3, 1)
+
+
+def test_a_smaller_cam_than_a_false_bound_is_found() -> None:
+    limits = [
+        {"kind": "pressure_angle", "rise_deg": 31.0, "return_deg": 33.0},
+        {"kind": "jerk", "max_mm_per_s3": 1.9 * LEAST_JERK, "max_deg_per_s3": None},
+    ]
     asked = {**NARROW, "limits": limits}
-    # no law is slower than h/β in the mean: tan α (s0 + s) ≥ s' keeps s0 far above 1 mm
     assert refutation(asked, answer("optimal", 60.0, 60.0), ENOUGH_S, 1)
-    assert not refutation(asked, answer("optimal", 0.5, 0.5), 0.1, 1)
 
 
 def test_a_refusal_that_is_none_is_refuted_and_a_true_one_is_not() -> None:

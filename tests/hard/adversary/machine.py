@@ -294,7 +294,7 @@ class Machine:
 
     def _derivative(self, limit: dict[str, Any]) -> Iterator[Quantity]:
         order = ORDERS[limit["kind"]]
-        most = next(value for key, value in limit.items() if key.startswith("max_"))
+        most = next(value for key, value in limit.items() if key.startswith("max_") and value)
         scale = self.program.omega**order / (most * self.program.unit)
         for sign in (1.0, -1.0):
             yield Quantity(
