@@ -15,6 +15,7 @@ evaluate under ``np.errstate(all="ignore")``.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -29,7 +30,6 @@ FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 class Affine(UfuncDispatch):
     """A model on each of n boxes: centres c (n,), slopes g over half the box (d, n), remainders."""
 
-    __slots__ = ("c", "g", "rem")
     rules: ClassVar[UfuncRules] = {
         **ARITHMETIC,
         np.sin: lambda f: f._wave(np.sin(f.c), np.cos(f.c)),
@@ -49,10 +49,10 @@ class Affine(UfuncDispatch):
         rem = ROUNDING * (np.abs(centre) + half)
         return [cls(centre[i], unit[i] * half, rem[i]) for i in range(len(half))]
 
-    @property
+    @cached_property
     def radius(self) -> Array:
         """A bound of |f − c|."""
-        return np.asarray(np.sum(np.abs(self.g), axis=0) + self.rem)
+        return np.asarray(np.abs(self.g).sum(axis=0) + self.rem)
 
     @property
     def lower(self) -> Array:
