@@ -9,7 +9,7 @@ import pytest
 from tests.hard.random_specs import COUNT, FOLLOWERS, random_spec
 from tests.hard.run import outcome
 
-STRIDE, BATCHES = 40, 5
+STRIDE, BATCHES = 80, 5
 SHARE = range(5, COUNT, STRIDE)
 
 

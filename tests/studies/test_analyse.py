@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,12 @@ from synthesis.design.analysis import Analysis, CurveSummary
 from synthesis.errors import InputError, TimeBudgetExceeded
 from synthesis.units import rad_per_s
 from tests.studies.cams import PRESSURE, Textbook, program, roller, spec
+
+
+@cache
+def given() -> Analysis:
+    """Of the cam that most tests look at."""
+    return analyse(spec())
 
 
 def curve(found: Analysis, name: str, over: str = "turn") -> CurveSummary:
@@ -27,7 +34,7 @@ def extreme(found: Analysis, name: str) -> Any:
 
 def test_extremes_of_every_curve_are_those_of_the_textbook() -> None:
     asked = spec()
-    found, book = analyse(asked), Textbook(asked)
+    found, book = given(), Textbook(asked)
     omega = rad_per_s(asked.speed_rpm)
     names = ("displacement", "velocity", "acceleration", "jerk")
     expected = {name: book.s[k] * omega**k for k, name in enumerate(names)}
@@ -49,8 +56,7 @@ def test_extremes_of_every_curve_are_those_of_the_textbook() -> None:
 
 
 def test_a_broken_limit_says_by_how_much_and_where() -> None:
-    asked = spec()
-    found, book = analyse(asked), Textbook(asked)
+    found, book = given(), Textbook(spec())
     rise = book.degrees <= 73.3
     k = int(np.argmax(book.alpha * rise))
     broken = extreme(found, "pressure_angle_rise")
@@ -63,8 +69,7 @@ def test_a_broken_limit_says_by_how_much_and_where() -> None:
 
 @pytest.mark.parametrize("offset", ["kept", "free"])
 def test_the_size_that_mends_it_is_the_smallest(offset: str) -> None:
-    asked = spec()
-    found = analyse(asked)
+    found = given()
     (size,) = (s for s in found.remedy.sizes if s.offset == offset)
     base, e = size.dimensions["base_radius_mm"], size.dimensions["offset_mm"]
     assert size.base_radius_change_mm == pytest.approx(base - 21.9)
@@ -94,7 +99,7 @@ def test_a_cam_that_holds_has_nothing_to_mend() -> None:
         assert one.infinite_deg == []
 
 
-def test_undercut_is_found_where_the_curvature_is_largest() -> None:
+def test_undercut_is_found_where_the_curvature_is_largest(request: pytest.FixtureRequest) -> None:
     asked = spec(base_radius_mm=2.6, limits=[], follower=roller(17.9, -4.3))
     found, book = analyse(asked), Textbook(asked)
     k = int(np.argmax(book.curvature))
@@ -105,6 +110,7 @@ def test_undercut_is_found_where_the_curvature_is_largest() -> None:
     assert found.undercut.pitch_radius_mm == pytest.approx(radius, rel=1e-6)
     assert found.undercut.excess_mm == pytest.approx(17.9 - radius, rel=1e-4)
     assert found.violated == ["profile_radius"]
+    request.getfixturevalue("unmended")
     kept = found.remedy.sizes[0]
     base = kept.dimensions["base_radius_mm"]
     again = {"limits": [], "follower": roller(17.9, -4.3)}
@@ -112,6 +118,7 @@ def test_undercut_is_found_where_the_curvature_is_largest() -> None:
     assert analyse(spec(base_radius_mm=base * (1.0 - 1e-5), **again)).undercut is not None
 
 
+@pytest.mark.usefixtures("unmended")
 def test_a_roller_as_large_as_the_radius_makes_a_cusp() -> None:
     before = curve(analyse(spec(limits=[])), "convex_radius").smallest
     radius = before.value + 9.3
@@ -120,6 +127,7 @@ def test_a_roller_as_large_as_the_radius_makes_a_cusp() -> None:
     assert found.undercut.angle_deg == pytest.approx(before.angle_deg, abs=1e-3)
 
 
+@pytest.mark.usefixtures("unmended")
 def test_jumps_are_one_sided() -> None:
     asked = spec(program=program("parabolic", "simple_harmonic"))
     found, omega = analyse(asked), rad_per_s(137.0)
@@ -141,6 +149,7 @@ def test_jumps_are_one_sided() -> None:
     assert curve(found, "jerk").infinite_deg == [jump.angle_deg for jump in jumps]
 
 
+@pytest.mark.usefixtures("unmended")
 def test_a_jump_of_the_velocity_breaks_the_pitch_curve() -> None:
     found = analyse(spec(program=program("constant_velocity", "constant_velocity"), limits=[]))
     slope = 23.7 / math.radians(73.3) * rad_per_s(137.0)
@@ -154,7 +163,7 @@ def test_a_jump_of_the_velocity_breaks_the_pitch_curve() -> None:
 
 
 def test_a_clockwise_cam_is_the_mirror_image() -> None:
-    one, other = analyse(spec()), analyse(spec(rotation="cw"))
+    one, other = given(), analyse(spec(rotation="cw"))
     same = {"name", "holds", "dimensions", "violated", "extremes", "curves", "jumps", "remedy"}
     assert one.model_dump(include=same) == other.model_dump(include=same)
 
@@ -190,11 +199,13 @@ def test_what_is_left_free_is_named(changes: dict[str, Any], field: str, value: 
     assert "/v1/designs" in caught.value.remedy
 
 
+@pytest.mark.usefixtures("unmended")
 def test_a_range_of_one_value_is_given() -> None:
     found = analyse(spec(base_radius_mm={"min": 21.9, "max": 21.9}))
     assert found.dimensions == analyse(spec()).dimensions
 
 
+@pytest.mark.usefixtures("unmended")
 def test_a_knife_edge_is_not_undercut() -> None:
     found = analyse(spec(follower=roller(0.0), limits=[PRESSURE]))
     assert found.undercut is None

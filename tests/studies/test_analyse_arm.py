@@ -64,6 +64,7 @@ def test_what_is_left_free_is_named(changes: dict[str, Any], field: str) -> None
     assert caught.value.field == field
 
 
+@pytest.mark.usefixtures("unmended")
 def test_jumps_are_told_in_degrees() -> None:
     program = [segment.model_dump(exclude_none=True) for segment in asked().program]
     program[0]["law"] = {"kind": "parabolic"}
@@ -81,6 +82,7 @@ def test_jumps_are_told_in_degrees() -> None:
     )
 
 
+@pytest.mark.usefixtures("unmended")
 def test_a_roller_that_is_too_large_undercuts_and_says_where() -> None:
     body = asked(follower=arm(roller_radius_mm=60.0), base_radius_mm=PRIME - 60.0)
     found = analyse(body)

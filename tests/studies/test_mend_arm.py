@@ -62,7 +62,7 @@ def least(sense: str, distances: np.ndarray) -> float:
     best, span = (np.inf, 0.0, 0.0), (0.02, 2.2)
     width = float(np.ptp(distances))
     for _ in range(7):
-        d, psi0 = (a.ravel() for a in np.meshgrid(distances, np.linspace(*span, 61)))
+        d, psi0 = (a.ravel() for a in np.meshgrid(distances, np.linspace(*span, 41)))
         kept = np.concatenate([worst(sense, *part) for part in zip(
             np.array_split(d, 40), np.array_split(psi0, 40), strict=True)]) <= 0.0  # fmt: skip
         prime = np.sqrt(d**2 + ARM**2 - 2.0 * d * ARM * np.cos(psi0))
@@ -92,7 +92,7 @@ def test_what_mends_an_arm_s_pressure_angle_is_the_smallest_there_is(sense: str)
     assert (kept.status == "infeasible") == (not np.isfinite(here))
     if kept.status != "infeasible":
         assert kept.dimensions["prime_radius_mm"] == pytest.approx(here, rel=1e-3)
-    anywhere = least(sense, np.linspace(40.0, 300.0, 51))
+    anywhere = least(sense, np.linspace(40.0, 300.0, 31))
     assert free.dimensions["prime_radius_mm"] == pytest.approx(anywhere, rel=2e-3)
 
 

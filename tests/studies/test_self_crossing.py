@@ -36,6 +36,7 @@ def crossing(found: Design) -> Any:
     return next(e for e in found.extremes if e.limit == "self_crossing")
 
 
+@pytest.mark.usefixtures("unmended")
 def test_an_analysis_names_both_angles_and_the_depth() -> None:
     asked = lobe()
     found = analyse(asked)
@@ -51,12 +52,13 @@ def test_an_analysis_names_both_angles_and_the_depth() -> None:
     assert told.roller_deg == pytest.approx(math.degrees(close.roller), abs=0.01)
 
 
-def test_a_larger_cam_mends_it() -> None:
+def test_a_larger_cam_mends_it(request: pytest.FixtureRequest) -> None:
     found = analyse(lobe())
     assert found.remedy is not None
     for size in found.remedy.sizes:
         assert size.status == "feasible"
         assert size.dimensions["base_radius_mm"] == pytest.approx(CLEAR, rel=0.02)
+    request.getfixturevalue("unmended")
     kept = found.remedy.sizes[0].dimensions["base_radius_mm"]
     larger = analyse(lobe(base_radius_mm=kept))
     assert larger.holds

@@ -124,13 +124,15 @@ def axis_area(cam: SweptRoller, theta: Array, here: tuple[float, int, int]) -> A
     return (np.cross((ahead - behind) / (2 * h), beyond, axis=0) * normal).sum(axis=0)
 
 
-def axis_distance(cam: SweptRoller, points: Array, theta: float, psi: float) -> tuple[Array, Array]:
-    """Distance (n,) of points of the cam from a roller's axis, and their place along it."""
-    there = rotate(points[:, None, :], np.array([cam.hand * theta]), Y)[:, 0, :]
-    there = there + cam.centre[:, None]
-    u = np.array([math.cos(psi), math.sin(psi), 0.0])
-    along = u @ there
-    return np.linalg.norm(there - np.outer(u, along), axis=0), along
+def axis_distance(cam: SweptRoller, points: Array, theta: Array, psi: Array) -> tuple[Array, Array]:
+    """Distance of n points of the cam from a roller's axis at m angles, and their place on it.
+
+    Both (m, n).
+    """
+    there = rotate(points[:, None, :], cam.hand * theta, Y) + cam.centre[:, None, None]
+    u = np.stack([np.cos(psi), np.sin(psi), np.zeros_like(psi)])[:, :, None]
+    along = (u * there).sum(axis=0)
+    return np.linalg.norm(there - u * along, axis=0), along
 
 
 @pytest.mark.parametrize("hand", [1, -1])
@@ -146,16 +148,15 @@ def test_no_roller_comes_closer_than_its_radius(roller: Roller, hand: int) -> No
         assert found.regular.min() > 0.2
         points = cam.on_cam(theta, found.point).reshape(3, -1)
         least = np.full(points.shape[1], np.inf)
-        for t in np.linspace(0.0, TURN, 1501):
-            at = place(np.array([t]), 0.0, 1).q[0]
-            for i in range(ROLLERS):
-                psi = at + math.pi / ROLLERS + 2.0 * math.pi * i / ROLLERS
-                if math.cos(psi) < 0.3:
-                    continue
-                away, along = axis_distance(cam, points, t, psi)
-                inside = (along > roller.inner) & (along < roller.outer)
-                radius = roller.profile(np.where(inside, along, roller.middle))[0]
-                least = np.where(inside, np.minimum(least, away - radius), least)
+        t = np.linspace(0.0, TURN, 1501)
+        for i in range(ROLLERS):
+            psi = place(t, 0.0, 1).q + math.pi / ROLLERS + 2.0 * math.pi * i / ROLLERS
+            faces = np.cos(psi) >= 0.3
+            away, along = axis_distance(cam, points, t[faces], psi[faces])
+            inside = (along > roller.inner) & (along < roller.outer)
+            radius = roller.profile(np.where(inside, along, roller.middle))[0]
+            gap = np.where(inside, away - radius, np.inf)
+            least = np.minimum(least, gap.min(axis=0, initial=np.inf))
         touched.append(least)
         assert least.min() > -1e-9
     assert max(least.max() for least in touched) < 2e-3  # between two of the angles tried

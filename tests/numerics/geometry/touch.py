@@ -94,7 +94,8 @@ def rest_angle(cam: np.ndarray, swing: Swing) -> float:
     found = [heading + spread, heading - spread]
     side = np.roll(to, -1, axis=0) - to
     length = np.hypot(side[:, 0], side[:, 1])
-    real = length > 0.0
+    # where a side is touched it lies no farther than the radius from the arm's circle
+    real = (length > 0.0) & (abs(far - swing.arm) <= swing.radius + length)
     start, along = to[real], side[real] / length[real, None]
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     for offset in (swing.radius, -swing.radius):

@@ -100,7 +100,7 @@ def test_a_sweep_here_is_kept_in_its_folder(
 
 def test_a_sweep_here_that_is_killed_goes_on_when_called_again(tmp_path: Path) -> None:
     """kill -9 of the command; what was done is not done again, nothing is lost or there twice."""
-    count, folder = 60, tmp_path / "kept"
+    count, folder = 24, tmp_path / "kept"
     axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 26, "stop": 34}
     base = examples()[SELF_CHECK]["value"]
     body = {"name": "killed", "base": base, "axes": [axis | {"count": count}]}

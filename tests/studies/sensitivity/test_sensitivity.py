@@ -14,6 +14,7 @@ from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sensitivity import sensitivities
 
+CLOSE, COARSE = 5e-4, 4e-3  # tolerances to which designs are sought
 CONE, LOCAL = "cone program", "IPOPT"
 # how they are known, and fields that decide, by what share they are moved
 SCENES: dict[str, tuple[str, dict[str, float]]] = {
@@ -30,7 +31,7 @@ SCENES: dict[str, tuple[str, dict[str, float]]] = {
     "p3-sized": (LOCAL, {"/limits/0/rise_deg": 0.01, "/limits/0/return_deg": 0.01}),
     "least-pressure-angle": (LOCAL, {"/base_radius_mm/max": 0.02}),
 }  # fmt: skip
-# not all that decide: designs of these take longer
+# not all that decide: designs of these take longer, and are sought less closely
 PARTLY: dict[str, tuple[str, dict[str, float]]] = {
     "flat-face": (CONE, {"/limits/1/left_mm": 0.02}),
     "oscillating-flat-face": (LOCAL, {"/limits/1/rise_deg": 0.02}),
@@ -39,9 +40,9 @@ PARTLY: dict[str, tuple[str, dict[str, float]]] = {
 }
 
 
-def sought(body: dict[str, Any]) -> Design:
+def sought(body: dict[str, Any], tolerance: float = CLOSE) -> Design:
     """To a tolerance that is small beside what the moved limits change."""
-    return synthesise(DesignSpec.model_validate({**body, "tolerance": 5e-4}))
+    return synthesise(DesignSpec.model_validate({**body, "tolerance": tolerance}))
 
 
 def moved(body: dict[str, Any], field: str, share: float) -> dict[str, Any]:
@@ -57,16 +58,21 @@ def moved(body: dict[str, Any], field: str, share: float) -> dict[str, Any]:
     return dict(copied(body, field.split("/")[1:]))
 
 
-def value(body: dict[str, Any], field: str, share: float) -> float:
+def value(body: dict[str, Any], field: str, share: float, tolerance: float = CLOSE) -> float:
     """The best with one number moved."""
-    found = sought(moved(body, field, share)).certificate.value
+    found = sought(moved(body, field, share), tolerance).certificate.value
     assert found is not None
     return found
 
 
+def tolerance(name: str) -> float:
+    """To which the designs of a scene are sought."""
+    return COARSE if name in PARTLY else CLOSE
+
+
 @cache
 def known(name: str) -> Sensitivities:
-    return sensitivities(sought(examples()[name]["value"]))
+    return sensitivities(sought(examples()[name]["value"], tolerance(name)))
 
 
 @pytest.mark.parametrize("name", [*SCENES, *PARTLY])
@@ -77,7 +83,8 @@ def test_they_are_the_slopes_of_what_is_best(name: str) -> None:
     assert found.unconfirmed == []
     told = {each.field: each for each in found.sensitivities}
     for field, share in fields.items():
-        rise = value(body, field, share) - value(body, field, -share)
+        more, less = (value(body, field, move, tolerance(name)) for move in (share, -share))
+        rise = more - less
         assert told[field].per_unit == pytest.approx(
             rise / (2.0 * share * told[field].requested), rel=0.05
         )
