@@ -82,6 +82,8 @@ class TracedNode(Node):
         started, best, problem = state.stopwatch, state.incumbent, state.problem
         if best is None or problem.objective.quasiconvex or not problem.free:
             return None
+        if problem.for_every_size:
+            return None  # its boxes of sizes end where the search does
         forces = [limit for limit in problem.limits if limit.needs_load]
         if not state.thorough and not any(is_traced(state, limit) for limit in forces):
             return None

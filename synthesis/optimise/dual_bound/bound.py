@@ -56,7 +56,7 @@ ROUNDING = 1e-12
 INITIAL_VALUE_BOUND = 12.0
 """|g'(0)| and |g''(0)| of a law from 0 to 1 are at most this times 1 + R: see where it is used."""
 FAMILY_BOX = 10.0
-"""Coefficients of a spline lie within this times max(1, their value at the solution)."""
+"""Coefficients of a law that may overshoot lie within this, so the family of splines is said."""
 WORSE = 2.0
 """Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
@@ -161,7 +161,9 @@ def bound_from_lagrangian(
 
 def _family_name(model: ConicModel) -> str:
     parts = {f"degree {g.space.degree} on {len(g.space.breaks) - 1} intervals" for g in model.grids}
-    return "splines of " + " and ".join(sorted(parts)) if parts else "the given laws"
+    wild = any(law.free is not None and law.free.overshoot for law in model.problem.free)
+    far = f", overshooting by {FAMILY_BOX - 1.0:g} lifts at most" if wild else ""
+    return "splines of " + " and ".join(sorted(parts)) + far if parts else "the given laws"
 
 
 def in_core_units(model: ConicModel, value: float) -> float:
@@ -269,8 +271,11 @@ def _minimum(
             total += float(np.sum(np.min(rest[:, None] * bounds, axis=1)))
         shrink = 1.0 / max(1.0, float(np.linalg.norm(y)))
         return float(shrink * (total + y @ shift - ROUNDING * (magnitude @ reach)))
-    total += float(np.sum(np.min(size[:, None] * bounds, axis=1)))
-    total -= ROUNDING * float(magnitude @ reach)
+    if not model.problem.for_every_size:
+        total += float(np.sum(np.min(size[:, None] * bounds, axis=1)))
+        total -= ROUNDING * float(magnitude @ reach)
+    elif size.any():
+        return -inf  # of sizes beyond those that are searched nothing is known
     if model.energy is not None:
         return total
     level = float(lagrangian.level[0])
@@ -322,10 +327,10 @@ def unknown_initial_values(lagrangian: Lagrangian, integrals: Sequence[float]) -
 def spline_family_bound(model: ConicModel, solution: ConeSolution) -> float:
     """A bound over the splines of the model's mesh, where no control is known.
 
-    The dual objective, less what its residual r could gain: |r| · box for unknowns in a box about
-    the solution. Dual cones: the head of a cone's multiplier is raised to the norm of its tail.
+    The dual objective, less what its residual r could gain: |r| · box (``_family_box``). Dual
+    cones: the head of a cone's multiplier is raised to the norm of its tail.
     """
-    program, z, x = model.program, solution.multipliers.copy(), solution.x
+    program, z, x = model.program, nonnegative_multipliers(model, solution), solution.x
     rhs, at = program.rhs.copy(), program.equalities
     # the right-hand sides of the limits themselves, without the tightening for the solver
     for block in model.blocks:
@@ -338,5 +343,29 @@ def spline_family_bound(model: ConicModel, solution: ConeSolution) -> float:
         at += 1 + len(cone.shift)
     curved = program.quadratic @ x  # its matrix is diagonal
     residual = curved + program.linear + program.matrix.T @ z
-    box = FAMILY_BOX * np.maximum(1.0, np.abs(x))
-    return float(-0.5 * x @ curved - rhs @ z - np.abs(residual) @ box)
+    box, worst = _family_box(model, solution)
+    value = -0.5 * x @ curved - rhs @ z - np.abs(residual) @ box
+    return min(float(value), worst)
+
+
+def _family_box(model: ConicModel, solution: ConeSolution) -> tuple[Array, float]:
+    """What the unknowns of cams are at most that have a value of the program up to ``worst``.
+
+    Cams above that value need no bound. Coefficients of laws that never move backwards rise from 0
+    to 1; the size is in its ranges, or out of what a bound may rest on; the epigraph and the terms
+    of a mean square are no larger than the value allows.
+    """
+    x, problem = solution.x, model.problem
+    worst = WORSE * max(model.program.value(x), 0.0)
+    box = np.full(len(x), max(worst, 0.0))
+    for columns, segment in zip(model.columns, problem.free, strict=True):
+        wild = segment.free is not None and segment.free.overshoot
+        box[columns] = FAMILY_BOX if wild else 1.0
+    sizes = np.abs(np.array(problem.sizing.bounds)).max(axis=1) / model.scales.size
+    norm = problem.objective.norm(problem.machine)
+    if norm is not None and len(norm.matrix) == np.shape(norm.matrix)[1]:
+        shift = float(np.linalg.norm(norm.shift)) / model.scales.size
+        sizes = np.minimum(sizes, np.linalg.norm(inverse_matrix(norm.matrix), 2) * (worst + shift))
+    box[model.size] = 0.0 if problem.for_every_size else sizes
+    box[model.energy_columns] = sqrt(worst)
+    return box, worst

@@ -40,7 +40,8 @@ def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
     """The multipliers (m,) with those of inequalities projected on λ ≥ 0, and noise set to zero.
 
     An interior point gives every row a multiplier; most are of rows far from binding, and cost time
-    only. Multipliers of cones are brought into the dual cone where they are used.
+    only. Multipliers of cones are brought into the dual cone where they are used. Rows that speak
+    of the size are left out where no bound may rest on it: then it holds for every size.
     """
     z, first = solution.multipliers.copy(), model.program.equalities
     last = first + model.program.inequalities
@@ -48,6 +49,9 @@ def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
     noise = NOISE * float(own.max(initial=0.0))
     own[own <= noise] = 0.0
     conic[np.abs(conic) <= noise] = 0.0
+    if model.problem.for_every_size:
+        columns = model.program.matrix[:, model.size]
+        z[np.diff(columns.tocsr().indptr) > 0] = 0.0
     return z
 
 

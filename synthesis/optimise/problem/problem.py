@@ -67,7 +67,9 @@ class Problem:
         smallest_sought: base radius [length] from which on cams are sought. Larger than the least
             one where that end is open: bounds do not rest on it.
         open_above: whether the largest of these is an end of the search alone, and no limit of its
-            own bounds the size: the question has larger cams too.
+            own nor an earlier objective bounds the size: the question has larger cams too.
+        for_every_size: whether bounds hold for any size at all: it is open above, and the objective
+            speaks of the motion alone, so that the largest size searched is no end of the question.
         least_base_circle: least radius of a dwell on the base circle (``_least_base_circle``).
     """
 
@@ -81,6 +83,7 @@ class Problem:
     base_radius_range: tuple[float, float] = (0.0, inf)
     smallest_sought: float = 0.0
     open_above: bool = False
+    for_every_size: bool = False
     least_base_circle: float = 0.0
     _rows: dict[PlacedSegment, tuple[LinearInequality, ...]] = field(
         default_factory=dict, init=False, repr=False
@@ -262,6 +265,8 @@ def formulate_problem(
     """
     placed, machine = spec.placed_segments() if segments is None else segments, spec.machine()
     radii = spec.base_radius_range()
+    unheld = all(earlier.objective.norm(machine) is None for earlier in held)
+    open_above = unheld and _is_open_above(spec, placed)
     return Problem(
         tuple(s for s in placed if s.angle > 0.0),
         machine,
@@ -272,7 +277,8 @@ def formulate_problem(
         held,
         radii,
         spec.searched_radii(smallest)[0],
-        _is_open_above(spec, placed),
+        open_above,
+        open_above and objective.norm(machine) is None,
         _least_base_circle(spec, placed),
     )
 

@@ -29,6 +29,7 @@ from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 
 NODE_DISTANCE = 0.05  # of a law
 UNBOUNDED = 1e9  # strokes
+FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = tuple[tuple[float, float], ...]
@@ -251,6 +252,8 @@ def initial_region(
 ) -> ImprovingRegion:
     """All that the problem allows; bounds with nodes all over the parts of the free laws."""
     sizes = problem.sizing.bounds
+    largest = max(abs(end) for ends in sizes for end in ends)
+    unbounded = max(UNBOUNDED * problem.length, FARTHER * largest)
     point_bounds = {}
     for position, ranges in parts.items():
         segment, cap = problem.free[position], controls[position].cap
@@ -264,7 +267,7 @@ def initial_region(
                 count = 3 if implied.needs_motion_bounds else 2
                 known[implied.coordinates] = max(count, known.get(implied.coordinates, 0))
         for coordinates, rows in known.items():
-            wide = np.full((rows, len(nodes)), UNBOUNDED * problem.length)
+            wide = np.full((rows, len(nodes)), unbounded)
             sense = 0 if segment.free.overshoot else int(np.sign(segment.lift)) * coordinates.sign
             bend = abs(segment.lift) / segment.angle**3 * cap
             point_bounds[position, coordinates] = PointBounds(
