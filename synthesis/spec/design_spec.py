@@ -97,9 +97,10 @@ class DesignSpec(FiniteModel):
         "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
         "gap, for half a second to some ten seconds more. `auto` begins with the quick one and, "
         "while the gap is above the tolerance, goes on as `thorough` does: for some three "
-        "seconds, counted in programs solved, so that the answer is the same on every machine; "
-        "with `time_budget_s`, for half of that time, and how far it comes depends on the "
-        "machine. In the base of a sweep `quick` is the default.",
+        "seconds, counted in programs solved, so that the answer is the same on every machine "
+        "that needs less than half of the service's time budget for them; with `time_budget_s`, "
+        "for half of that time, and how far it comes depends on the machine. In the base of a "
+        "sweep `quick` is the default.",
     )
     report_smoothness_cost: bool = Field(
         False,
