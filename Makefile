@@ -26,7 +26,7 @@ unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE PIP_USER PIP_
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hard lint format bench openapi constants lock clean distclean
+.PHONY: help run test hard lint format bench gaps openapi constants lock clean distclean
 
 help:  ## print this list
 	@echo "Camwright. Targets:"
@@ -75,6 +75,9 @@ format: $(DEV)  ## put the code in form
 
 bench: $(DEV)  ## measure speed and error, print it, write docs/benchmarks and the table of docs/overview.md (ARGS="name" only prints)
 	$(PY) -m benchmarks $(or $(ARGS),--write)
+
+gaps: $(DEV)  ## gaps and times of proofs for random scenes of every family, write docs/benchmarks/gaps (ARGS="--scenes 1 --family arm" only prints)
+	$(PY) -m benchmarks.gaps $(or $(ARGS),--write)
 
 constants: $(DEV)  ## write docs/constants.md, the numbers of the product with their reasons
 	$(PY) -m tests.architecture.constants

@@ -16,8 +16,8 @@ from benchmarks.effort import TRIAL
 from benchmarks.section import Section
 
 SUPPORT = {
-    "__main__", "axis", "diagram", "effort", "memory", "page", "processes", "section", "timing",
-    "truth",
+    "__main__", "axis", "diagram", "effort", "gaps", "memory", "page", "processes", "section",
+    "timing", "truth",
 }  # fmt: skip
 SERVED = ("http", "sweeps", "sweep_size")  # start a service: run in tests/service, beside these
 LINK = re.compile(r"\]\(([^)#:]+)\)")
@@ -29,6 +29,7 @@ def sections() -> list[Section]:
 
 
 def test_every_benchmark_is_listed() -> None:
+    """Gaps have a page of their own."""
     found = {module.name for module in pkgutil.iter_modules(benchmarks.__path__)}
     assert found - SUPPORT == set(NAMES)
 
