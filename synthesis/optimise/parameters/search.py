@@ -5,7 +5,8 @@ point is solved in full: that no other is better is not proven.
 
 * Angles and lifts: a few cone programs on coarse grids give a point's value. Samples give starts;
   a bundle method descends from the best, first on a coarse mesh, then on the knots of the full
-  search.
+  search. Where a whole search at the end comes to another value, its knots or its curved limits
+  matter more than a coarse mesh shows: then whole searches choose among the samples too.
 * A length of the machine changes what limits say of the size, and not in a convex way, so each one
   costs a whole search: over all its range, then near the best. A given law's size is exact, so
   that the length can be too; free laws leave some noise. What else can be fixed, the pivot's
@@ -19,10 +20,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, log
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic_core import PydanticCustomError
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize, minimize_scalar
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
@@ -45,6 +47,10 @@ DISTANCE = 0.1  # of the box, between starts: nearer ones lead to the same place
 RADIUS, ROUNDS = 0.15, 25  # first step of a descent, of the box, and steps at most
 LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # the same on the knots of the full search
 POLISHED = 4  # descents on such knots at most; each gives new ones
+DESCENTS, EACH_DIRECTION = 2, 8  # by whole searches; how many of these a direction is worth
+LAST_STEP = 2e-3  # of the box: where a descent by whole searches ends
+WORST = 2.0  # of a start's value: what a point counts where nothing is found
+MISLED = 0.02  # relative: a value on a mesh that differs by more from a whole search misleads
 SHARE_OF_TIME = 0.6  # of what is left: the best point is still to be solved in full
 TRIED = 33  # lengths of a machine, to find one that reaches its cam
 ROUGH, FINE = 2e-2, 4e-3  # tolerances of whole searches with free laws, first and last
@@ -65,6 +71,9 @@ class Trial(BundlePoint):
     """A point with its value, and the cam of a whole search there."""
 
     cam: Candidate | None
+
+
+P = TypeVar("P", bound=BundlePoint)
 
 
 def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, Stage]:
@@ -95,7 +104,8 @@ def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSp
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
         status,
-        "angles and lifts by cutting planes from several starts, lengths one by one",
+        "angles and lifts by cutting planes from several starts, and by whole searches where a "
+        "coarse mesh misleads; lengths one by one",
     )  # fmt: skip
     return spec.with_values(numbers), stage
 
@@ -122,7 +132,44 @@ def _search_program(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     ends = [minimise(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
     if not ends:
         return next(iter(around), None)
-    best = min(ends, key=lambda one: one.value)
+    best = _polished(worth, min(ends, key=lambda one: one.value))
+    whole = worth.solved(best.u, ROUGH, None)
+    if abs(whole.value - best.value) <= MISLED * abs(whole.value):
+        return best
+    # The mesh misleads: whole searches choose among the samples, and go downhill from the best.
+    trials = sorted((worth.solved(u, ROUGH, None) for u in points), key=lambda one: one.value)
+    lowest = [one for one in _distant([whole, *trials]) if one.cam is not None]
+    chosen = _best([whole, *(_downhill(worth, one) for one in lowest[:DESCENTS])])
+    return best if chosen.cam is None else chosen
+
+
+def _downhill(worth: ValueFunction, start: Trial) -> Trial:
+    """The best of whole searches downhill from a point, by a trust region without derivatives.
+
+    Their values are noisy by their tolerance, so that differences of near points say nothing.
+    """
+    directions, trials = worth.free_parameters.polytope.directions, [start]
+
+    def value(step: Array) -> float:
+        offset = directions @ step
+        with np.errstate(divide="ignore", invalid="ignore"):  # as far as the ranges allow
+            room = np.where(offset > 0.0, 1.0 - start.u, start.u) / np.abs(offset)
+        share = float(np.min(room[offset != 0.0], initial=1.0))
+        trials.append(worth.solved(start.u + share * offset, ROUGH, None))
+        return min(trials[-1].value, WORST * start.value)
+
+    freedom = directions.shape[1]
+    options: Any = {
+        "initial_tr_radius": RADIUS, "final_tr_radius": LAST_STEP,
+        "maxfev": EACH_DIRECTION * (freedom + 1),
+    }  # fmt: skip
+    minimize(value, np.zeros(freedom), method="COBYQA", options=options)
+    return _best(trials)
+
+
+def _polished(worth: ValueFunction, best: BundlePoint) -> BundlePoint:
+    """Downhill from a point on the knots of the full search there, again while that pays."""
+    polytope = worth.free_parameters.polytope
     for _ in range(POLISHED):
         before, fine = best, worth.on(worth.refined(best.u))
         for start in _best_of(fine, [best.u]):
@@ -151,9 +198,9 @@ def _best_of(function: Function, points: Iterable[Array]) -> list[BundlePoint]:
     return sorted(results, key=lambda one: one.value)
 
 
-def _distant(points: list[BundlePoint]) -> list[BundlePoint]:
+def _distant(points: Sequence[P]) -> list[P]:
     """The best few that are not close together."""
-    kept: list[BundlePoint] = []
+    kept: list[P] = []
     for one in points:
         if all(float(np.max(np.abs(one.u - other.u))) > DISTANCE for other in kept):
             kept.append(one)
