@@ -35,6 +35,7 @@ def test_related_questions_have_related_answers(family: str) -> None:
         (Answer("unsolved", None, None, None, 0.0), True, "lost"),
         (Answer("optimal", 31.0, 30.99, 3e-4, 0.0), True, ""),
         (Answer("optimal", 31.0, 30.99, 3e-4, 0.0), False, "below"),
+        (Answer("feasible", 31.0, 30.0, 0.03, 0.0), False, "partner is worse"),
         (Answer("optimal", 50.04, 50.01, 6e-4, 0.0), True, "above"),
         (Answer("feasible", 50.0, None, None, 0.0), False, "gap"),
         (Answer("feasible", 50.0, 49.0, 0.02, 0.0), False, "gap"),

@@ -201,7 +201,9 @@ def answered(body: Spec) -> tuple[Answer, Any]:
     if design is None:
         return Answer(status, None, None, None, seconds), None
     proof = design.certificate
-    return Answer(status, proof.value, proof.lower_bound, proof.gap, seconds), design
+    # a bound at numbers that were chosen says nothing of others
+    bound, gap = (None, None) if design.free_parameters else (proof.lower_bound, proof.gap)
+    return Answer(status, proof.value, bound, gap, seconds), design
 
 
 def faults(asked: Spec, first: Answer, other: Transformed, second: Answer) -> Iterator[str]:
@@ -221,6 +223,8 @@ def faults(asked: Spec, first: Answer, other: Transformed, second: Answer) -> It
         yield f"bound {second.bound:.6g} above the partner's cam {value:.6g}"
     if other.looser:
         return
+    if value > second.value * (1.0 + allowed) + ROUNDING * abs(value):
+        yield f"the partner is worse: {value:.6g}, though there is {second.value:.6g}"
     if first.bound is not None and first.bound * other.factor > second.value * (1.0 + ROUNDING):
         yield f"its cam {second.value:.6g} below the partner's bound {first.bound:.6g}"
     if other.more and first.gap is not None:
