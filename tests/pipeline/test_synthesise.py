@@ -490,3 +490,30 @@ def test_a_design_read_back_has_its_spec_checked() -> None:
     body["spec"]["program"][0]["angle_deg"] += 1.0
     with pytest.raises(ValidationError, match="sum to 361"):
         Design.model_validate(body)
+
+
+def test_a_later_objective_does_not_enlarge_the_cam_for_its_curvature() -> None:
+    """The least base radius is kept: a cam of less jerk that undercuts is not made larger."""
+    lift, spline = 13.4, {"kind": "spline"}
+    question = {
+        "speed_rpm": 205.0,
+        "program": [
+            {"kind": "rise", "angle_deg": 67.1, "lift_mm": lift, "law": spline},
+            {"kind": "dwell", "angle_deg": 38.9},
+            {"kind": "return", "angle_deg": 123.0, "lift_mm": lift, "law": spline},
+            {"kind": "dwell", "angle_deg": 131.0},
+        ],
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 8.87},
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 41.6, "return_deg": 38.4},
+            {"kind": "jerk", "max_mm_per_s3": 3.94e6},
+        ],
+        "tolerance": 0.02,
+        "proof": "quick",
+    }
+    base, jerk = {"kind": "base_radius"}, {"kind": "peak_jerk"}
+    alone = synthesise(DesignSpec.model_validate({**question, "objective": base}))
+    both = synthesise(DesignSpec.model_validate({**question, "objective": [base, jerk]}))
+    assert both.certificate.certified
+    least, kept = (d.dimensions["base_radius_mm"] for d in (alone, both))
+    assert kept == pytest.approx(least, rel=0.02)

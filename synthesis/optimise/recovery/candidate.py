@@ -116,8 +116,12 @@ def enlarge_until_feasible(cam: Candidate, *, densely: bool = False) -> Candidat
 
 def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
     """Whether enlarging a cam has violated what it does not ease: rows of a counter roller, which
-    comes nearer as the main cam grows, or the cone of another distance.
+    comes nearer as the main cam grows, the cone of another distance, or an earlier objective.
     """
+    for earlier in problem.objective_caps:
+        norm = earlier.objective.norm(problem.machine)
+        if norm is not None and norm.value(size) > earlier.value * (1.0 + OUTSIDE):
+            return True
     cones = problem.norm_bounds
     if any(cone.lower > 0.0 for cone in cones) and any(
         cone.norm.value(size) > cone.upper * (1.0 + OUTSIDE) for cone in cones
