@@ -8,7 +8,6 @@ whole cam, and is left to the thorough one.
 import gc
 import os
 from collections.abc import Callable, Iterator
-from math import inf
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -44,27 +43,22 @@ settings.register_profile(
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 
-# Why a spec has no cam: to find that out takes many searches, for five seconds at most.
+# Why a spec has no cam: to find that out takes many searches.
 
-CONFLICT = "synthesis.pipeline.conflict"
+CONFLICT, BOUNDARY = "synthesis.pipeline.conflict", "synthesis.pipeline.boundary"
 
 
 @pytest.fixture(scope="module")
-def diagnosis_without_a_clock() -> Iterator[None]:
-    """Conflicts are found to their end, however busy the machine is.
-
-    Values that suffice end within one part in a hundred of the way: four trials fewer for each.
-    """
+def coarse_conflicts() -> Iterator[None]:
+    """Values that suffice end within one part in a hundred of the way: four trials fewer."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(f"{CONFLICT}.DIAGNOSIS_S", inf)
-        patch.setattr(f"{CONFLICT}.ACCURACY", 1e-2)
+        patch.setattr(f"{BOUNDARY}.ACCURACY", 1e-2)
+        patch.setattr(f"{BOUNDARY}.FINE", 1e-3)
         yield
 
 
 @pytest.fixture
-def explain_only(
-    diagnosis_without_a_clock: None, monkeypatch: pytest.MonkeyPatch
-) -> Callable[[str], None]:
+def explain_only(coarse_conflicts: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """Sets the field that conflicts are explained by: each number takes searches of its own."""
     from synthesis.pipeline.relaxable import relaxable_numbers
 

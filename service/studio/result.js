@@ -106,7 +106,8 @@ function meter(used) {
 export function conflict({ limits, relaxations, evidence }, apply) {
   const lines = relaxations.map((each) => {
     if (each.needed === null) return element("li", {}, `${nameAndUnit(each.limit)[0]}: ${each.note || "alone cannot help"}`);
-    const text = `${nameAndUnit(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit} `;
+    const bound = each.at_least === null ? "" : `, ${figure(each.at_least, 6)} proven impossible`;
+    const text = `${nameAndUnit(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}${bound} `;
     const label = `apply ${nameAndUnit(each.limit)[0]} ${figure(each.needed, 6)}`;
     const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
     return element("li", {}, text, button);

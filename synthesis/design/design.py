@@ -236,8 +236,14 @@ class Relaxation(AnswerModel):
     unit: str = doc("Unit of requested and needed.")
     requested: float = doc("What the spec says.")
     needed: float | None = doc(
-        "A value with which a certified cam was found, the nearest to the requested one that was; "
-        "null where none was found, or there was no time."
+        "A value that suffices: the spec with it in place of the requested one has a certified "
+        "cam. The nearest to the requested one that was found; null where none was, or there was "
+        "no time."
+    )
+    at_least: float | None = Field(
+        None,
+        description="No value between the requested one and this suffices: proven for all laws, "
+        "sizes and free numbers. Null where nothing is proven.",
     )
     note: str = Field("", description="Why there is no value, or what it is worth.")
 
@@ -256,6 +262,11 @@ class Conflict(AnswerModel):
     proven: bool = doc(
         "Whether a theorem excludes every cam: all laws that are free, all sizes, all free "
         "numbers. If not, the status is `unsolved`: no cam was found."
+    )
+    unconfirmed: list[str] = Field(
+        [],
+        description="Those of `limits` that may be idle: without one of them, neither a cam was "
+        "found nor a proof that there is none.",
     )
 
 

@@ -157,13 +157,13 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     names = ", ".join(_words(limit) for limit in conflict.limits)
     rows = [
         [_words(each.limit), svg.with_unit(each.requested, each.unit),
-         _value(each.needed, each.unit), each.field, each.note]
+         _value(each.needed, each.unit), _value(each.at_least, each.unit), each.field, each.note]
         for each in conflict.relaxations
     ]  # fmt: skip
     text = f"<p>These cannot hold together: <strong>{html.plain(names)}</strong>.</p>"
     if rows:
         text += "<p>What each alone would have to be, the others kept:</p>"
-        text += _table(("Limit", "requested", "needed", "Field", ""), rows)
+        text += _table(("Limit", "requested", "needed", "at least", "Field", ""), rows)
     title = "What would mend it" if given else "Why nothing fits"
     return _section(title, text + _note(conflict.evidence))
 

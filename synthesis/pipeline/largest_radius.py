@@ -40,6 +40,8 @@ from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
+FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
+GENTLE = (1.0, 1e-3)  # tolerances of a search for the gentlest law: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
 
@@ -62,15 +64,19 @@ class Smallest:
     over: str
 
     @property
-    def excludes(self) -> bool:
-        """Whether the lower bound proves that no cam is as small as the maximum asks.
+    def is_bounded(self) -> bool:
+        """Whether no cam at all is smaller than the lower bound.
 
         A bound at numbers that were chosen says nothing of other numbers, one over splines on some
         knots nothing of other laws, and one above a cam is none.
         """
         sound = self.lower <= self.radius * (1.0 + ROUNDING) and not self.attempt.numbers
-        over_all = all(search.covers_all_laws for search in self.attempt.searches[:1])
-        return sound and over_all and self.lower > self.most * (1.0 + ROUNDING)
+        return sound and all(search.covers_all_laws for search in self.attempt.searches[:1])
+
+    @property
+    def excludes(self) -> bool:
+        """Whether the lower bound proves that no cam is as small as the maximum asks."""
+        return self.is_bounded and self.lower > self.most * (1.0 + ROUNDING)
 
 
 def first_question(spec: DesignSpec) -> DesignSpec:
@@ -92,6 +98,20 @@ def solve(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, 
     return complete(spec, first, goal, stages)
 
 
+def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
+    """As ``solve``, but a smallest cam that is too large ends it, though it may not be the best.
+
+    For whoever wants to know by how much it is too large.
+    """
+    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
+    if _minimises_radius(spec) and _without(spec, "max") is not None:
+        first = enlarge_until_simple(first, goal, stages)
+        smallest = _smallest(spec, first)
+        if smallest is not None:
+            return smallest.attempt, smallest
+    return complete(spec, first, goal, stages)
+
+
 def complete(
     spec: DesignSpec, first: Attempt, goal: Goal, stages: list[Effort]
 ) -> tuple[Attempt, Smallest | None]:
@@ -103,7 +123,7 @@ def complete(
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
     #    proof that there is none; else the maximum is a constraint of the search.
     if limited and minimised:
-        smallest = _smallest(spec, attempt)
+        smallest = _decided(spec, _smallest(spec, attempt), goal, stages)
         if smallest is not None and (smallest.attempt.certified or smallest.excludes):
             return smallest.attempt, smallest
         if clock.now() >= goal.stop:
@@ -128,6 +148,29 @@ def complete(
     return attempt, smallest if informs else None
 
 
+def _decided(
+    spec: DesignSpec, smallest: Smallest | None, goal: Goal, stages: list[Effort]
+) -> Smallest | None:
+    """The smallest cam, with a finer tolerance while the maximum lies in a gap that is closed.
+
+    Where the gap is larger than the tolerance, the method can do no better, and nothing is gained.
+    """
+    tolerance = spec.tolerance
+    while smallest is not None and clock.now() < goal.stop:
+        known = smallest.attempt.certified or smallest.excludes
+        gap = 1.0 - smallest.lower / smallest.radius
+        if known or not smallest.is_bounded or gap > tolerance or tolerance <= FINEST:
+            break
+        tolerance = max(tolerance * FINER, FINEST)
+        changes = {"tolerance": tolerance, "proof": "quick"}
+        finer = first_question(spec.model_copy(update=changes))
+        found = solve_spec(finer, replace(goal, warm_start=None), stages)
+        asked = {"tolerance": spec.tolerance, "proof": spec.proof}
+        built = found.built.model_copy(update=asked)
+        smallest = _smallest(spec, replace(found, built=built)) or smallest
+    return smallest
+
+
 def _minimises_radius(spec: DesignSpec) -> bool:
     """Whether the base radius is minimised first, and not given."""
     least, most = ends(spec.base_radius_mm)
@@ -144,10 +187,13 @@ def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
-    changes = {"objective": PeakAcceleration(), "tolerance": 1.0, "proof": "quick"}
-    gentlest = spec.model_copy(update=changes)
-    gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
-    if not gentle.certified:
+    for tolerance in GENTLE:
+        changes = {"objective": PeakAcceleration(), "tolerance": tolerance, "proof": "quick"}
+        gentlest = spec.model_copy(update=changes)
+        gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
+        if gentle.certified:
+            break
+    else:
         return known
     first, *later = known.question.scaled.objectives()
     lower = known.searches[0].lower if not known.searches[0].infeasible else -inf
@@ -200,7 +246,10 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     """The cam that was found without the maximum, judged with it; None where there is none."""
     if not wider.certified or wider.cam is None:
         return None
-    restored = {"base_radius_mm": spec.base_radius_mm, "objective": spec.objective}
+    restored = {
+        "base_radius_mm": spec.base_radius_mm, "objective": spec.objective,
+        "tolerance": spec.tolerance, "proof": spec.proof,
+    }  # fmt: skip
     question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
     built = question.to_physical(wider.built)
     radius = built.follower.dimensions(wider.cam.size)["base_radius_mm"]

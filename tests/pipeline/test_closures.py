@@ -18,7 +18,7 @@ from synthesis.catalogue.profile import cam_profile
 from synthesis.errors import InputError
 from tests.pipeline.breaches import broken
 
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 TURN = 2.0 * np.pi
 ROLLER = 7.3

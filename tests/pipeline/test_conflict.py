@@ -19,7 +19,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.state import SolveState
-from synthesis.pipeline import conflict
+from synthesis.pipeline import boundary
 from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.conic.reference import optimum
@@ -40,7 +40,7 @@ from tests.optimise.scenes import (
     velocity,
 )
 
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
@@ -162,7 +162,7 @@ def certified(spec: DesignSpec) -> bool:
 
 
 @pytest.fixture(scope="module")
-def conflicts(diagnosis_without_a_clock: None) -> dict[str, Conflict]:
+def conflicts(coarse_conflicts: None) -> dict[str, Conflict]:
     return {name: why(spec) for name, (spec, _) in CASES.items()}
 
 
@@ -176,6 +176,7 @@ def test_which_limits_alone_would_help(name: str, conflicts: dict[str, Conflict]
 
 # A law between dwells that may not jump in acceleration never reaches the least velocity.
 BELOW = {"velocity": 0.7}
+APART = {"velocity": 0.05}  # relative
 NOT_LEAST = "outer radius and base radius"  # not convex: better cams are known
 
 
@@ -190,6 +191,22 @@ def test_what_is_needed_is_enough_and_a_little_less_is_not(
             assert certified(changed(spec, r.field, r.needed)), r
             less = r.needed - BELOW.get(name, 0.03) * step
             assert name == NOT_LEAST or not possible(changed(spec, r.field, less), 40), r
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_proven_impossible_is_so_and_lies_next_to_what_is_needed(
+    name: str, conflicts: dict[str, Conflict]
+) -> None:
+    spec, _ = CASES[name]
+    for r in conflicts[name].relaxations:
+        if r.at_least is None:
+            assert not conflicts[name].proven, r
+        elif r.needed is not None:
+            way, proven = r.needed - r.requested, r.at_least - r.requested
+            assert 0.0 <= proven / way <= 1.0, r
+            less = r.requested + (1.0 - 1e-3) * proven
+            assert proven == 0.0 or not possible(changed(spec, r.field, less), 40), r
+            assert abs(r.needed - r.at_least) < APART.get(name, 0.02) * abs(r.needed), r
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -353,8 +370,9 @@ def test_a_law_that_no_cam_can_have_is_no_conflict_of_its_limits(limit: dict[str
     law = (rise(71.7, law="constant_velocity"), dwell(23.9))
     back = (fall(83.3, law="constant_velocity"), dwell(181.1))
     found = why(scene((*law, *back), limit))
-    assert not found.relaxations
-    assert "leaving out all that the spec limits, none was found either" in found.evidence
+    assert all(r.needed is None for r in found.relaxations)
+    assert found.limits == [*found.unconfirmed, "profile radius"]
+    assert "whether there is a cam without" in found.evidence
     assert "profile_radius" in found.evidence
 
 
@@ -386,7 +404,7 @@ def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
 
 
 def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conflict, "ACCURACY", 0.3)  # each trial takes a second
+    monkeypatch.setattr(boundary, "ACCURACY", 0.3)  # each trial takes a second
     radius = {"kind": "profile_radius", "min_mm": 60.4}
     spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
     told = why(spec)

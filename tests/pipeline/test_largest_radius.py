@@ -14,7 +14,7 @@ from synthesis.pipeline import largest_radius
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Goal, solve_spec
 
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 Spec = dict[str, Any]
 

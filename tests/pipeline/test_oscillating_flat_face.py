@@ -285,7 +285,7 @@ def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
     )
 
 
-@pytest.mark.usefixtures("diagnosis_without_a_clock")
+@pytest.mark.usefixtures("coarse_conflicts")
 def test_what_cannot_be_says_what_is_in_the_way() -> None:
     design = synthesise(asked(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"

@@ -286,7 +286,7 @@ INFEASIBLE: dict[str, tuple[dict[str, Any], set[str]]] = {
 }  # fmt: skip
 
 
-@pytest.mark.usefixtures("diagnosis_without_a_clock")
+@pytest.mark.usefixtures("coarse_conflicts")
 def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
     asked = body(angles(), jerk(1.9), distance=DISTANCE)
     asked["program"][0]["law"] = {"kind": "modified_sine"}  # 69.47 h/β³, more than 1.9 · 32
@@ -298,7 +298,7 @@ def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
     assert told.needed == pytest.approx(jerk(69.4664 / 32.0)["max_deg_per_s3"], rel=2e-4)
 
 
-@pytest.mark.usefixtures("diagnosis_without_a_clock")
+@pytest.mark.usefixtures("coarse_conflicts")
 @pytest.mark.parametrize("name", INFEASIBLE)
 def test_infeasible_with_a_reason(name: str) -> None:
     asked, named = INFEASIBLE[name]

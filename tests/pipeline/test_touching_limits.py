@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from synthesis import Design, DesignSpec, synthesise
 from tests.hard.cases import ANGLES, RISE, acceleration, jerk, moves, scene, velocity
 
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 NO_LAW = "no motion law at all keeps these limits"
 J, V_J, A = 50.0, 61.0, 6.1

@@ -14,7 +14,7 @@ from synthesis.catalogue.motion import Motion
 from synthesis.certify import certify
 from synthesis.design.design import Design, Extreme
 
-pytestmark = pytest.mark.usefixtures("diagnosis_without_a_clock")
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 RPM = 83.7
 OMEGA = RPM * pi / 30.0

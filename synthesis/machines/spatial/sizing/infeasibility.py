@@ -16,7 +16,8 @@ from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import Tables
-from synthesis.pipeline.conflict import ALONE, LATE
+from synthesis.pipeline.boundary import LATE
+from synthesis.pipeline.oracle import ALONE
 from synthesis.pipeline.relaxable import Relaxable, relaxed
 
 DIAGNOSIS_S = 6.0  # s: time for all of it

@@ -1,0 +1,166 @@
+"""Changed questions put to the pipeline: the oracle of whoever explains why a question has no cam.
+
+Each trial is a whole question, solved and certified. So what it shows holds for every follower and
+limit alike: a certified cam, or a proof that there is none, or neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from math import inf, isfinite
+
+from synthesis.catalogue.fields import ends
+from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration
+from synthesis.certify import certify
+from synthesis.numerics import clock
+from synthesis.pipeline.assembly import in_wire_units
+from synthesis.pipeline.attempt import Attempt, Goal
+from synthesis.pipeline.infeasibility import infeasibility_proof
+from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve
+from synthesis.pipeline.relaxable import Relaxable, relaxed, without
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.units import DEGREE
+
+COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
+QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
+NEAR = 1e-9  # rad: an extreme at the end of a segment belongs to it
+ALONE = "no cam was found however far this number alone is relaxed"
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What a changed question came to; ``on_time``: whether it was tried to its end."""
+
+    attempt: Attempt
+    smallest: Smallest | None
+    on_time: bool
+
+    @property
+    def certified(self) -> bool:
+        """Whether it has a cam."""
+        return self.attempt.certified
+
+    @property
+    def excess(self) -> float | None:
+        """The smallest relative excess that was reached; None where none is known.
+
+        That of the smallest cam over the largest base radius, below 0 where it is smaller, or of
+        the gentlest law over the limits on the motion.
+        """
+        if self.smallest is not None:
+            return self.smallest.radius / self.smallest.most - 1.0
+        searches = self.attempt.searches
+        return searches[-1].least_excess if searches else None
+
+    @property
+    def strained(self) -> tuple[str, ...]:
+        """The limits on the motion that the gentlest law exceeds; empty where size is the cause."""
+        searches = self.attempt.searches
+        return searches[-1].strained if searches and self.smallest is None else ()
+
+    @property
+    def lower(self) -> float | None:
+        """The least value of the first objective [wire]; None where it is not known for all cams.
+
+        Bounds at numbers that were chosen, or over splines on some knots, are left out.
+        """
+        attempt = self.attempt
+        if attempt.numbers or not all(each.covers_all_laws for each in attempt.searches[:1]):
+            return None
+        bounds = in_wire_units(attempt.question, attempt.built, attempt.bounds[:1])
+        return next((each.lower for each in bounds if isfinite(each.lower)), None)
+
+    @property
+    def proof(self) -> str:
+        """Why no cam at all answers the question; empty where that is not proven."""
+        if self.smallest is not None and self.smallest.excludes:
+            return (
+                f"proven: no cam has a base radius below {self.smallest.lower:.6g} mm "
+                f"({self.smallest.over})"
+            )
+        return "" if self.certified else infeasibility_proof(self.attempt)
+
+
+@dataclass(eq=False)
+class Oracle:
+    """Answers to a question with some of its numbers changed."""
+
+    spec: DesignSpec
+    stop: float
+    known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
+
+    def is_late(self) -> bool:
+        """Whether nothing more can be tried."""
+        return clock.now() >= self.stop
+
+    def ask(
+        self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None
+    ) -> Trial:
+        """Look for a cam: a small one where the base radius has a maximum, else any.
+
+        A gentle law leaves the size what room there is, and limits on size and curvature ease with
+        it; a smallest cam would be sought where they bind.
+        """
+        low, high = ends(spec.base_radius_mm)
+        limited = low < high < inf
+        enough = -inf if objective is not None else high if limited else ANY
+        objective = objective or (BaseRadius() if limited else PeakAcceleration())
+        tolerance = min(tolerance, COARSE) if limited else tolerance
+        changes = {**QUICK, "objective": objective, "tolerance": tolerance}
+        goal = Goal(self.stop, sufficient=enough)
+        return self._trial(*compare(spec.model_copy(update=changes), goal, []))
+
+    def ask_as_it_stands(self, spec: DesignSpec) -> Trial:
+        """Put a question as anyone would who sends this spec, for a cam and no more proof."""
+        return self._trial(*solve(spec.model_copy(update=QUICK), Goal(self.stop), []))
+
+    def _trial(self, attempt: Attempt, smallest: Smallest | None) -> Trial:
+        return Trial(attempt, smallest, attempt.certified or not self.is_late())
+
+    def without(self, numbers: Collection[Relaxable]) -> Trial:
+        """The question without some of its numbers; a cam that has more of them answers it too."""
+        key = frozenset(numbers)
+        for removed, trial in self.known.items():
+            if removed == key or (removed < key and trial.certified):
+                return trial
+        return self.known.setdefault(key, self.ask(without(self.spec, numbers)))
+
+    def relaxed(self, number: Relaxable, value: float, tolerance: float = COARSE) -> Trial:
+        """The question with one number relaxed to a value; its cam is one without the number."""
+        trial = self.ask(relaxed(self.spec, number, value), tolerance)
+        if trial.certified:
+            self.known.setdefault(frozenset([number]), trial)
+        return trial
+
+    def value_on(self, number: Relaxable, trial: Trial) -> tuple[float | None, str]:
+        """The value that a number would need for a trial's cam, and a note on it.
+
+        None where no value would do.
+        """
+        attempt, question = trial.attempt, trial.attempt.question
+        if attempt.cam is None:  # the smallest cam is the value itself
+            return None, ""
+        built = question.to_physical(attempt.built)
+        if number.dimension:
+            return built.follower.dimensions(attempt.cam.size)[number.dimension], ""
+        motion, machine = attempt.cam.motion, built.machine()
+        worst, note = -inf, ""
+        for extreme in certify(motion, machine, attempt.cam.size, self.spec.all_limits(), None):
+            if extreme.field != number.claim:
+                continue
+            if extreme.value is None:
+                return None, extreme.evidence
+            needed = number.value_needed(extreme.value, extreme.width, extreme.bound)
+            if number.is_tighter(worst, needed) or worst == -inf:
+                worst, note = needed, _place_note(self.spec, extreme.angle_deg)
+        return (worst, note) if worst > -inf else (None, ALONE)
+
+
+def _place_note(spec: DesignSpec, angle_deg: float) -> str:
+    """Where on the cam a value is needed, if the law there is given."""
+    angle = angle_deg * DEGREE
+    for s in spec.placed_segments():
+        if s.law is not None and s.lift and s.start - NEAR <= angle <= s.end + NEAR:
+            return f"; program/{s.index}, whose law is given, needs it"
+    return ""

@@ -1,0 +1,252 @@
+"""Questions that lie beyond a proven bound: whether that is proven, and what their conflict says.
+
+``python -m tests.hard.beyond`` asks them; arguments: scenes of each family (1), a word that the
+names of the families hold (all), seconds of processor time after which no scene is begun (600).
+
+An open question of a family is solved, and its proven bound becomes a limit that is tightened by
+0.1 to 20 %. So there is no cam, and of the conflict four things can be tried: each ``needed`` put
+back has a cam, each ``at_least`` put back a little nearer to the request has none, and without any
+one of the members there is a cam again.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from synthesis.design.design import Conflict, Relaxation
+from synthesis.numerics import clock
+from tests.hard.families import FAMILIES, Spec, random_scene
+from tests.hard.own_numbers import solved
+
+BUDGET_S = 20.0
+LEAST_BEYOND, MOST_BEYOND = 1e-3, 0.2  # relative
+FLOOR = 1e-2  # strokes: a smaller base radius may be bounded by the end of the search alone
+ROOM = 0.1  # relative: of a largest base radius above the answer's own
+NEARER = 1e-3  # relative: towards the request, where a value below ``at_least`` is tried
+
+# a limit by its kind: the objective that makes it small, and the name of its value in an answer
+TWINS = {
+    "jerk": ("peak_jerk", "max_{}_per_s3"), "acceleration": ("peak_acceleration", "max_{}_per_s2"),
+}  # fmt: skip
+CONVEX = (
+    "slide, centred", "slide, offset", "slide, laws given", "slide, laws given, centred",
+    "slide, one law given", "slide, acceleration", "slide, velocity", "slide, window", "face, ",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Question:
+    """A spec without any cam; ``beyond``: by how much, relatively, a limit is out of reach."""
+
+    family: str
+    kind: str
+    body: Spec
+    beyond: float
+
+
+@dataclass
+class Outcome:
+    """What a question came to. ``distances``: of ``at_least`` and ``needed``, as shares of both the
+    value and the way from the request; None where one of them is not known.
+    """
+
+    question: Question
+    status: str
+    seconds: float
+    proven: bool = False
+    sufficient: list[bool] = field(default_factory=list)
+    distances: list[tuple[float, float] | None] = field(default_factory=list)
+    necessary: list[bool] = field(default_factory=list)
+    complaints: list[str] = field(default_factory=list)
+
+
+def questions(family: str, number: int) -> Iterator[Question]:
+    """A scene's own bound as a limit, and the least peak of a limit on its motion."""
+    random = np.random.default_rng([number, len(family)])
+    body = random_scene(family, number)
+    unit = "deg" if "lift_deg" in body["program"][0] else "mm"
+    _, answer, _ = solved(body)
+    if answer is None or not answer.certificate.certified:
+        return
+    radius = answer.dimensions["base_radius_mm"]
+    # 1. The smallest cam.
+    bound = answer.certificate.lower_bound
+    stroke = answer.completed_spec.stroke()
+    if answer.certificate.objective == "base_radius_mm" and bound and bound > FLOOR * stroke:
+        beyond = _beyond(random)
+        most = {"max": bound * (1.0 - beyond)}
+        yield Question(family, "base radius", {**body, "base_radius_mm": most}, beyond)
+    # 2. The gentlest motion of a cam that is little larger.
+    for position, limit in enumerate(body["limits"]):
+        if limit["kind"] not in TWINS:
+            continue
+        objective, name = TWINS[limit["kind"]]
+        gentle = deepcopy(body)
+        gentle["base_radius_mm"] = {"max": radius * (1.0 + ROOM)}
+        gentle["limits"][position] = limit
+        least = deepcopy(gentle)
+        del least["limits"][position]
+        least["objective"] = {"kind": objective}
+        _, best, _ = solved(least)
+        if best is None or not best.certificate.lower_bound:
+            continue
+        beyond = _beyond(random)
+        value = best.certificate.lower_bound * (1.0 - beyond)
+        gentle["limits"][position] = {"kind": limit["kind"], name.format(unit): value}
+        yield Question(family, limit["kind"], gentle, beyond)
+
+
+def _beyond(random: np.random.Generator) -> float:
+    return float(np.exp(random.uniform(np.log(LEAST_BEYOND), np.log(MOST_BEYOND))))
+
+
+def ask(question: Question) -> Outcome:
+    """Put a question, and try what its conflict says."""
+    body = {"time_budget_s": BUDGET_S, **question.body}
+    status, design, seconds = solved(body)
+    outcome = Outcome(question, status, seconds)
+    conflict = None if design is None else design.conflict
+    if conflict is None:
+        if design is not None:
+            outcome.complaints.append("a cam, where none should be")
+        return outcome
+    outcome.proven = conflict.proven
+    for each in conflict.relaxations:
+        _try_values(outcome, each)
+    for member in dict.fromkeys(each.limit for each in conflict.relaxations):
+        fields = [each.field for each in conflict.relaxations if each.limit == member]
+        without = question.body
+        for one in sorted(fields, reverse=True):
+            without = put(without, one, None)
+        shown = _has_cam(without)
+        outcome.necessary.append(shown)
+        if not shown and member not in _unconfirmed(conflict):
+            outcome.complaints.append(f"without {member} no cam either")
+    return outcome
+
+
+def _unconfirmed(conflict: Conflict) -> list[str]:
+    return list(getattr(conflict, "unconfirmed", []))
+
+
+def _try_values(outcome: Outcome, each: Relaxation) -> None:
+    """Put back what is needed, and a little less than is needed at least."""
+    body, at_least = outcome.question.body, getattr(each, "at_least", None)
+    distance = None
+    if each.needed is not None:
+        suffices = _has_cam(put(body, each.field, each.needed))
+        outcome.sufficient.append(suffices)
+        if not suffices:
+            outcome.complaints.append(f"{each.field} = {each.needed!r} does not suffice")
+    if at_least is not None:
+        less = at_least + NEARER * (each.requested - at_least)
+        if _has_cam(put(body, each.field, less)):
+            outcome.complaints.append(f"{each.field} = {less!r} suffices, below {at_least!r}")
+    if each.needed is not None and at_least is not None:
+        apart, way = abs(each.needed - at_least), abs(each.needed - each.requested)
+        distance = apart / abs(each.needed), apart / way
+        if apart > 0.0 and (each.needed - at_least) * (each.needed - each.requested) < 0.0:
+            outcome.complaints.append(f"{each.field}: at_least {at_least} beyond {each.needed}")
+    outcome.distances.append(distance)
+
+
+def _has_cam(body: Spec) -> bool:
+    _, design, _ = solved(body)
+    return design is not None and design.certificate.certified
+
+
+def put(body: Spec, path: str, value: float | None) -> Spec:
+    """The spec with another value at a path; None: without it, and without what then says nothing.
+
+    A value for a number that is given leaves a range between both.
+    """
+    changed = deepcopy(body)
+    *parents, last = path.split("/")
+    at: Any = changed
+    trail = []
+    for step in parents:
+        trail.append((at, step))
+        at = at[int(step)] if isinstance(at, list) else at[step]
+    if value is None:
+        at.pop(last, None)
+        holder, step = trail[-1] if trail else (changed, "")
+        if isinstance(holder, list) and set(at) <= {"kind"}:
+            del holder[int(step)]
+        elif trail and not at:
+            del holder[step]
+    elif parents[:1] != ["limits"] and last not in ("min", "max") and last in at:
+        at[last] = {"min": min(at[last], value), "max": max(at[last], value)}
+    else:
+        at[last] = value
+    return changed
+
+
+def report(found: list[Outcome]) -> str:
+    """The shares, in all and by family."""
+    lines = []
+    for family in FAMILIES:
+        mine = [one for one in found if one.question.family == family]
+        if mine:
+            counts = Counter(one.status for one in mine)
+            words = ", ".join(f"{status} {count}" for status, count in sorted(counts.items()))
+            lines.append(f"{family:40s} {words}; {_shares(mine)}")
+    convex = [one for one in found if one.question.family.startswith(CONVEX)]
+    others = [one for one in found if one not in convex]
+    for name, some in (("convex", convex), ("others", others), ("all", found)):
+        lines.append(f"{name}: {len(some)} questions, {_shares(some)}")
+    return "\n".join(lines)
+
+
+def _shares(some: list[Outcome]) -> str:
+    proven = [one.proven for one in some]
+    in_time = [one.proven and one.seconds <= BUDGET_S for one in some]
+    enough = [each for one in some for each in one.sufficient]
+    rows = [each for one in some for each in one.distances]
+    known = [each for each in rows if each is not None]
+    irreducible = [all(one.necessary) for one in some if one.necessary]
+    return (
+        f"proven {_share(proven)}, within {BUDGET_S:g} s {_share(in_time)}; needed named "
+        f"{len(enough)} of {len(rows)}, suffices {_share(enough)}; at_least named {len(known)}, "
+        f"within 0.1 % of the value {_share([v <= 1e-3 for v, _ in known])}, "
+        f"1 % {_share([v <= 1e-2 for v, _ in known])}, of the way "
+        f"{_share([w <= 1e-3 for _, w in known])}, {_share([w <= 1e-2 for _, w in known])}; "
+        f"irreducible {_share(irreducible)}; mean "
+        f"{sum(one.seconds for one in some) / max(len(some), 1):.2f} s"
+    )
+
+
+def _share(some: list[bool]) -> str:
+    return f"{sum(some)}/{len(some)}"
+
+
+def main(arguments: list[str]) -> int:
+    """Ask, print what is wrong as it comes, and the shares at the end."""
+    clock.now = time.process_time  # the same answers on a busy machine
+    count, word, most = [*arguments, *("1", "", "600")[len(arguments) :]]
+    found = list[Outcome]()
+    for number in range(int(count)):
+        for family in (family for family in FAMILIES if word in family):
+            if time.process_time() > float(most):
+                break
+            for question in questions(family, number):
+                found.append(ask(question))
+                last = found[-1]
+                print(f"{family} {number} {question.kind} {question.beyond:.2%}: {last.status}, "
+                      f"{_shares([last])}", flush=True)  # fmt: skip
+                for complaint in last.complaints:
+                    print(f"  {complaint}: {json.dumps(question.body)}", flush=True)
+    print(report(found))
+    return 1 if any(one.complaints for one in found) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
