@@ -27,7 +27,7 @@ settings.register_profile(
     "ci",
     derandomize=True,
     deadline=None,
-    max_examples=20,
+    max_examples=12,
     phases=(Phase.explicit, Phase.generate),
     print_blob=True,
     suppress_health_check=[HealthCheck.too_slow],

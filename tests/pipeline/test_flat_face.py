@@ -174,7 +174,7 @@ def test_a_pressure_angle_limit_and_a_cutter_hold_by_themselves() -> None:
     assert extreme(design, "pressure_angle_rise").value == 0.0
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(
     st.floats(40.0, 110.0), st.floats(40.0, 110.0), st.floats(0.0, 30.0),
     st.sampled_from([None, *NAMED]), st.floats(1.5, 4.0), st.sampled_from(["jerk", "acceleration"]),

@@ -108,7 +108,7 @@ def test_no_other_angle_is_better(objective: str) -> None:
     found = design(free, free)
     up = found.free_parameters["program/0/angle_deg"]
     value = found.certificate.value
-    for other in (92.0, 109.0, 131.0, up - 2.0, up + 2.0):
+    for other in (92.0, 131.0, up - 2.0, up + 2.0):
         if 90.0 <= other <= 150.0:
             at = design(other, 240.0 - other)
             assert not at.motion or at.certificate.value > value * (1.0 - 3e-3)

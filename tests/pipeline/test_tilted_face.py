@@ -174,7 +174,7 @@ def test_the_drawing_holds_the_face(rotation: str, tilt: float) -> None:
     assert "flat face, contact over" in drawing
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(
     st.sampled_from([-1.0, 1.0]), st.floats(0.5, 60.0), st.floats(-40.0, 40.0),
     st.sampled_from([None, "cycloidal", "polynomial_5_6_7_8_9"]), st.floats(30.0, 80.0),

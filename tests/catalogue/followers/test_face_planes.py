@@ -34,7 +34,7 @@ def least_bend(psi: np.ndarray, w: np.ndarray, radius: float, offset: float) -> 
     return (radius - h + DISTANCE * np.sin(psi) * v**2 / w**2) * w**3 / (DISTANCE * np.cos(psi))
 
 
-@settings(max_examples=60)
+@settings(max_examples=36)
 @given(
     seed=st.integers(0, 10**6),
     name=st.sampled_from(sorted(limits(0.0, 0.0))),

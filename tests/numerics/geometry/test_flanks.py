@@ -85,7 +85,7 @@ def clearances(cam: Cam, flank: Flank, theta: np.ndarray, line: float, heights: 
 # --- by touch -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=15)
+@settings(max_examples=9)
 @given(cams(only_gentle=True, knife_edge=False), unspecial(0.1, 0.9))
 def test_a_roller_in_a_groove_touches_both_flanks_and_penetrates_none(cam: Cam, fraction: float):
     cam = closed(gentle_roller(cam), Groove())
@@ -97,7 +97,7 @@ def test_a_roller_in_a_groove_touches_both_flanks_and_penetrates_none(cam: Cam, 
         assert np.max(abs(distance - cam.Rr)) <= coarse, f"{flank.name} flank at {worst}°"
 
 
-@settings(max_examples=8)
+@settings(max_examples=5)
 @given(cams(only_gentle=True, knife_edge=False), unspecial(0.01, 0.1))
 def test_half_of_the_clearance_lies_on_either_side(cam: Cam, share: float):
     cam = gentle_roller(cam)
@@ -111,7 +111,7 @@ def test_half_of_the_clearance_lies_on_either_side(cam: Cam, share: float):
     assert width == pytest.approx((2.0 + share) * cam.Rr, rel=1e-14)
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(cams(only_gentle=True), unspecial(0.1, 0.9))
 def test_a_roller_lifted_inside_a_ring_follows_the_law(cam: Cam, fraction: float):
     cam = closed(gentle_roller(cam), RING)
@@ -132,7 +132,7 @@ def test_a_roller_lifted_inside_a_ring_follows_the_law(cam: Cam, fraction: float
 
 
 # few cams are hollow enough
-@settings(max_examples=10, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=6, suppress_health_check=[HealthCheck.filter_too_much])
 @given(cams(only_gentle=True, knife_edge=False, lifts=(0.6, 1.4)), unspecial(0.2, 0.9))
 def test_a_roller_larger_than_the_pitch_curve_s_hollow_cuts_the_outer_flank(cam: Cam, share: float):
     hollow = -1.0 / np.min(bends(cam))
@@ -148,7 +148,7 @@ def test_a_roller_larger_than_the_pitch_curve_s_hollow_cuts_the_outer_flank(cam:
     assert np.min(distance) < radius * (1.0 - 1e-3), "an undercut flank lets the roller pass"
 
 
-@settings(max_examples=12)
+@settings(max_examples=7)
 @given(cams(only_gentle=True, knife_edge=False), unspecial(0.1, 0.9))
 def test_both_rollers_of_conjugate_cams_touch_at_every_angle(cam: Cam, share: float):
     cam = conjugate(gentle_roller(cam), share)

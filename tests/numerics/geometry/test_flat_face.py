@@ -131,7 +131,7 @@ def lifted(cam: FlatCam, points: np.ndarray, theta: np.ndarray) -> np.ndarray:
     return heights - cam.Rb / np.cos(cam.tilt)
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(flat_cams(), unspecial(0.1, 0.9))
 def test_a_line_slid_down_onto_the_cam_follows_the_law(cam: FlatCam, fraction: float):
     turn = TURN * np.arange(POINTS) / POINTS
@@ -150,7 +150,7 @@ def test_a_line_slid_down_onto_the_cam_follows_the_law(cam: FlatCam, fraction: f
     agree("displacement", theta, law, measured, np.array(allowed))
 
 
-@settings(max_examples=8)
+@settings(max_examples=5)
 @given(flat_cams(), unspecial(0.2, 0.6))
 def test_an_undercut_cam_says_so_and_lifts_the_face_too_far(cam: FlatCam, share: float):
     nose = sharpest(cam.motion, cam.tilt)

@@ -180,7 +180,7 @@ def resting(cam: FaceCam, points: np.ndarray, theta: np.ndarray) -> np.ndarray:
     return (touch.rest_angles(points, cam.turns * theta, edge) - cam.psi) * cam.reference
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(face_cams(), unspecial(0.1, 0.9))
 def test_an_edge_swung_down_onto_the_cam_follows_the_law(cam: FaceCam, fraction: float):
     every = np.sort(
@@ -196,7 +196,7 @@ def test_an_edge_swung_down_onto_the_cam_follows_the_law(cam: FaceCam, fraction:
     agree("displacement", theta, cam.motion.curve(theta), measured, np.array(2.0 * allowed))
 
 
-@settings(max_examples=8)
+@settings(max_examples=5)
 @given(face_cams(deepest=-0.4))
 def test_an_undercut_cam_says_so_and_lifts_the_face_too_far(cam: FaceCam):
     theta = TURN * (np.arange(POINTS) + 0.5) / POINTS

@@ -268,7 +268,7 @@ def scenes(draw: st.DrawFn) -> tuple[DesignSpec, int]:
     return spec, draw(st.integers(6, 12))
 
 
-@settings(max_examples=12)
+@settings(max_examples=7)
 @given(scenes())
 def test_random_scenes(drawn: tuple[DesignSpec, int]) -> None:
     spec, intervals = drawn

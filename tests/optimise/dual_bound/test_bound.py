@@ -118,7 +118,7 @@ def test_smoother_laws_have_the_same_bound(name: str, smoothness: int) -> None:
 # -- any multipliers give a bound --------------------------------------------------------------
 
 
-@settings(max_examples=12)
+@settings(max_examples=7)
 @given(
     st.sampled_from([name for name in CASES if name not in FAMILY]),
     st.integers(0, 2**32 - 1),

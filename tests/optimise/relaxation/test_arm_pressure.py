@@ -77,7 +77,7 @@ def test_where_no_size_is_allowed_the_half_planes_exclude_each_other() -> None:
     assert low > high
 
 
-@settings(max_examples=40)
+@settings(max_examples=24)
 @given(
     seed=st.integers(0, 10**6),
     sense=st.sampled_from(sorted(SENSES)),
@@ -113,7 +113,7 @@ def test_cuts_hold_wherever_the_limit_does(
             assert np.all((left - cuts.upper)[kept] <= 1e-9 * ARM)
 
 
-@settings(max_examples=30)
+@settings(max_examples=18)
 @given(
     seed=st.integers(0, 10**6),
     sense=st.sampled_from(sorted(SENSES)),

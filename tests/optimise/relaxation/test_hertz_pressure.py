@@ -114,7 +114,7 @@ def row_of(traced, theta, low, high):
 
 
 @pytest.mark.parametrize("name", MACHINES)
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(st.integers(0, 10**6), st.floats(1e-3, 1.0), st.sampled_from(["rise", "return"]))
 def test_no_cam_that_keeps_the_limit_is_cut_off(name, seed, width, kind):
     low, high, at, draw = points(seed, width)
