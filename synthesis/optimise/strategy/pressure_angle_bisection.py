@@ -21,7 +21,8 @@ from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.pivot_node import PivotNode, prove_empty, tighten_node
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
-from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.dual_bound.bound import dual_bound, infeasibility_bound
+from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
@@ -44,6 +45,7 @@ SPARE = 1e-9
 """Relative slack of comparisons, against rounding."""
 PROOFS = (1.0, 2.0, 4.0, 8.0, 16.0)
 """Tolerances below the least slope found at which a proof is tried."""
+HIGHEST = 3  # derivative up to which the ends of laws have costates
 TIGHTENINGS = 2
 """Of the region in one proof."""
 
@@ -137,8 +139,13 @@ class _Trials:
         model = formulate(problem, ())
         solution = solve(model.program)
         if solution.stopped in USABLE:
-            return dual_bound(model, solution).value > self.largest * (1.0 + SPARE)
-        return solution.stopped is StopReason.INFEASIBLE
+            bound = dual_bound(model, solution)
+        elif solution.stopped is StopReason.INFEASIBLE:  # its multipliers prove it, or nothing does
+            ends = boundary_multipliers(model, solution, HIGHEST)
+            bound = infeasibility_bound(model, solution, ends)
+        else:
+            return False
+        return bound.value > self.largest * (1.0 + SPARE)
 
     def next_slope(self, bracket: _Bracket) -> float:
         """Where the smallest cam is as large as allowed, if that is known, else the middle.
