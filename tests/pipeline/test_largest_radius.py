@@ -153,7 +153,8 @@ def test_a_maximum_between_bound_and_cam_claims_no_proof(
     assert denied.conflict is not None
     assert "that there is none is not proven" in denied.conflict.evidence
     (own,) = (r for r in denied.conflict.relaxations if r.field == "base_radius_mm/max")
-    assert own.needed == pytest.approx(proof.value)
+    assert own.needed is not None
+    assert proof.lower_bound < own.needed <= proof.value * (1.0 + 1e-6)
     assert answer(OPEN_GAP, base_radius_mm={"max": own.needed}).certificate.certified
 
 
