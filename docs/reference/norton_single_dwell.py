@@ -51,7 +51,7 @@ def spec(law: str, objective: str = "peak_acceleration", jerk: float | None = No
     )
 
 
-def reported(law: str) -> tuple[float, float]:
+def peaks(law: str) -> tuple[float, float]:
     """Peak acceleration [in/s²] and jerk [in/s³] of the finished cam with a given law."""
     a = synthesise(spec(law)).objectives["peak_acceleration_mm_per_s2"]
     j = synthesise(spec(law, "peak_jerk")).objectives["peak_jerk_mm_per_s3"]
@@ -79,7 +79,7 @@ def optimum(jerk: float) -> Design:
 
 def rows() -> Iterator[str]:
     for law in TEXTBOOK:
-        a, j = reported(law)
+        a, j = peaks(law)
         best = optimum(j)
         proof = best.certificate
         assert proof.value is not None

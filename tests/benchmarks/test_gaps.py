@@ -52,16 +52,16 @@ def test_bounds_at_chosen_numbers_are_marked() -> None:
 
 
 def test_what_a_level_closes_is_not_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = list[str]()
+    question = list[str]()
 
     def outcome(family: str, number: int, level: str) -> Outcome:
-        asked.append(level)
+        question.append(level)
         gap = {"quick": 0.2, "auto": 0.004}[level]
         return Outcome(family, number, level, 1.0, gap, "feasible")
 
     monkeypatch.setattr(gaps, "outcome", outcome)
     found = gaps.outcomes(OPEN, 3)
-    assert asked == ["quick", "auto"]
+    assert question == ["quick", "auto"]
     assert [one.level for one in found] == [*LEVELS]
     assert found[2] == replace(found[1], level="thorough")
 

@@ -52,10 +52,10 @@ def test_links_and_drawings_are_there(sections: list[Section], tmp_path: Path) -
     for link in LINK.findall(written):
         drawn = folder / link
         assert drawn.exists() or (FOLDER / link).exists(), link
-    told = readme.read_text(encoding="utf-8")
-    assert told.startswith("Before\n\n")
-    assert told.endswith("\n\nafter\n")
-    assert page.quoted(told) == page.front(sections)
+    reported = readme.read_text(encoding="utf-8")
+    assert reported.startswith("Before\n\n")
+    assert reported.endswith("\n\nafter\n")
+    assert page.quoted(reported) == page.front(sections)
     assert page.front(sections) in written
 
 

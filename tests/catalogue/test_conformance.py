@@ -19,7 +19,7 @@ REACHED = 2e-3  # relative: how near to its bound an extreme of a limit that bin
 LOOSEST = 0.05  # gap of an objective in its scene
 
 
-def asked(table: str, kind: str) -> DesignSpec:
+def question(table: str, kind: str) -> DesignSpec:
     """The scene of a kind."""
     scene = TABLES[table].get(kind)
     assert scene is not None, f"{kind!r} has no scene: add it to {table} in {scenes.__file__}"
@@ -29,7 +29,7 @@ def asked(table: str, kind: str) -> DesignSpec:
 @lru_cache(maxsize=32)
 def solved(table: str, kind: str) -> Design:
     """The certified design of a kind's scene."""
-    design = synthesise(asked(table, kind))
+    design = synthesise(question(table, kind))
     assert design.certificate.certified, design.conflict
     return design
 
@@ -49,7 +49,7 @@ def test_a_limit_is_reached_in_its_scene(kind: str) -> None:
 @pytest.mark.parametrize("kind", LIMIT_KINDS)
 def test_a_limit_states_bounds_that_name_their_field(kind: str) -> None:
     """A claim with no bound, or of a field of another limit, would be a limit that nobody keeps."""
-    spec = asked("LIMITS", kind)
+    spec = question("LIMITS", kind)
     (limit,) = (one for one in spec.limits if one.kind == kind)
     machine = replace(spec.machine(), follower=solved("LIMITS", kind).completed_spec.follower)
     claims = limit.claims(spec.placed_segments(), machine)
@@ -73,7 +73,7 @@ def test_an_objective_has_a_near_bound_in_its_scene(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", OBJECTIVE_KINDS)
 def test_an_objective_goes_to_the_wire_and_back(kind: str) -> None:
-    spec = asked("OBJECTIVES", kind)
+    spec = question("OBJECTIVES", kind)
     machine, (objective,) = spec.machine(), spec.objectives()
     for value in (0.3, 17.9):
         there = objective.to_wire(value, machine)

@@ -155,12 +155,12 @@ def test_the_dimensions_of_an_arm_are_held_against_their_ranges():
         "centre_distance_mm": {"min": 90.0, "max": 120.0},
         "initial_angle_deg": {"min": 50.0, "max": 70.0},
     }  # fmt: skip
-    asked = spec("oscillating_roller", follower=follower, base_radius_mm={"min": 60.0})
-    assert isinstance(asked, DesignSpec)
+    question = spec("oscillating_roller", follower=follower, base_radius_mm={"min": 60.0})
+    assert isinstance(question, DesignSpec)
 
     def broken(d: float, angle: float) -> list[str]:
         size = d * np.cos(np.radians(angle)), d * np.sin(np.radians(angle))
-        found = {e.limit: e for e in certify_size(asked, size)}
+        found = {e.limit: e for e in certify_size(question, size)}
         assert found["centre_distance"].unit == "mm"
         assert found["initial_angle"].unit == "deg"
         assert found["initial_angle"].field == "follower/initial_angle_deg"

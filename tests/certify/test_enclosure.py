@@ -112,7 +112,7 @@ def test_what_is_good_enough_of_a_function_goes_for_every_question_about_it():
 @pytest.mark.parametrize("sees", [False, True])
 def test_a_bound_alone_is_asked_of_the_first_boxes(sees: bool):
     """No box is split for it, what it says is true, and the other questions hear nothing of it."""
-    values = told if sees else None
+    values = reported if sees else None
     alone = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED, values)
     rough = ExtremumQuery(EVERYWHERE, 0.2, math.inf, function=0, absolute=math.inf)
     high = ExtremumQuery(np.array([1]), -math.inf, 0.2, function=0, absolute=math.inf)
@@ -138,14 +138,14 @@ ASKED = [
 ]  # fmt: skip
 
 
-def told(piece, x, wanted):
+def reported(piece, x, wanted):
     """The functions of TERMS in numbers."""
     return [np.sin(frequency * x + phase) for frequency, phase in (TERMS[k] for k in wanted)]
 
 
 def test_a_look_at_the_numbers_saves_rounds():
     blind = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED)
-    seeing = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED, told)
+    seeing = enclose(waves(*TERMS), BREAKS, COUNTS, ASKED, reported)
     for one, other in zip(blind, seeing, strict=True):
         assert other.side == one.side
         assert other.enclosure.value == pytest.approx(one.enclosure.value, abs=1e-10)
@@ -159,7 +159,7 @@ def test_a_look_at_the_numbers_saves_rounds():
 )
 def test_numbers_that_lie_cost_time_and_nothing_else(lie):
     answers = enclose(
-        waves(*TERMS), BREAKS, COUNTS, ASKED, lambda *asked: [lie(v) for v in told(*asked)]
+        waves(*TERMS), BREAKS, COUNTS, ASKED, lambda *request: [lie(v) for v in reported(*request)]
     )
     for answer, true in zip(answers, enclose(waves(*TERMS), BREAKS, COUNTS, ASKED), strict=True):
         assert answer.side == true.side
@@ -172,7 +172,7 @@ def test_no_point_is_taken_from_where_a_question_does_not_ask():
     """In numbers nothing is known of the piece asked for, and much of others."""
 
     def elsewhere(piece, x, wanted):
-        return [np.where(piece == 2, np.nan, v) for v in told(piece, x, wanted)]
+        return [np.where(piece == 2, np.nan, v) for v in reported(piece, x, wanted)]
 
     questions = [ExtremumQuery(np.array([k]), -math.inf, 0.0) for k in (2, 0)]
     answer, _ = enclose(waves(*TERMS), BREAKS, COUNTS, questions, elsewhere)

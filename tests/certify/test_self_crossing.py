@@ -87,7 +87,7 @@ def test_agrees_with_brute_force_where_nothing_is_undercut(seed: int) -> None:
 
 def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
     rng = np.random.default_rng(77)
-    told = []
+    reported = []
     for _ in range(24):
         motion, base = thin_lobed(rng), rng.uniform(0.1, 1.7)
         e = rng.uniform(-2.0, 2.0)
@@ -95,8 +95,8 @@ def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
         for _ in range(6):  # as large as the lobe's nose allows
             s0 = math.sqrt((base + R) ** 2 - e * e)
             R = min(R, 0.97 * sharpest(motion, e, s0))
-        told.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
-    assert 6 <= sum(told) <= 18
+        reported.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
+    assert 6 <= sum(reported) <= 18
 
 
 @pytest.mark.parametrize(
@@ -261,7 +261,7 @@ def test_the_roller_and_its_profile_point_lie_in_the_shadow(side: float) -> None
 
 def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None:
     """What its own boxes say of n · P: against samples, and the search that knows nothing of it."""
-    rng, told = np.random.default_rng(58), []
+    rng, reported = np.random.default_rng(58), []
     theta = np.linspace(0.0, 2.0 * np.pi, 4001)
     for _ in range(24):
         motion, R = thin_lobed(rng), rng.uniform(2.0, 9.0)
@@ -284,5 +284,5 @@ def test_the_certificate_needs_no_pairs_where_curves_go_round_the_axis() -> None
             assert over > 0.0 or flank not in clear
             holds = search(motion, e, s0, offset).excludes_interference(flank.distance)
             assert found[f"self_crossing_{flank.name}"].holds == holds
-        told.append(len(clear))
-    assert set(told) == {0, 1, 2}
+        reported.append(len(clear))
+    assert set(reported) == {0, 1, 2}

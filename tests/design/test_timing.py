@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from synthesis import CamSet, synthesise_set
-from tests.studies.cam_sets import INLET, asked, body
+from tests.studies.cam_sets import INLET, body, question
 
 
 @pytest.fixture(scope="module")
 def found() -> CamSet:
-    return synthesise_set(asked())
+    return synthesise_set(question())
 
 
 def speeds(found: CamSet, shaft_deg: np.ndarray) -> np.ndarray:
@@ -26,8 +26,8 @@ def speeds(found: CamSet, shaft_deg: np.ndarray) -> np.ndarray:
 
 def test_events_by_hand(found: CamSet) -> None:
     """Inlet: 37.9 and its angles on; press: −143.2 + 360 = 216.8 and its angles on."""
-    told = [(e.shaft_deg, e.cam, e.ends, e.starts) for e in found.timing.events]
-    assert told == [
+    reported = [(e.shaft_deg, e.cam, e.ends, e.starts) for e in found.timing.events]
+    assert reported == [
         (37.9, 0, "dwell", "rise"),
         (109.2, 0, "rise", "dwell"),
         (111.8, 1, "return", "dwell"),
@@ -64,15 +64,15 @@ def test_overlap_by_hand(found: CamSet) -> None:
 def test_events_do_not_run_over_the_turn() -> None:
     cams = body()["cams"]
     cams[0] |= {"phase_deg": 360.0 - 71.3 - 24.6 - 88.4}  # the return ends at 360°
-    found = synthesise_set(asked(cams=cams))
+    found = synthesise_set(question(cams=cams))
     ends = [e.shaft_deg for e in found.timing.events if e.cam == 0 and e.ends == "return"]
     assert ends == [0.0]
 
 
 def test_one_cam_has_arcs_too() -> None:
-    found = synthesise_set(asked(cams=[{"phase_deg": 10.0, "spec": INLET}]))
-    told = [(arc.start_deg, arc.angle_deg, arc.moving) for arc in found.timing.arcs]
-    assert told == [(10.0, 71.3, [0]), (81.3, 24.6, []), (105.9, 88.4, [0]), (194.3, 175.7, [])]
+    found = synthesise_set(question(cams=[{"phase_deg": 10.0, "spec": INLET}]))
+    reported = [(arc.start_deg, arc.angle_deg, arc.moving) for arc in found.timing.arcs]
+    assert reported == [(10.0, 71.3, [0]), (81.3, 24.6, []), (105.9, 88.4, [0]), (194.3, 175.7, [])]
 
 
 def test_a_cam_for_which_nothing_fits_takes_no_part() -> None:
@@ -85,7 +85,7 @@ def test_a_cam_for_which_nothing_fits_takes_no_part() -> None:
             "limits": [{"kind": "pressure_angle", "rise_deg": 5, "return_deg": 5}],
         },
     }
-    found = synthesise_set(asked(cams=cams))
+    found = synthesise_set(question(cams=cams))
     assert [cam.design.status for cam in found.cams] == ["optimal", "infeasible"]
     assert found.status == "infeasible"
     assert found.has_cams

@@ -31,8 +31,8 @@ def curves(data: bytes, ending: str, folder: Path) -> list[Any]:
         OCP.TopExp.TopExp_Explorer(shape(data, ending, folder), OCP.TopAbs.TopAbs_EDGE),
     )
     while each.More():
-        told = OCP.BRep.BRep_Tool.Curve_s(OCP.TopoDS.TopoDS.Edge(each.Current()), 0.0, 0.0)
-        found.append(told[0] if isinstance(told, tuple) else told)
+        reported = OCP.BRep.BRep_Tool.Curve_s(OCP.TopoDS.TopoDS.Edge(each.Current()), 0.0, 0.0)
+        found.append(reported[0] if isinstance(reported, tuple) else reported)
         each.Next()
     return found
 

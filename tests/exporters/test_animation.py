@@ -114,8 +114,8 @@ def frame(data: dict, part: float) -> dict[str, str]:
     found = {}
     for each in data["parts"]:
         values = [float(np.interp(part, np.linspace(0, 1, len(c)), c)) for c in each["columns"]]
-        told = " ".join(map(str, values))
-        found[each["name"]] = f"{'rotate' if each['kind'] == 'turn' else 'translate'}({told})"
+        reported = " ".join(map(str, values))
+        found[each["name"]] = f"{'rotate' if each['kind'] == 'turn' else 'translate'}({reported})"
     return found
 
 
@@ -158,11 +158,11 @@ def test_the_follower_moves_as_the_law_says(kind: str) -> None:
     for part in (0.1, 0.27, 0.5):
         where = placed(machine, frame(data, part))
         axis = at(where[outer], 0.0, 0.0)
-        told = (at(where[wheel], 0.0, 0.0) - axis) / scale
+        reported = (at(where[wheel], 0.0, 0.0) - axis) / scale
         s = cam.motion.derivatives(np.array([2.0 * np.pi * part]), 3)
         (x, y), *_ = cam.flank.trace.position(s, cam.size)
-        assert told.real == pytest.approx(float(x[0]), abs=5e-3)
-        assert -told.imag == pytest.approx(float(y[0]), abs=5e-3)
+        assert reported.real == pytest.approx(float(x[0]), abs=5e-3)
+        assert -reported.imag == pytest.approx(float(y[0]), abs=5e-3)
 
 
 @pytest.mark.parametrize("size", [1e-4, 3e-2, 1e3])

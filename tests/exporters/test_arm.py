@@ -17,10 +17,10 @@ from tests.exporters.test_drawings import drawn, floats, of_class, text_boxes, t
 @pytest.mark.parametrize("sample", [0, 1])
 @pytest.mark.parametrize("turns", ["ccw", "cw"])
 def test_the_arm_holds_roller_and_pivot(sample: int, turns: str) -> None:
-    asked = spec("oscillating_roller", sample, rotation=turns)
-    design = synthesise(asked)
+    question = spec("oscillating_roller", sample, rotation=turns)
+    design = synthesise(question)
     root, mirror = drawn("profile", design), -1.0 if turns == "cw" else 1.0
-    arm, size = asked.follower, design.dimensions
+    arm, size = question.follower, design.dimensions
     gamma, sigma = np.radians(arm.pivot_direction_deg), {"opposite": 1.0, "same": -1.0}[arm.sense]
     pivot = arm.centre_distance_mm * np.exp(1j * gamma)
     back = gamma + np.pi - sigma * np.radians(size["initial_angle_deg"])

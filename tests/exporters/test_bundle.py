@@ -19,7 +19,7 @@ from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, MotionOptions, PointOptions, ProfileOptions
 from synthesis.exporters.bundle import BundleOptions, bundle, bundle_files, folders
 from synthesis.exporters.diagrams.timing import timing_diagram
-from tests.studies.cam_sets import INLET, PRESS, asked, body
+from tests.studies.cam_sets import INLET, PRESS, body, question
 
 STEEP = PRESS | {
     "base_radius_mm": {"max": 20},
@@ -30,7 +30,7 @@ Opened = dict[str, bytes]
 
 @pytest.fixture(scope="module")
 def found() -> CamSet:
-    return synthesise_set(asked())
+    return synthesise_set(question())
 
 
 def opened(cams: CamSet, **options: Any) -> Opened:
@@ -160,24 +160,24 @@ def test_the_timing_table(found: CamSet) -> None:
     ],
 )
 def test_folders_are_names_that_every_system_takes(name: str, folder: str) -> None:
-    cams = synthesise_set(asked(cams=[{"name": name, "spec": INLET}]))
+    cams = synthesise_set(question(cams=[{"name": name, "spec": INLET}]))
     assert folders(cams) == [folder]
 
 
 def test_cams_of_one_name_stay_apart() -> None:
-    cams = synthesise_set(asked(cams=[{"name": "valve", "spec": INLET}] * 3))
+    cams = synthesise_set(question(cams=[{"name": "valve", "spec": INLET}] * 3))
     assert folders(cams) == ["01-valve-1", "02-valve-2", "03-valve-3"]
     assert len(opened(cams)) == 3 + 3 * 6 + 1
 
 
 def test_a_cam_for_which_nothing_fits_has_its_design_alone() -> None:
-    cams = synthesise_set(asked(cams=[*body()["cams"], {"name": "steep", "spec": STEEP}]))
+    cams = synthesise_set(question(cams=[*body()["cams"], {"name": "steep", "spec": STEEP}]))
     names = [name for name in opened(cams) if name.startswith("03-")]
     assert names == ["03-steep/design.json"]
 
 
 def test_a_set_without_any_cam_has_no_files() -> None:
-    cams = synthesise_set(asked(cams=[{"spec": STEEP}]))
+    cams = synthesise_set(question(cams=[{"spec": STEEP}]))
     with pytest.raises(InputError, match="No cam of this set fits"):
         list(bundle_files(cams, BundleOptions()))
 
@@ -192,7 +192,7 @@ def flanked() -> CamSet:
         cams.append(
             {"name": name, "phase_deg": phase, "axial_mm": 7.5, "spec": alone | {"proof": "quick"}}
         )
-    return synthesise_set(asked(speed_rpm=97.3, rotation="cw", cams=cams))
+    return synthesise_set(question(speed_rpm=97.3, rotation="cw", cams=cams))
 
 
 def test_every_flank_is_there(flanked: CamSet) -> None:
@@ -254,7 +254,7 @@ def test_a_cam_of_several_flanks_brings_a_file_for_each() -> None:
     groove = {"closure": {"kind": "groove", "clearance_mm": 0.4}}
     grooved = INLET | {"follower": INLET["follower"] | groove}
     files = opened(
-        synthesise_set(asked(cams=[{"name": "inlet", "phase_deg": 37.9, "spec": grooved}])),
+        synthesise_set(question(cams=[{"name": "inlet", "phase_deg": 37.9, "spec": grooved}])),
         profile_formats=("txt", "svg"),
     )
     inside = [name.removeprefix("01-inlet/") for name in files if name.startswith("01-inlet/p")]

@@ -47,14 +47,14 @@ class Radius:
     def __init__(self, root: ET.Element, title: str, distance: float) -> None:
         heading = next(t for t in root.iter(SVG + "text") if text_of(t).startswith(title))
         top = float(heading.get("y"))
-        told = [(float(t.get("y")) - 0.9, text_of(t).replace("−", "-"))
+        reported = [(float(t.get("y")) - 0.9, text_of(t).replace("−", "-"))
                 for t in of_class(root, "text", "tick")
                 if t.get("text-anchor") == "end" and 0 < float(t.get("y")) - top < 47]  # fmt: skip
-        told = [(y, word) for y, word in told if word != "undercut"]
-        assert len(told) >= 4
-        y = np.array([each for each, _ in told])
+        reported = [(y, word) for y, word in reported if word != "undercut"]
+        assert len(reported) >= 4
+        y = np.array([each for each, _ in reported])
         bend = np.array(
-            [0.0 if word == "∞" else 1.0 / (float(word) + distance) for _, word in told]
+            [0.0 if word == "∞" else 1.0 / (float(word) + distance) for _, word in reported]
         )
         self.slope, self.zero = np.polyfit(y, bend, 1)
         assert np.max(np.abs(self.slope * y + self.zero - bend)) < 2e-4 * np.max(np.abs(bend))
@@ -94,10 +94,12 @@ def test_the_curves_are_the_books(cam: Design, truth) -> None:
 def test_every_flank_and_path_has_its_diagram(kind: str, sample: int) -> None:
     design = drawn_cam(kind, sample)
     root, cam = sheet(design), Cam.of(design)
-    told = texts(root)
+    reported = texts(root)
     flanks = [flank.name for flank in cam.follower.flanks]
-    assert len([t for t in told if t.startswith("Profile radius ρ")]) == len(flanks)
-    assert len([t for t in told if t.startswith("Pressure angle α")]) == len(paths(cam.follower))
+    assert len([t for t in reported if t.startswith("Profile radius ρ")]) == len(flanks)
+    assert len([t for t in reported if t.startswith("Pressure angle α")]) == len(
+        paths(cam.follower)
+    )
     for one in cam.flanks():
         if one.follower.always_convex:
             continue
@@ -154,8 +156,8 @@ def test_limits_are_drawn_and_what_breaks_them_is_hatched(build) -> None:
 def test_an_undercut_profile_stands_on_its_ground(build) -> None:
     root = sheet(build(prime=45.0, roller=33.0, offset=0.0))
     assert of_class(root, "rect", "undercut")
-    told = next(t for t in texts(root) if t.startswith("convex −"))
-    assert float(told.split()[1].replace("−", "-")) < 0.0
+    reported = next(t for t in texts(root) if t.startswith("convex −"))
+    assert float(reported.split()[1].replace("−", "-")) < 0.0
     assert not of_class(sheet(build()), "rect", "undercut")
 
 
@@ -180,10 +182,10 @@ def test_numbers_of_a_radius_axis(distance: float, low: float, high: float) -> N
     bends = [bend for bend, _ in labels.ticks]
     assert len(set(bends)) == len(bends) >= 3
     assert 0.0 in bends
-    for bend, told in labels.ticks:
+    for bend, reported in labels.ticks:
         assert low <= bend <= high
         if bend:
-            assert float(told.replace("−", "-").replace("\u202f", "")) == pytest.approx(
+            assert float(reported.replace("−", "-").replace("\u202f", "")) == pytest.approx(
                 1.0 / bend - distance, rel=1e-4, abs=1e-9
             )
     if distance and low < 1.0 / distance < high:
@@ -193,7 +195,7 @@ def test_numbers_of_a_radius_axis(distance: float, low: float, high: float) -> N
 def test_numbers_of_an_even_axis() -> None:
     labels = linear(-2.4e5, 1.1e6)
     assert labels.factor == "10³ " or labels.factor == "10⁶ "
-    assert [told for value, told in labels.ticks if value == 0.0] == ["0"]
+    assert [reported for value, reported in labels.ticks if value == 0.0] == ["0"]
 
 
 # --- themes --------------------------------------------------------------------------------------

@@ -11,14 +11,14 @@ from synthesis import Design, DesignSpec, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
 from synthesis.exporters.samples.cutting import checked_cam, largest_cutter
-from tests.exporters.test_flanks import CLOSURES, asked
+from tests.exporters.test_flanks import CLOSURES, question
 from tests.exporters.test_points import away, points
 
 
 @pytest.fixture(scope="module")
 def designs() -> dict[str, Design]:
-    found = {name: synthesise(asked(closure, "cw")) for name, closure in CLOSURES.items()}
-    flat = asked(CLOSURES["ring"], "ccw").model_dump(mode="json", exclude_none=True)
+    found = {name: synthesise(question(closure, "cw")) for name, closure in CLOSURES.items()}
+    flat = question(CLOSURES["ring"], "ccw").model_dump(mode="json", exclude_none=True)
     flat["follower"] = {"kind": "translating_flat_face"}
     flat["limits"] = []
     return {**found, "flat": synthesise(DesignSpec.model_validate(flat))}
@@ -58,10 +58,10 @@ def test_the_largest_cutter_of_a_hollow_is_its_radius(build) -> None:
     assert 2.0 * fit.radius == pytest.approx(largest, rel=2e-3)
     at = ring[int(np.argmin(bend))]
     assert np.hypot(at[0] - fit.x, at[1] - fit.y) < 0.5
-    told = {"curve": "cutter", "points": 40}
-    points(design, cutter_diameter_mm=0.999 * largest, **told)
+    reported = {"curve": "cutter", "points": 40}
+    points(design, cutter_diameter_mm=0.999 * largest, **reported)
     with pytest.raises(InputError, match=rf"cam angle {fit.angle_deg:.6g}°.*{2 * fit.radius:.6g}"):
-        points(design, cutter_diameter_mm=1.005 * largest, **told)
+        points(design, cutter_diameter_mm=1.005 * largest, **reported)
 
 
 def test_a_groove_is_as_wide_as_it_is(designs) -> None:

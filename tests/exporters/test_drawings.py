@@ -230,7 +230,7 @@ def test_figure_of_the_cam(rotation: str, offset: float, build) -> None:
 
 
 def test_words_of_the_cam(p1: Design, crowd: Design) -> None:
-    told = texts(drawn("profile", p1))
+    reported = texts(drawn("profile", p1))
     for line in (
         "profile, radius 50 to 78.849 mm",
         "base circle, radius 50 mm",
@@ -239,8 +239,8 @@ def test_words_of_the_cam(p1: Design, crowd: Design) -> None:
         "stroke 30 mm",
         "cam angles run clockwise",
     ):
-        assert line in told
-    assert {"60°", "90°", "150°", "rise", "return", "dwell"} <= set(told)
+        assert line in reported
+    assert {"60°", "90°", "150°", "rise", "return", "dwell"} <= set(reported)
     assert "knife edge" in texts(drawn("profile", crowd))
 
 
@@ -319,7 +319,7 @@ class Diagram:
             if t.get("text-anchor") == "middle"
         }
         self.left, self.right = degrees["0"], degrees["360"]
-        self.told = next(
+        self.reported = next(
             t
             for t in root.iter(SVG + "text")
             if t.get("y") == heading.get("y") and t is not heading
@@ -392,14 +392,14 @@ def test_limits_and_where_they_are_broken(p1: Design) -> None:
         for line in diagram.limits:
             assert floats(line, "x1", "x2") == pytest.approx([diagram.left, diagram.right])
         assert len(diagram.broken) == broken
-        assert diagram.told.get("class") == ("alarm" if broken else "quiet")
+        assert diagram.reported.get("class") == ("alarm" if broken else "quiet")
     acceleration = Diagram(root, "Acceleration a")
     for path in acceleration.broken:
         degrees, values = acceleration.read(path_points(path))
         assert np.all(np.abs(values) > 14000.0 * (1 - 1e-3))
         # |sin 6θ| > 14 000/17 189 from 9.09° to 20.91° and so on
         assert np.ptp(degrees) == pytest.approx(11.8, abs=0.15)
-    assert text_of(acceleration.told) == "max 17.19 at 15° · min −17.19 at 45° · limit ±14"
+    assert text_of(acceleration.reported) == "max 17.19 at 15° · min −17.19 at 45° · limit ±14"
     assert not Diagram(root, "Displacement s").limits
 
 
@@ -407,7 +407,7 @@ def test_a_limit_far_away_is_told_and_not_drawn(build) -> None:
     root = drawn("motion", build(limits=[{"kind": "velocity", "max_mm_per_s": 5e6}]))
     velocity = Diagram(root, "Velocity v")
     assert not velocity.limits
-    assert text_of(velocity.told).endswith("limit ±5\u202f000\u202f000")
+    assert text_of(velocity.reported).endswith("limit ±5\u202f000\u202f000")
 
 
 def test_a_limit_that_is_just_reached_is_not_broken(build) -> None:
@@ -415,37 +415,39 @@ def test_a_limit_that_is_just_reached_is_not_broken(build) -> None:
     for factor, broken in [(1.0, False), (1.0 - 1e-6, True)]:
         limits = [{"kind": "velocity", "max_mm_per_s": peak * factor}]
         velocity = Diagram(drawn("motion", build(limits=limits)), "Velocity v")
-        assert (velocity.told.get("class") == "alarm") == broken
+        assert (velocity.reported.get("class") == "alarm") == broken
 
 
 def test_a_window_of_one_value_is_one_limit(build) -> None:
     window = {"from_deg": 21.0, "to_deg": 33.0, "velocity_mm_per_s": 412.5}
     rise = {"kind": "rise", "angle_deg": 60, "lift_mm": 30, "law": {"kind": "spline"}}
     program = [{**rise, "windows": [window]}, *P1_PROGRAM[1:]]
-    told = Diagram(drawn("motion", build(program)), "Velocity v").told
-    assert "limit 412.5" in text_of(told)
+    reported = Diagram(drawn("motion", build(program)), "Velocity v").reported
+    assert "limit 412.5" in text_of(reported)
 
 
 def test_the_level_of_a_dwell_has_no_residue(p1: Design) -> None:
     motion = [each.model_copy() for each in p1.motion]
     motion[-1] = motion[-1].model_copy(update={"s_start_mm": 7.1e-15, "s_end_mm": 7.1e-15})
-    told = texts(drawn("motion", p1.model_copy(update={"motion": motion})))
-    assert "at 0 mm" in told
+    reported = texts(drawn("motion", p1.model_copy(update={"motion": motion})))
+    assert "at 0 mm" in reported
 
 
 def test_infinite_values_are_arrows(rough: Design) -> None:
     root = drawn("motion", rough)
-    told = {title: text_of(Diagram(root, title).told) for title, _ in UNITS}
-    assert told["Acceleration a"] == "max ∞ at 250° · min −∞ at 120° · limit ±14000"
-    assert told["Jerk j"].startswith("max ∞ at 0° · min −∞ at 60°")
-    assert Diagram(root, "Velocity v").told.get("class") == "quiet"
-    assert Diagram(root, "Acceleration a").told.get("class") == "alarm"
+    reported = {title: text_of(Diagram(root, title).reported) for title, _ in UNITS}
+    assert reported["Acceleration a"] == "max ∞ at 250° · min −∞ at 120° · limit ±14000"
+    assert reported["Jerk j"].startswith("max ∞ at 0° · min −∞ at 60°")
+    assert Diagram(root, "Velocity v").reported.get("class") == "quiet"
+    assert Diagram(root, "Acceleration a").reported.get("class") == "alarm"
     heads = of_class(root, "path", "alarm")
     assert len(heads) == 2 + 4
     assert len(Diagram(root, "Velocity v").curves) == 3
 
 
 def test_words_of_the_motion(p1: Design) -> None:
-    told = texts(drawn("motion", p1))
-    assert {"rise 30 mm", "cycloidal", "dwell 210°", "at 0 mm", "Cam angle, degrees"} <= set(told)
-    assert {"60°", "90°", "150°"} <= set(told)
+    reported = texts(drawn("motion", p1))
+    assert {"rise 30 mm", "cycloidal", "dwell 210°", "at 0 mm", "Cam angle, degrees"} <= set(
+        reported
+    )
+    assert {"60°", "90°", "150°"} <= set(reported)

@@ -125,7 +125,7 @@ def test_rows_that_rounding_makes_the_same_are_refused(cam: Design) -> None:
 def test_fidelity_is_that_of_the_rows_as_they_are_read(cam: Design, truth) -> None:
     """The curves through what stands in the files, against the book's formulas, more densely."""
     options = {"points": 120, "decimals": 2, "start_deg": 33.0}
-    told = {each["reader"]: each for each in
+    reported = {each["reader"]: each for each in
             json.loads(written("fidelity.json", cam, **options))["readers"]}  # fmt: skip
     rows = from_twincat(written("twincat.st", cam, **options))
     x, y, v, a = rows.T
@@ -143,7 +143,7 @@ def test_fidelity_is_that_of_the_rows_as_they_are_read(cam: Design, truth) -> No
                                      "acceleration_mm_per_s2")):  # fmt: skip
             unit = (180.0 / np.pi) ** order
             worst = np.max(np.abs(curve(at, order) * unit - right[order])) * omega**order
-            assert told[name][key] == pytest.approx(worst, rel=0.02)
+            assert reported[name][key] == pytest.approx(worst, rel=0.02)
     linear = np.max(np.abs(np.interp(at, x, y) - right[0]))
-    assert told["linear"]["displacement_mm"] == pytest.approx(linear, rel=0.02)
-    assert told["linear"]["acceleration_part"] is None
+    assert reported["linear"]["displacement_mm"] == pytest.approx(linear, rel=0.02)
+    assert reported["linear"]["acceleration_part"] is None

@@ -36,8 +36,10 @@ def body(design: Design, **options: Any) -> dict[str, Any]:
     return json.loads(PROFILE_FORMATS["nurbs.json"].write(design, ExactOptions(**options)))
 
 
-def spline_of(told: dict[str, Any]) -> BSpline:
-    return BSpline(np.array(told["knots_mm"]), np.array(told["control_points_mm"]), told["degree"])
+def spline_of(reported: dict[str, Any]) -> BSpline:
+    return BSpline(
+        np.array(reported["knots_mm"]), np.array(reported["control_points_mm"]), reported["degree"]
+    )
 
 
 def plane(spline: BSpline) -> BSpline:
@@ -47,26 +49,26 @@ def plane(spline: BSpline) -> BSpline:
 @pytest.mark.parametrize("tolerance_um", [1.0, 1e-3, 1e-6])
 @pytest.mark.parametrize("curve", ["profile", "pitch"])
 def test_it_is_as_near_to_the_true_curve_as_it_says(cam, truth, curve, tolerance_um) -> None:
-    told = body(cam, curve=curve, tolerance_um=tolerance_um)
-    found = away(truth(cam).points(SOME, curve), plane(spline_of(told)))
-    assert told["error_mm"] <= told["tolerance_mm"] == pytest.approx(1e-3 * tolerance_um)
-    assert np.max(found) <= told["error_mm"]
-    assert np.max(found) > 0.2 * told["error_mm"]
-    assert len(told["control_points_mm"]) < {1.0: 90, 1e-3: 150, 1e-6: 300}[tolerance_um]
+    reported = body(cam, curve=curve, tolerance_um=tolerance_um)
+    found = away(truth(cam).points(SOME, curve), plane(spline_of(reported)))
+    assert reported["error_mm"] <= reported["tolerance_mm"] == pytest.approx(1e-3 * tolerance_um)
+    assert np.max(found) <= reported["error_mm"]
+    assert np.max(found) > 0.2 * reported["error_mm"]
+    assert len(reported["control_points_mm"]) < {1.0: 90, 1e-3: 150, 1e-6: 300}[tolerance_um]
 
 
 def test_a_cutter_runs_beside_the_profile(cam, truth) -> None:
-    told = body(cam, curve="cutter", cutter_diameter_mm=13.7)
+    reported = body(cam, curve="cutter", cutter_diameter_mm=13.7)
     pitch, profile = (truth(cam).points(SOME, curve) for curve in ("pitch", "profile"))
     normal = (pitch - profile) / np.linalg.norm(pitch - profile, axis=1)[:, None]
-    found = away(profile + 0.5 * 13.7 * normal, plane(spline_of(told)))
-    assert np.max(found) <= told["error_mm"]
+    found = away(profile + 0.5 * 13.7 * normal, plane(spline_of(reported)))
+    assert np.max(found) <= reported["error_mm"]
 
 
 def test_curvature_and_sense_are_the_cam_s(cam, truth) -> None:
-    told = body(cam, curve="pitch", tolerance_um=1e-6)
-    spline = plane(spline_of(told))
-    u = spline.t[0] + np.linspace(0.0, 1.0, 20_001) * told["length_mm"]
+    reported = body(cam, curve="pitch", tolerance_um=1e-6)
+    spline = plane(spline_of(reported))
+    u = spline.t[0] + np.linspace(0.0, 1.0, 20_001) * reported["length_mm"]
     (x1, y1), (x2, y2) = spline(u, 1).T, spline(u, 2).T
     np.testing.assert_allclose(np.hypot(x1, y1), 1.0, atol=1e-5)  # arc length
     mirror = -1.0 if cam.rotation == "cw" else 1.0
@@ -77,12 +79,12 @@ def test_curvature_and_sense_are_the_cam_s(cam, truth) -> None:
 
 
 def test_length_and_area_are_those_of_the_curve(cam, truth) -> None:
-    told = body(cam)
+    reported = body(cam)
     x, y = truth(cam).points(np.linspace(0.0, 360.0, 180_001)[:-1]).T
     area = 0.5 * abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
-    assert told["enclosed_area_mm2"] == pytest.approx(area, rel=1e-8)
+    assert reported["enclosed_area_mm2"] == pytest.approx(area, rel=1e-8)
     length = np.sum(np.hypot(x - np.roll(x, 1), y - np.roll(y, 1)))
-    assert told["length_mm"] == pytest.approx(length, rel=1e-8)
+    assert reported["length_mm"] == pytest.approx(length, rel=1e-8)
 
 
 def test_the_seam_is_in_the_middle_of_the_longest_dwell(p1: Design, truth) -> None:
@@ -233,15 +235,15 @@ def test_a_drawing_of_arcs(cam, truth) -> None:
 
 @pytest.mark.parametrize(("kind", "sample"), CASES)
 def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
-    asked = spec(kind, sample)
-    known = given_cam(asked)
+    question = spec(kind, sample)
+    known = given_cam(question)
     theta = np.radians(SOME[::4])
-    flanks = asked.follower.flanks
+    flanks = question.follower.flanks
     for flank in flanks:
         gap = flank.side * flank.distance
         cam = Cam(
-            known.motion, asked.follower.travel, 1.0, asked.follower, known.size, asked.rotation,
-            flank, gap,
+            known.motion, question.follower.travel, 1.0, question.follower, known.size,
+            question.rotation, flank, gap,
         )  # fmt: skip
         spline = fit_closed_spline(Contour.of(cam), 1e-7)
         at = cam.at(theta)
@@ -254,13 +256,13 @@ def test_every_curve_of_every_machine(kind: str, sample: int) -> None:
 @pytest.mark.parametrize("room", [1e-9, 1e-3])
 def test_a_profile_that_nearly_has_a_corner(room: float) -> None:
     """As the smallest flat-face cams have: the radius of curvature all but vanishes."""
-    asked = spec("translating_flat_face")
-    motion = given_cam(asked).motion
+    question = spec("translating_flat_face")
+    motion = given_cam(question).motion
     s, _, bend, _ = motion.derivatives(np.linspace(0.0, 2.0 * np.pi, 200_001))
     size = (float(-np.min(s + bend)) + room,)
-    follower = asked.follower
+    follower = question.follower
     flank = follower.flanks[0]
-    cam = Cam(motion, follower.travel, 1.0, follower, size, asked.rotation, flank, 0.0)
+    cam = Cam(motion, follower.travel, 1.0, follower, size, question.rotation, flank, 0.0)
     spline = fit_closed_spline(Contour.of(cam), 1e-6)
     at = cam.at(np.radians(SOME))
     found = away(np.column_stack([at.x, at.y]), BSpline(spline.knots, spline.points, 5))

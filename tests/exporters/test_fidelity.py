@@ -18,13 +18,13 @@ from synthesis import Design, DesignSpec, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
 from synthesis.exporters.fidelity.measure import CurveSamples, follower_motion
 from synthesis.exporters.samples.cam import Cam
-from tests.exporters.test_flanks import CLOSURES, asked
+from tests.exporters.test_flanks import CLOSURES, question
 from tests.exporters.test_points import away, points
 
 CUBIC = ("periodic", "not-a-knot", "natural")
 
 
-def told(design: Design, **options: Any) -> dict[str, dict[str, Any]]:
+def reported(design: Design, **options: Any) -> dict[str, dict[str, Any]]:
     data = PROFILE_FORMATS["fidelity.json"].write(design, PointOptions(**options))
     return {each["reader"]: each for each in json.loads(data)["readers"]}
 
@@ -76,7 +76,7 @@ def test_the_acceleration_error_is_that_of_a_roller_run_by_touch(
 ) -> None:
     """Where it is said to be worst, the second difference of positions shows it."""
     options = {"points": 120, "decimals": 2, "start_deg": 61.7}
-    found = told(unspecial, **options)[reader]
+    found = reported(unspecial, **options)[reader]
     touch = ByTouch(unspecial, *drawn(unspecial, reader, **options))
     omega = unspecial.speed_rpm * math.pi / 30.0
     beside = found["acceleration_at_deg"] + np.array([-0.03, 0.03])  # it may jump there
@@ -105,7 +105,7 @@ def test_the_form_error_is_the_distance_from_the_true_curve(
     reader: str, curve: str, unspecial: Design, truth
 ) -> None:
     options = {"points": 90, "curve": curve, "decimals": 3}
-    found = told(unspecial, **options)[reader]["form_um"]
+    found = reported(unspecial, **options)[reader]["form_um"]
     true = truth(unspecial).points(np.linspace(0.0, 360.0, 7201)[:-1], curve)
     if reader == "polyline":
         ring = points(unspecial, **options)
@@ -146,8 +146,8 @@ def designs() -> dict[tuple[str, str], Design]:
     found = {}
     for rotation in ("ccw", "cw"):
         for name, closure in CLOSURES.items():
-            found[name, rotation] = synthesise(asked(closure, rotation))
-        body = asked(CLOSURES["ring"], rotation).model_dump(mode="json", exclude_none=True)
+            found[name, rotation] = synthesise(question(closure, rotation))
+        body = question(CLOSURES["ring"], rotation).model_dump(mode="json", exclude_none=True)
         body["limits"] = []
         flat = {"kind": "translating_flat_face", "tilt_deg": 7.0}
         found["flat", rotation] = synthesise(DesignSpec.model_validate({**body, "follower": flat}))
@@ -162,9 +162,9 @@ def designs() -> dict[tuple[str, str], Design]:
 
 
 def test_neither_place_nor_sense_of_the_points_matters(unspecial: Design) -> None:
-    plain = told(unspecial, points=200)
-    turned = told(unspecial, points=200, turn_deg=41.3, direction="ccw", z_mm=4.0)
-    other = told(unspecial, points=200, turn_deg=41.3, direction="cw")
+    plain = reported(unspecial, points=200)
+    turned = reported(unspecial, points=200, turn_deg=41.3, direction="ccw", z_mm=4.0)
+    other = reported(unspecial, points=200, turn_deg=41.3, direction="cw")
     assert turned == other
     for reader, values in plain.items():
         for name in ("form_um", "velocity_mm_per_s", "acceleration_part"):
@@ -174,9 +174,9 @@ def test_neither_place_nor_sense_of_the_points_matters(unspecial: Design) -> Non
 
 def test_points_past_the_end_take_a_natural_spline_s_ends_away(unspecial: Design) -> None:
     """In motion the natural ends are wrong by far; twenty points away nothing is left of it."""
-    bare = told(unspecial, points=720, start_deg=50.0)
-    over = told(unspecial, points=720, start_deg=50.0, overlap_points=40)
-    at_seam = told(unspecial, points=720)
+    bare = reported(unspecial, points=720, start_deg=50.0)
+    over = reported(unspecial, points=720, start_deg=50.0, overlap_points=40)
+    at_seam = reported(unspecial, points=720)
     part = "acceleration_part"
     assert bare["natural"][part] > 0.2
     assert at_seam["natural"][part] > 0.1  # the base circle is not straight either
@@ -188,13 +188,13 @@ def test_points_past_the_end_take_a_natural_spline_s_ends_away(unspecial: Design
 def test_decimals_cost_more_the_denser_the_points(unspecial: Design) -> None:
     """Rounding by half a micron counts by the squared distance: much more for ten times more."""
     one, ten = (
-        told(unspecial, points_per_degree=density, decimals=3, curve="pitch")["periodic"]
+        reported(unspecial, points_per_degree=density, decimals=3, curve="pitch")["periodic"]
         for density in (1.0, 10.0)
     )
     ratio = ten["acceleration_part"] / one["acceleration_part"]
     assert 30.0 < ratio < 200.0
     # and on the profile the roller no longer reaches the ground of the waves
-    waves = told(unspecial, points_per_degree=10.0, decimals=3)["periodic"]
+    waves = reported(unspecial, points_per_degree=10.0, decimals=3)["periodic"]
     assert waves["acceleration_part"] is None
 
 
@@ -204,7 +204,7 @@ def test_a_corner_of_the_motion_has_no_finite_acceleration(build) -> None:
         {"kind": "return", "angle_deg": 140, "lift_mm": 9.9, "law": {"kind": "constant_velocity"}},
         {"kind": "dwell", "angle_deg": 100},
     ]
-    for found in told(build(program, limits=[])).values():
+    for found in reported(build(program, limits=[])).values():
         assert found["acceleration_part"] is None
 
 
@@ -216,7 +216,7 @@ def test_a_polygon_without_hollows_rolls_round_its_corners(build, truth) -> None
         {"kind": "return", "angle_deg": 180, "lift_mm": 2.0, "law": {"kind": "cycloidal"}},
     ]
     design = build(program, limits=[], prime=60.0, offset=0.0)
-    found = told(design, points=180)["polyline"]
+    found = reported(design, points=180)["polyline"]
     # a circle of radius R seen on a corner: s'' = X − X²/Rr with X the centre's height, less s''
     height = 60.0 + 1.0
     guess = (height**2 / 10.0 - height) * (10.0 * math.pi / math.pi) ** 2
@@ -240,7 +240,7 @@ def test_the_form_error_of_few_points(p1: Design, truth) -> None:
     true = truth(p1).points(np.linspace(0.0, 360.0, 7201)[:-1])
     spline, length = drawn(p1, "periodic", **options)
     far = 1e3 * away(spline(np.linspace(0.0, length, 2001)), true).max()
-    assert told(p1, **options)["periodic"]["form_um"] == pytest.approx(far, rel=0.01)
+    assert reported(p1, **options)["periodic"]["form_um"] == pytest.approx(far, rel=0.01)
 
 
 def test_the_page_on_files_tells_what_is_measured() -> None:
@@ -250,7 +250,7 @@ def test_the_page_on_files_tells_what_is_measured() -> None:
     rows = re.findall(row, Path("docs/files.md").read_text(), re.MULTILINE)
     assert len(rows) == 7
     for density, decimals, form, acceleration, natural, straight in rows:
-        found = told(design, points_per_degree=float(density), decimals=int(decimals))
+        found = reported(design, points_per_degree=float(density), decimals=int(decimals))
         limit = form.startswith("<")
         number = float(form.strip("< ").removesuffix(" µm"))
         off = found["periodic"]["form_um"]
@@ -267,5 +267,5 @@ def test_a_cutter_round_a_cam_of_an_oscillating_face() -> None:
     file = Path(__file__).parents[2] / "openapi" / "examples" / "oscillating-flat-face.json"
     design = synthesise(DesignSpec.model_validate(json.loads(file.read_text())["value"]))
     for diameter in (6.0, 400.0):
-        path = told(design, points=720, curve="cutter", cutter_diameter_mm=diameter)["periodic"]
+        path = reported(design, points=720, curve="cutter", cutter_diameter_mm=diameter)["periodic"]
         assert path["acceleration_part"] < 2e-3

@@ -33,7 +33,7 @@ GAPS = {
 NAMED = [(name, curve) for name, curves in GAPS.items() for curve in curves]
 
 
-def asked(closure: dict[str, Any], rotation: str) -> DesignSpec:
+def question(closure: dict[str, Any], rotation: str) -> DesignSpec:
     return DesignSpec.model_validate(
         {
             "rotation": rotation,
@@ -58,7 +58,7 @@ def designs(request: pytest.FixtureRequest) -> dict[str, Design]:
     """As they come back from a store: read from their own JSON."""
     return {
         name: Design.model_validate_json(
-            synthesise(asked(closure, request.param)).model_dump_json()
+            synthesise(question(closure, request.param)).model_dump_json()
         )
         for name, closure in CLOSURES.items()
     }
@@ -117,8 +117,8 @@ def test_a_curve_that_the_cam_has_not_is_refused_with_those_that_it_has(
 
 
 def test_every_flank_has_a_file_of_its_own(designs) -> None:
-    told = {name: list(profiles(design).items()) for name, design in designs.items()}
-    assert told == {
+    reported = {name: list(profiles(design).items()) for name, design in designs.items()}
+    assert reported == {
         "ring": [("profile", "profile")],
         "groove": [("profile", "profile"), ("profile-outer", "outer")],
         "pair": [("profile", "profile"), ("profile-counter", "counter")],
@@ -154,8 +154,8 @@ def test_the_drawing_shows_every_flank(designs) -> None:
     for name, design in designs.items():
         drawing = PROFILE_FORMATS["svg"].write(design, CamDrawingOptions()).decode()
         shown[name] = paths(drawing, "body"), paths(drawing, "curve"), drawing
-        for told in re.findall(r"(\w*) ?profile, radius", drawing):
-            assert told in ("", "inner", "outer", "main", "counter")
+        for reported in re.findall(r"(\w*) ?profile, radius", drawing):
+            assert reported in ("", "inner", "outer", "main", "counter")
     inner, outer = shown["groove"][0]
     assert area(inner) * area(outer) < 0.0  # what lies between is open
     assert abs(area(inner)) < abs(area(outer))
@@ -165,8 +165,8 @@ def test_the_drawing_shows_every_flank(designs) -> None:
     assert rim == pytest.approx(largest + 4.3, abs=1e-3)  # as asked for
     assert len(shown["pair"][0]) == 1
     (counter,) = shown["pair"][1]
-    told = points(designs["pair"], "counter")
-    np.testing.assert_allclose(np.sort(counter, axis=0), np.sort(told, axis=0), atol=1e-3)
+    reported = points(designs["pair"], "counter")
+    np.testing.assert_allclose(np.sort(counter, axis=0), np.sort(reported, axis=0), atol=1e-3)
 
 
 def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
@@ -177,7 +177,7 @@ def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
     body["tolerance"] = 0.3
     root = drawn("profile", synthesise(DesignSpec.model_validate(body)))
     boxes = text_boxes(root)
-    longest = max(box[2] for told, box in boxes if " profile, radius" in told)
-    (second,) = (box[0] for told, box in boxes if told.startswith("stroke"))
+    longest = max(box[2] for reported, box in boxes if " profile, radius" in reported)
+    (second,) = (box[0] for reported, box in boxes if reported.startswith("stroke"))
     assert longest < second
     assert max(box[2] for _, box in boxes) < float(root.get("viewBox").split()[2])

@@ -26,8 +26,8 @@ Points = np.ndarray  # complex, (n,)
 
 def drawn_cam(kind: str, sample: int, **changes: object) -> Design:
     """A given cam as a design: nothing is solved and nothing certified."""
-    asked = spec(kind, sample, **changes)
-    return design(asked, given_cam(asked), [], [], [], 0.0, None)
+    question = spec(kind, sample, **changes)
+    return design(question, given_cam(question), [], [], [], 0.0, None)
 
 
 @cache

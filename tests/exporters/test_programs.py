@@ -17,7 +17,7 @@ from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.spec.design_spec import DesignSpec
-from tests.exporters.test_flanks import CLOSURES, asked
+from tests.exporters.test_flanks import CLOSURES, question
 from tests.exporters.test_points import away, points
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "openapi" / "examples"
@@ -103,7 +103,7 @@ def run(name: str, design: Design, **options: Any) -> Machine:
 
 @pytest.fixture(scope="module")
 def groove() -> Design:
-    return synthesise(asked(CLOSURES["groove"], "ccw"))
+    return synthesise(question(CLOSURES["groove"], "ccw"))
 
 
 @pytest.mark.parametrize("mode", ["per_minute", "inverse_time"])
@@ -131,8 +131,8 @@ def test_a_chord_tolerance_holds_in_the_program(unspecial: Design, truth) -> Non
     worst = away(true, path[:-1]).max()
     assert 0.5 * 8e-3 < worst < 8e-3
     assert len(path) < 250
-    (told,) = (c for c in machine.comments if "STRAIGHT" in c)
-    assert float(told.split()[5]) == pytest.approx(1e3 * worst, rel=0.03)
+    (reported,) = (c for c in machine.comments if "STRAIGHT" in c)
+    assert float(reported.split()[5]) == pytest.approx(1e3 * worst, rel=0.03)
 
 
 def test_leads_are_tangent_and_outside(unspecial: Design) -> None:
@@ -239,7 +239,7 @@ def test_a_tool_as_large_as_the_roller_has_to_fit(build) -> None:
 @pytest.mark.parametrize("name", [*CLOSURES, "tight groove"])
 def test_a_roller_fits_the_cams_that_it_runs_on(name: str) -> None:
     closure = CLOSURES.get(name, {"kind": "groove", "clearance_mm": 0.0})
-    design = synthesise(asked(closure, "ccw"))
+    design = synthesise(question(closure, "ccw"))
     for curve in ("pitch", "counter_pitch") if name == "pair" else ("pitch",):
         run("grinding.nc", design, curve=curve, points=90)
 

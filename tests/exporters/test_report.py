@@ -79,25 +79,25 @@ def judged(build) -> Design:
 
 
 def test_numbers_of_the_design(judged: Design) -> None:
-    told = page(judged)
-    assert told.headings == [
+    reported = page(judged)
+    assert reported.headings == [
         "Dimensions", "The cam", "Limits", "Certificate", "Program", "Motion",
         "Pressure angle and profile radius", "What was asked", "Files",
     ]  # fmt: skip
     for name, value in judged.dimensions.items():
         stem = name.removesuffix("_mm").replace("_", " ")
-        assert f"{stem}{figure(value, 8)} mm" in told.text
-    _, held, missed = told.tables["Limits"]
+        assert f"{stem}{figure(value, 8)} mm" in reported.text
+    _, held, missed = reported.tables["Limits"]
     assert held == ["pressure angle rise", "28.75°", "21.4°", "30°", "1.25°", "±1e−9", "holds"]
     assert missed[1:5] == ["1\u202f500\u202f000 mm/s³", "12.5°", "1\u202f200\u202f000 mm/s³",
                            "−300\u202f000 mm/s³"]  # fmt: skip
     assert missed[-1] == "broken"
-    rows = [given["class"] for tag, given in told.tags if tag == "tr" and given.get("class")]
+    rows = [given["class"] for tag, given in reported.tags if tag == "tr" and given.get("class")]
     assert rows == ["holds", "broken"]
-    program = told.tables["Program"]
+    program = reported.tables["Program"]
     assert program[1] == ["rise", "0°", "60°", "0 mm", "30 mm", "cycloidal"]
     assert program[4] == ["dwell", "150°", "210°", "0 mm", "0 mm", "–"]
-    assert judged.id in told.text
+    assert judged.id in reported.text
 
 
 def test_what_each_stage_has_bought_is_told(judged: Design) -> None:
@@ -110,11 +110,11 @@ def test_what_each_stage_has_bought_is_told(judged: Design) -> None:
             exit="tolerance", **each,
         ),
     ]  # fmt: skip
-    told = page(judged.model_copy(update={"report": Report(stages=stages, seconds=2.13)}))
-    _, first, last = told.tables["What it took"]
+    reported = page(judged.model_copy(update={"report": Report(stages=stages, seconds=2.13)}))
+    _, first, last = reported.tables["What it took"]
     assert first == ["convex 1", "SOCP", "0.0371 s", "–", "–", ""]
     assert last == ["implied rows", "LPs", "1.73 s", "7", "0.492 %", "tolerance"]
-    assert "2.13 s in all" in told.text
+    assert "2.13 s in all" in reported.text
 
 
 def test_files_have_the_hashes_of_what_is_downloaded() -> None:
@@ -153,13 +153,13 @@ def test_no_text_becomes_an_element(build, infeasible: bool) -> None:
         )
         conflict = Conflict(limits=[NASTY], relaxations=[change], evidence=NASTY, proven=True)
         design = design.model_copy(update={"conflict": conflict})
-    told = page(design)
-    names = {tag for tag, _ in told.tags}
+    reported = page(design)
+    names = {tag for tag, _ in reported.tags}
     assert "script" not in names
-    assert all(given["src"].startswith("data:") for tag, given in told.tags if tag == "img")
-    assert not [given for _, given in told.tags if any(key.startswith("on") for key in given)]
-    assert "alert(1)" in told.text
-    assert "\x07" not in told.text
+    assert all(given["src"].startswith("data:") for tag, given in reported.tags if tag == "img")
+    assert not [given for _, given in reported.tags if any(key.startswith("on") for key in given)]
+    assert "alert(1)" in reported.text
+    assert "\x07" not in reported.text
 
 
 def test_nothing_reaches_outside(p1: Design) -> None:
@@ -176,9 +176,9 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
     idle = helps.model_copy(update={"limit": "pressure_angle_rise", "needed": None, "unit": "deg"})
     conflict = Conflict(limits=["jerk"], relaxations=[helps, idle], evidence="proven", proven=True)
     none = build(status="infeasible").model_copy(update={"conflict": conflict})
-    told = page(none)
-    assert told.headings == ["Why nothing fits", "What was asked"]
-    _, first, second = told.tables["Why nothing fits"]
+    reported = page(none)
+    assert reported.headings == ["Why nothing fits", "What was asked"]
+    _, first, second = reported.tables["Why nothing fits"]
     assert first[:4] == [
         "jerk",
         "600\u202f000 mm/s³",
@@ -186,14 +186,14 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
         "limits/1/max_mm_per_s3",
     ]
     assert second[2] == "–"
-    assert not [tag for tag, _ in told.tags if tag == "img"]
+    assert not [tag for tag, _ in reported.tags if tag == "img"]
 
 
 def test_a_given_cam_says_what_it_breaks(judged: Design) -> None:
     conflict = Conflict(limits=["jerk"], relaxations=[], evidence="proven", proven=True)
-    told = page(judged.model_copy(update={"status": "infeasible", "conflict": conflict}))
-    assert "this cam was given, and breaks jerk." in told.text
-    assert told.headings[:2] == ["What would mend it", "Dimensions"]
+    reported = page(judged.model_copy(update={"status": "infeasible", "conflict": conflict}))
+    assert "this cam was given, and breaks jerk." in reported.text
+    assert reported.headings[:2] == ["What would mend it", "Dimensions"]
 
 
 def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
@@ -209,6 +209,10 @@ def test_sensitivities_are_told_if_they_are_there(p1: Design) -> None:
         objective="base_radius_mm", value=50.0, sensitivities=[one], evidence="LP", unconfirmed=[]
     )
     costs = report_with(PROFILE_FORMATS, MOTION_FORMATS, found)
-    told = Page(costs.write(p1, costs.options()))
-    assert told.tables["What each limit costs"][1] == ["limits/0/rise_deg", "30", "1 deg more: so"]
+    reported = Page(costs.write(p1, costs.options()))
+    assert reported.tables["What each limit costs"][1] == [
+        "limits/0/rise_deg",
+        "30",
+        "1 deg more: so",
+    ]
     assert "What each limit costs" not in page(p1).headings

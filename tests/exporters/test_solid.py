@@ -16,7 +16,7 @@ from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
 from synthesis.exporters.solids import solid_step
 from synthesis.exporters.solids.blank import SolidOptions, blank, bore, bores
 from tests.exporters.kernel import OCP, shape
-from tests.exporters.test_flanks import CLOSURES, asked
+from tests.exporters.test_flanks import CLOSURES, question
 
 STEP = SOLID_FORMATS["step"]
 SOME = np.random.default_rng(5).uniform(0.0, 360.0, 9)
@@ -24,7 +24,7 @@ SOME = np.random.default_rng(5).uniform(0.0, 360.0, 9)
 
 @pytest.fixture(scope="module")
 def cams() -> dict[str, Design]:
-    return {name: synthesise(asked(closure, "cw")) for name, closure in CLOSURES.items()}
+    return {name: synthesise(question(closure, "cw")) for name, closure in CLOSURES.items()}
 
 
 def faces_of(body: Any) -> list[Any]:
@@ -36,9 +36,9 @@ def faces_of(body: Any) -> list[Any]:
 
 
 def volume(body: Any) -> float:
-    told = OCP.GProp.GProp_GProps()
-    OCP.BRepGProp.BRepGProp.VolumePropertiesGK_s(body, told, 1e-9, True, True)
-    return float(told.Mass())
+    reported = OCP.GProp.GProp_GProps()
+    OCP.BRepGProp.BRepGProp.VolumePropertiesGK_s(body, reported, 1e-9, True, True)
+    return float(reported.Mass())
 
 
 def from_skin(body: Any, points: np.ndarray) -> np.ndarray:

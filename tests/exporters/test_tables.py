@@ -241,9 +241,9 @@ def test_what_the_json_tells(unspecial: Design) -> None:
         assert len(column["values"]) == body["rows"]
         assert column["unit"]
         assert column["meaning"]
-    told = json.loads(MOTION_FORMATS["json"].write(unspecial, MotionOptions()))
-    assert [segment["kind"] for segment in told["segments"]][:3] == ["dwell", "rise", "dwell"]
-    assert told["segments"][1]["spline"]["degree"] == 3
+    reported = json.loads(MOTION_FORMATS["json"].write(unspecial, MotionOptions()))
+    assert [segment["kind"] for segment in reported["segments"]][:3] == ["dwell", "rise", "dwell"]
+    assert reported["segments"][1]["spline"]["degree"] == 3
 
 
 @pytest.mark.parametrize("name", ["<&\"'> \\ \n\t ü 凸轮", "", "x" * 200])
@@ -263,8 +263,8 @@ def test_the_fidelity_in_a_table_is_that_of_its_curve(unspecial: Design) -> None
     table = json.loads(PROFILE_FORMATS["json"].write(unspecial, JsonOptions(**options)))
     inside = table["fidelity"]
     exporter = PROFILE_FORMATS["fidelity.json"]
-    asked = exporter.options(decimals=13, **options)
-    beside = json.loads(exporter.write(unspecial, asked))
+    question = exporter.options(decimals=13, **options)
+    beside = json.loads(exporter.write(unspecial, question))
     assert inside["points"] == beside["points"]
     for one, other in zip(inside["readers"], beside["readers"], strict=True):
         assert one["form_um"] == pytest.approx(other["form_um"], rel=1e-3)

@@ -12,7 +12,7 @@ from synthesis import CamSet, synthesise_set
 from synthesis.exporters.diagrams.timing import LEFT, RIGHT, WIDTH, displacement, timing_diagram
 from tests.exporters.test_bundle import STEEP
 from tests.exporters.test_drawings import SVG, floats, of_class, path_points, text_boxes, texts
-from tests.studies.cam_sets import INLET, asked, body
+from tests.studies.cam_sets import INLET, body, question
 
 PER_DEGREE = (WIDTH - LEFT - RIGHT) / 360.0
 BUSY = {
@@ -34,7 +34,7 @@ def found() -> CamSet:
     cams.append({"name": "steep", "spec": STEEP})
     with pytest.MonkeyPatch.context() as patch:  # nobody asks why the last has no cam
         patch.setattr("synthesis.pipeline.oracle.Oracle.is_late", lambda oracle: True)
-        return synthesise_set(asked(name="Every cam " * 20, cams=cams))
+        return synthesise_set(question(name="Every cam " * 20, cams=cams))
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +87,9 @@ def test_dwells_are_shaded(found: CamSet, sheet: ET.Element) -> None:
 def test_what_moves_together_is_counted(found: CamSet, sheet: ET.Element) -> None:
     boxes = [floats(box, "x", "width") for box in of_class(sheet, "rect", "several")]
     drawn = sum(width for _, width in boxes) / PER_DEGREE
-    told = sum(arc.angle_deg for arc in found.timing.arcs if len(arc.moving) > 1)
-    assert drawn == pytest.approx(told, abs=1e-3)
-    assert told > 30.0
+    reported = sum(arc.angle_deg for arc in found.timing.arcs if len(arc.moving) > 1)
+    assert drawn == pytest.approx(reported, abs=1e-3)
+    assert reported > 30.0
 
 
 def test_texts_are_on_the_sheet_and_apart(sheet: ET.Element) -> None:
@@ -103,22 +103,22 @@ def test_texts_are_on_the_sheet_and_apart(sheet: ET.Element) -> None:
 
 
 def test_captions(sheet: ET.Element) -> None:
-    told = texts(sheet)
+    reported = texts(sheet)
     for caption in ("inlet", "stroke 13.7 mm", "phase −143.2°", "z −31.25 mm",
                     "follower at 208.6°", "nothing fits: no cam", "rise 71.3°"):  # fmt: skip
-        assert caption in told, told
-    assert any("4 cams on one shaft · turns counter-clockwise" in each for each in told)
+        assert caption in reported, reported
+    assert any("4 cams on one shaft · turns counter-clockwise" in each for each in reported)
 
 
 def test_one_cam_needs_no_count() -> None:
-    cams = synthesise_set(asked(cams=[{"spec": INLET}], rotation="cw"))
-    told = texts(ET.fromstring(timing_diagram(cams)))
-    assert "followers moving" not in told
-    assert any("1 cam on one shaft · turns clockwise" in each for each in told)
+    cams = synthesise_set(question(cams=[{"spec": INLET}], rotation="cw"))
+    reported = texts(ET.fromstring(timing_diagram(cams)))
+    assert "followers moving" not in reported
+    assert any("1 cam on one shaft · turns clockwise" in each for each in reported)
 
 
 def test_what_xml_cannot_hold_does_no_harm() -> None:
-    cams = synthesise_set(asked(name="<&\x00>", cams=[{"name": "a\x0b<b>", "spec": INLET}]))
+    cams = synthesise_set(question(name="<&\x00>", cams=[{"name": "a\x0b<b>", "spec": INLET}]))
     root = ET.fromstring(timing_diagram(cams))
     assert "<" in "".join(text for text in texts(root))
     assert root.tag == f"{SVG}svg"

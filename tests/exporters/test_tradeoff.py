@@ -70,13 +70,13 @@ def test_the_front_is_where_its_numbers_are(maximise: tuple[bool, bool]) -> None
 
 def test_three_quantities_make_three_panels() -> None:
     root = drawn(cloud(50), AIMS)
-    told = texts(root)
-    assert told.count("base radius, mm (smaller is better)") == 2
-    assert told.count("peak jerk, 10⁶ mm/s³ (smaller is better)") == 2
-    assert told.count("arm, ° (larger is better)") == 2
+    reported = texts(root)
+    assert reported.count("base radius, mm (smaller is better)") == 2
+    assert reported.count("peak jerk, 10⁶ mm/s³ (smaller is better)") == 2
+    assert reported.count("arm, ° (larger is better)") == 2
     assert not of_class(root, "path", "line", "curve")
-    assert "not shown: 12 infeasible, 3 without one of these" in told
-    assert "a < b" in told
+    assert "not shown: 12 infeasible, 3 without one of these" in reported
+    assert "a < b" in reported
 
 
 @pytest.mark.parametrize("count", [1, 12])

@@ -21,4 +21,4 @@ def budgets_of_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def short_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Conflicts of random specs are sought for half a second; ``make hard`` takes all there is."""
-    monkeypatch.setattr(EXPLAIN, lambda *asked: explain(*asked[:2], clock.now() + 0.5))
+    monkeypatch.setattr(EXPLAIN, lambda *question: explain(*question[:2], clock.now() + 0.5))

@@ -77,19 +77,19 @@ def questions(family: str, number: int, body: Spec, answer: Design) -> Iterator[
     """Every question of a scene that its answer's own cam is known to satisfy."""
     size = tuple(answer.size)
     radius = answer.dimensions["base_radius_mm"]
-    asked: list[tuple[str, Spec, tuple[float, ...]]] = []
+    request: list[tuple[str, Spec, tuple[float, ...]]] = []
     for spare in SPARE:
         most = {"max": radius * (1.0 + spare)}
-        asked.append((f"maximum +{spare:g}", {**body, "base_radius_mm": most}, size))
-    asked.append(("fixed", {**body, "base_radius_mm": radius}, size))
+        request.append((f"maximum +{spare:g}", {**body, "base_radius_mm": most}, size))
+    request.append(("fixed", {**body, "base_radius_mm": radius}, size))
     larger = enlarged(size, LARGER * radius)
     fixed = answer.completed_spec.follower.dimensions(larger)["base_radius_mm"]
-    asked.append(("fixed, larger", {**body, "base_radius_mm": fixed}, larger))
+    request.append(("fixed, larger", {**body, "base_radius_mm": fixed}, larger))
     tight = _extremes_as_limits(body, answer)
-    asked.append(("extremes", tight, size))
+    request.append(("extremes", tight, size))
     both = {**tight, "base_radius_mm": {"max": radius * (1.0 + 1e-3)}}
-    asked.append(("extremes and maximum", both, size))
-    for kind, question, known in asked:
+    request.append(("extremes and maximum", both, size))
+    for kind, question, known in request:
         if _keeps(answer, DesignSpec.model_validate(question), known):
             yield Question(family, number, kind, question, radius)
 

@@ -106,10 +106,10 @@ def outcome(number: int, body: dict[str, Any] | None = None, family: str = "rand
             gap = design["certificate"]["gap"]
             complaints += _inconsistent(design)
         elif design is not None:
-            asked = json.loads(json.dumps(design["spec"]))
+            question = json.loads(json.dumps(design["spec"]))
             gap = design["certificate"]["gap"]
-            complaints += verify(asked, design)
-            refuted = contradictions(asked, design)
+            complaints += verify(question, design)
+            refuted = contradictions(question, design)
             if refuted and _only_not_found(design):
                 status = "missed: no cam was found, though there is one"
             else:
@@ -144,12 +144,12 @@ def attacked(number: int, seconds: float) -> Outcome:
         if design is None:
             return Outcome(number, kind, status.split(":")[0], needed, None, (), body)
         wire = design.model_dump(mode="json")
-        asked = json.loads(json.dumps(wire["spec"]))
+        question = json.loads(json.dumps(wire["spec"]))
         bound, gap = wire["certificate"]["lower_bound"], wire["certificate"]["gap"]
         claims = status in ("infeasible", "unsolved") or bound is not None
-        if not claims or not is_modelled(asked):
+        if not claims or not is_modelled(question):
             return Outcome(number, kind, f"{status}, not attacked", needed, gap, (), body)
-        beaten = refutation(asked, wire, seconds, number)
+        beaten = refutation(question, wire, seconds, number)
     except Exception as error:  # of the adversary too
         return Outcome(
             number, kind, "crash", 0.0, None, (f"{type(error).__name__}: {error}",), body

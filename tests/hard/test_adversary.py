@@ -50,22 +50,22 @@ def answer(status: str, bound: float | None, value: float | None = None) -> dict
 
 
 def test_the_least_peak_jerk_is_found_and_not_beaten() -> None:
-    asked = {**NARROW, "objective": {"kind": "peak_jerk"}, "base_radius_mm": 80.0}
+    question = {**NARROW, "objective": {"kind": "peak_jerk"}, "base_radius_mm": 80.0}
     best: list[Found] = []
 
     def take(found: Found) -> bool:
         best.append(found)
         return found.value < LEAST_JERK * 1.03
 
-    cams(asked, ENOUGH_S, 3, None, True, take)
-    assert stands_up(asked, best[-1])
+    cams(question, ENOUGH_S, 3, None, True, take)
+    assert stands_up(question, best[-1])
     assert LEAST_JERK * (1.0 - 1e-6) < best[-1].value < LEAST_JERK * 1.03
 
 
 def test_a_bound_that_is_too_high_is_beaten_and_a_true_one_is_not() -> None:
-    asked = {**NARROW, "objective": {"kind": "peak_jerk"}, "base_radius_mm": 80.0}
-    assert refutation(asked, answer("optimal", 1.1 * LEAST_JERK), ENOUGH_S, 1)
-    assert not refutation(asked, answer("optimal", (1.0 - 1e-5) * LEAST_JERK), 0.3, 1)
+    question = {**NARROW, "objective": {"kind": "peak_jerk"}, "base_radius_mm": 80.0}
+    assert refutation(question, answer("optimal", 1.1 * LEAST_JERK), ENOUGH_S, 1)
+    assert not refutation(question, answer("optimal", (1.0 - 1e-5) * LEAST_JERK), 0.3, 1)
 
 
 def test_a_smaller_cam_than_a_false_bound_is_found() -> None:
@@ -73,16 +73,16 @@ def test_a_smaller_cam_than_a_false_bound_is_found() -> None:
         {"kind": "pressure_angle", "rise_deg": 31.0, "return_deg": 33.0},
         {"kind": "jerk", "max_mm_per_s3": 1.9 * LEAST_JERK, "max_deg_per_s3": None},
     ]
-    asked = {**NARROW, "limits": limits}
-    assert refutation(asked, answer("optimal", 60.0, 60.0), ENOUGH_S, 1)
+    question = {**NARROW, "limits": limits}
+    assert refutation(question, answer("optimal", 60.0, 60.0), ENOUGH_S, 1)
 
 
 def test_a_refusal_that_is_none_is_refuted_and_a_true_one_is_not() -> None:
     for share, refuted in ((1.02, True), (0.98, False)):
         limits = [{"kind": "jerk", "max_mm_per_s3": share * LEAST_JERK}]
-        asked = {**NARROW, "limits": limits, "base_radius_mm": {"max": 300.0}}
+        question = {**NARROW, "limits": limits, "base_radius_mm": {"max": 300.0}}
         seconds = ENOUGH_S if refuted else 0.1
-        assert bool(refutation(asked, answer("infeasible", None), seconds, 2)) == refuted
+        assert bool(refutation(question, answer("infeasible", None), seconds, 2)) == refuted
 
 
 CONJUGATE = {"kind": "conjugate", "roller_radius_mm": 5.0, "offset_mm": 1.3, "distance_mm": 96.0}
@@ -153,8 +153,8 @@ def test_its_formulas_are_the_verifiers(name: str) -> None:
     compared: list[str] = []
     for limit in limits:
         for key in [key for key in limit if key != "kind"]:
-            asked = {**spec, "limits": [{"kind": limit["kind"], key: limit[key]}]}
-            cam = Cam(asked, made.placed(laws), wire)
+            question = {**spec, "limits": [{"kind": limit["kind"], key: limit[key]}]}
+            cam = Cam(question, made.placed(laws), wire)
             measured = [one for one in readings(cam) if one.name.startswith(_reading(limit, key))]
             worst = max(measured, key=lambda one: one.value / one.bound)
             at = worst.wire(worst.value)

@@ -28,8 +28,8 @@ def judge(case: Case) -> str | None:
             found = late.best.model_dump(mode="json")
             return "; ".join(verify(found["spec"], found)) or None
         return None if expect == "late" else f"late, best {late.best}"
-    asked, status = design["spec"], design["status"]
-    complaints = [*verify(asked, design), *contradictions(asked, design)]
+    question, status = design["spec"], design["status"]
+    complaints = [*verify(question, design), *contradictions(question, design)]
     if complaints:
         return "; ".join(complaints)
     if expect == "refused":

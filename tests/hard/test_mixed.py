@@ -49,8 +49,8 @@ def test_a_peak_below_the_least_is_known_to_be_impossible(kind: str) -> None:
     question = {"speed_rpm": 123.0, "program": program,
                 "follower": {"kind": "translating_flat_face"}}  # fmt: skip
     for factor, impossible in ((0.999, kind), (1.0, ""), (1.001, "")):
-        asked = {**question, "limits": [{"kind": kind, name: least * factor}]}
-        assert below_least_peak(asked) == impossible
+        request = {**question, "limits": [{"kind": kind, name: least * factor}]}
+        assert below_least_peak(request) == impossible
         if impossible:
             said = {"certificate": {"certified": True}}
-            assert contradictions(asked, said)
+            assert contradictions(request, said)

@@ -58,10 +58,10 @@ def test_a_factor_is_that_of_values() -> None:
 
 def test_ranges_are_scaled_with_their_unit_and_mirrored_with_their_side() -> None:
     body = random_scene("slide, offset in a range", 0)
-    asked = body["follower"]["offset_mm"]
+    question = body["follower"]["offset_mm"]
     larger, _ = scaled(body, np.random.default_rng(4))
     factor = larger.factor
-    assert larger.body["follower"]["offset_mm"]["max"] == pytest.approx(factor * asked["max"])
+    assert larger.body["follower"]["offset_mm"]["max"] == pytest.approx(factor * question["max"])
     assert larger.body["program"][0]["angle_deg"] == body["program"][0]["angle_deg"]
     (back,) = mirrored(body)
-    assert back.body["follower"]["offset_mm"] == {"min": -asked["max"], "max": -asked["min"]}
+    assert back.body["follower"]["offset_mm"] == {"min": -question["max"], "max": -question["min"]}

@@ -78,10 +78,10 @@ def loosened(body: Spec, random: np.random.Generator) -> Iterator[Transformed]:
 def with_idle_limits(body: Spec, cam: Cam, random: np.random.Generator) -> Iterator[Transformed]:
     """Limits that the answer keeps, next to it or far away."""
     room = float(random.choice([1.001, 1.5, 100.0]))
-    asked = {limit["kind"] for limit in body["limits"]}
+    question = {limit["kind"] for limit in body["limits"]}
     for order, kind in ((1, "velocity"), (2, "acceleration"), (3, "jerk")):
         most = peak(cam, order) * cam.omega**order
-        if kind not in asked and np.isfinite(most):
+        if kind not in question and np.isfinite(most):
             name = f"max_{cam.unit}_per_s{order if order > 1 else ''}"
             limits = [*body["limits"], {"kind": kind, name: most * room}]
             yield Transformed(f"idle {kind}, {room:g} times", {**body, "limits": limits}, more=True)
@@ -189,8 +189,8 @@ def transformations(body: Spec, design: dict[str, Any], seed: int) -> Iterator[T
 
 
 def _aim(body: Spec) -> str:
-    asked = body.get("objective") or {"kind": "base_radius"}
-    return str((asked[0] if isinstance(asked, list) else asked)["kind"])
+    question = body.get("objective") or {"kind": "base_radius"}
+    return str((question[0] if isinstance(question, list) else question)["kind"])
 
 
 # -- judgement -----------------------------------------------------------------------------------
@@ -206,7 +206,7 @@ def answered(body: Spec) -> tuple[Answer, Any]:
     return Answer(status, proof.value, bound, gap, seconds), design
 
 
-def faults(asked: Spec, first: Answer, other: Transformed, second: Answer) -> Iterator[str]:
+def faults(question: Spec, first: Answer, other: Transformed, second: Answer) -> Iterator[str]:
     """What two related answers say against each other."""
     if first.value is None or not first.has_cam:
         return
@@ -214,7 +214,7 @@ def faults(asked: Spec, first: Answer, other: Transformed, second: Answer) -> It
     if not second.has_cam or second.value is None:
         yield f"lost: {second.status}, though the partner's cam does"
         return
-    tolerance = asked["tolerance"]
+    tolerance = question["tolerance"]
     closed = all(a.gap is not None and a.gap <= tolerance for a in (first, second))
     allowed = tolerance if closed else ANYWHERE
     if second.value > value * (1.0 + allowed) + ROUNDING * abs(value):

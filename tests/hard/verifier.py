@@ -313,9 +313,9 @@ def derivative(cam: Cam, limit: dict[str, Any]) -> Iterable[Reading]:
 def residual_vibration(cam: Cam, limit: dict[str, Any]) -> Iterable[Reading]:
     levels = [level for m in cam.moves for level in (m.level, m.level + m.lift)]
     stroke = max(levels) - min(levels)
-    asked = next(limit[key] for key in ("max_mm", "max_deg") if limit.get(key) is not None)
+    question = next(limit[key] for key in ("max_mm", "max_deg") if limit.get(key) is not None)
     value = max(amplitudes(cam.moves, cam.omega, limit), default=0.0)
-    yield Reading("residual_vibration", value, asked or 1e-9 * stroke, 2e-10 * stroke)
+    yield Reading("residual_vibration", value, question or 1e-9 * stroke, 2e-10 * stroke)
 
 
 def peak(cam: Cam, order: int) -> float:
@@ -374,8 +374,8 @@ def objective(cam: Cam, kind: str) -> float:
 
 
 def objectives(spec: dict[str, Any]) -> list[str]:
-    asked = spec.get("objective") or {"kind": "base_radius"}
-    return [one["kind"] for one in (asked if isinstance(asked, list) else [asked])]
+    question = spec.get("objective") or {"kind": "base_radius"}
+    return [one["kind"] for one in (question if isinstance(question, list) else [question])]
 
 
 # -- the whole verdict ---------------------------------------------------------------------------
@@ -401,9 +401,9 @@ def numbered(spec: dict[str, Any], design: dict[str, Any]) -> dict[str, Any]:
 def verify(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
     """What a design says and does not keep; empty where it keeps everything."""
     if not design["motion"]:
-        told = design["status"] in ("infeasible", "unsolved") and design["conflict"] is not None
-        return [] if told else ["no motion, and no conflict named"]
-    asked, spec = spec, numbered(spec, design)
+        reported = design["status"] in ("infeasible", "unsolved") and design["conflict"] is not None
+        return [] if reported else ["no motion, and no conflict named"]
+    question, spec = spec, numbered(spec, design)
     cam = rebuilt(spec, design)
     certified = design["status"] in ("optimal", "feasible")
     found = [] if certified == design["certificate"]["certified"] else ["status ≠ certificate"]
@@ -411,7 +411,7 @@ def verify(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
         found += _claims(cam, design, certified)
     if certified:
         found += [*_motion(cam, spec, design), *_size(cam, spec, design)]
-        found += _chosen(asked, spec)
+        found += _chosen(question, spec)
         found += _proofs(cam, spec, design)
     elif design["conflict"] is None or not design["conflict"]["limits"]:
         found.append("no cam, and no reason")
@@ -475,10 +475,12 @@ def close(a: float, b: float, tolerance: float) -> bool:
 def _motion(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[str]:
     """The program is followed, joints are as smooth as promised, nothing runs backwards."""
     stroke = max(m.level + max(m.lift, 0.0) for m in cam.moves)
-    for move, told in zip(cam.moves, [design["motion"][m.index] for m in cam.moves], strict=True):
+    for move, reported in zip(
+        cam.moves, [design["motion"][m.index] for m in cam.moves], strict=True
+    ):
         unit = f"s_start_{cam.unit}"
-        if not abs(told[unit] - move.level) <= 1e-12 * stroke:
-            yield f"segment {move.index} starts at {told[unit]}, not {move.level}"
+        if not abs(reported[unit] - move.level) <= 1e-12 * stroke:
+            yield f"segment {move.index} starts at {reported[unit]}, not {move.level}"
         if move.kind == "dwell":
             continue
         ends = move.pieces[0][2](np.zeros(1), 0)[0], move.pieces[-1][2](np.ones(1), 0)[0]
@@ -499,12 +501,12 @@ def _motion(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[
                 yield f"derivative {order} jumps by {after - before} behind segment {left.index}"
 
 
-def _chosen(asked: dict[str, Any], spec: dict[str, Any]) -> Iterable[str]:
+def _chosen(question: dict[str, Any], spec: dict[str, Any]) -> Iterable[str]:
     """What was left free lies in its range, and the turn closes."""
-    arm = asked["follower"].get("arm_mm")
+    arm = question["follower"].get("arm_mm")
     if isinstance(arm, dict) and not _within(spec["follower"]["arm_mm"], arm, 0.0):
         yield f"arm_mm = {spec['follower']['arm_mm']}, asked {arm}"
-    for i, (was, now) in enumerate(zip(asked["program"], spec["program"], strict=True)):
+    for i, (was, now) in enumerate(zip(question["program"], spec["program"], strict=True)):
         for key in ("angle_deg", "lift_mm"):
             if isinstance(was.get(key), dict) and not _within(now[key], was[key], 1e-9):
                 yield f"segment {i}: {key} = {now[key]}, asked {was[key]}"
@@ -519,13 +521,13 @@ def _backwards(move: PlacedSegment) -> float:
     return float(np.max(np.maximum.accumulate(g) - g))
 
 
-def _within(value: float, asked: Any, slack: float) -> bool:
-    if asked is None:
+def _within(value: float, question: Any, slack: float) -> bool:
+    if question is None:
         return True
-    if isinstance(asked, dict):
-        low, high = asked.get("min"), asked.get("max")
+    if isinstance(question, dict):
+        low, high = question.get("min"), question.get("max")
         return (low is None or value >= low - slack) and (high is None or value <= high + slack)
-    return abs(value - asked) <= slack
+    return abs(value - question) <= slack
 
 
 def _size(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[str]:
@@ -535,10 +537,10 @@ def _size(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[st
     slack = 1e-11 * max(prime, size["base_radius_mm"])
     if not (size["base_radius_mm"] > 0.0 and prime > 0.0):
         yield f"no positive radius: base {size['base_radius_mm']}, prime {prime}"
-    asked: dict[str, Any] = {"base_radius_mm": spec.get("base_radius_mm")}
-    asked |= {key: follower.get(key) for key in ("offset_mm", "centre_distance_mm")}
-    asked["initial_angle_deg"] = follower.get("initial_angle_deg")
-    for key, wanted in asked.items():
+    question: dict[str, Any] = {"base_radius_mm": spec.get("base_radius_mm")}
+    question |= {key: follower.get(key) for key in ("offset_mm", "centre_distance_mm")}
+    question["initial_angle_deg"] = follower.get("initial_angle_deg")
+    for key, wanted in question.items():
         if key in size and not _within(size[key], wanted, slack + 1e-10 * abs(size[key])):
             yield f"{key} = {size[key]}, asked {wanted}"
     if "s0_mm" in size:
@@ -563,19 +565,19 @@ def _proofs(cam: Cam, spec: dict[str, Any], design: dict[str, Any]) -> Iterable[
         yield f"{len(objectives(spec))} objectives, {len(proofs)} proofs"
         return
     for kind, proof in zip(objectives(spec), proofs, strict=True):
-        value, told, lower = objective(cam, kind), proof["value"], proof["lower_bound"]
+        value, reported, lower = objective(cam, kind), proof["value"], proof["lower_bound"]
         if not isfinite(value):
-            if told is not None:
-                yield f"{kind}: said {told}, but it is infinite"
+            if reported is not None:
+                yield f"{kind}: said {reported}, but it is infinite"
             continue
-        if told is None or not abs(told - value) <= 1e-6 * max(abs(value), abs(told)):
-            yield f"{kind}: said {told}, measured {value}"
+        if reported is None or not abs(reported - value) <= 1e-6 * max(abs(value), abs(reported)):
+            yield f"{kind}: said {reported}, measured {value}"
             continue
-        if lower is not None and lower > told * (1.0 + 1e-12):
-            yield f"{kind}: bound {lower} above the value {told}"
+        if lower is not None and lower > reported * (1.0 + 1e-12):
+            yield f"{kind}: bound {lower} above the value {reported}"
         if design["status"] == "optimal":
             gap = proof["gap"]
             if gap is None or lower is None or gap > spec.get("tolerance", 1e-3):
                 yield f"{kind}: optimal with the gap {gap}"
-            elif not abs((told - lower) - gap * abs(told)) <= 1e-9 * abs(told):
-                yield f"{kind}: the gap {gap} is not that of {told} and {lower}"
+            elif not abs((reported - lower) - gap * abs(reported)) <= 1e-9 * abs(reported):
+                yield f"{kind}: the gap {gap} is not that of {reported} and {lower}"

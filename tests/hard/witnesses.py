@@ -87,13 +87,13 @@ def motions(spec: dict[str, Any]) -> Iterator[list[PlacedSegment]]:
         yield segments(spec, dict(zip(free, chosen, strict=True)))
 
 
-def grid(asked: Any, low: float, high: float, count: int, log: bool) -> list[float]:
+def grid(question: Any, low: float, high: float, count: int, log: bool) -> list[float]:
     """Values of a dimension, given or to be tried."""
-    if isinstance(asked, (int, float)):
-        return [float(asked)]
-    asked = asked or {}
-    low = low if asked.get("min") is None else asked["min"]
-    high = high if asked.get("max") is None else asked["max"]
+    if isinstance(question, (int, float)):
+        return [float(question)]
+    question = question or {}
+    low = low if question.get("min") is None else question["min"]
+    high = high if question.get("max") is None else question["max"]
     if low > high:
         return []
     spaced = np.geomspace(max(low, 1e-12), max(high, 1e-12), count) if log else None

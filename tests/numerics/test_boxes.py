@@ -11,9 +11,9 @@ RNG = np.random.default_rng(8)
 
 def some() -> Boxes:
     """Boxes of two pieces that overlap, and a point."""
-    pieces, asked = np.array([0, 0, 1, 1]), np.array([[1, 0, 1, 0], [0, 1, 1, 1]], dtype=bool)
+    pieces, request = np.array([0, 0, 1, 1]), np.array([[1, 0, 1, 0], [0, 1, 1, 1]], dtype=bool)
     first, last = np.array([0.0, 0.3, 1.1, 1.7]), np.array([1.1, 0.9, 2.3, 1.7])
-    return Boxes.from_spans(pieces, first, last, np.array([3, 4]), asked)
+    return Boxes.from_spans(pieces, first, last, np.array([3, 4]), request)
 
 
 def test_equal_parts_from_end_to_end() -> None:

@@ -91,14 +91,14 @@ def problem(spec: DesignSpec, held: tuple[ObjectiveCap, ...] = ()) -> Problem:
     return formulate_problem(spec, spec.objectives()[0], held)
 
 
-def even(asked: Problem, intervals: int) -> list[Grid]:
-    return [uniform_grid(segment, intervals + 3 * k) for k, segment in enumerate(asked.free)]
+def even(question: Problem, intervals: int) -> list[Grid]:
+    return [uniform_grid(segment, intervals + 3 * k) for k, segment in enumerate(question.free)]
 
 
-def uneven(asked: Problem, seed: int, intervals: int = 9) -> list[Grid]:
+def uneven(question: Problem, seed: int, intervals: int = 9) -> list[Grid]:
     rng = np.random.default_rng(seed)
     found = []
-    for segment in asked.free:
+    for segment in question.free:
         steps = rng.uniform(0.3, 1.7, intervals)
         breaks = np.concatenate([[0.0], np.cumsum(steps) / steps.sum()])
         breaks[-1] = 1.0
@@ -115,8 +115,8 @@ class Direct:
     value: float
 
 
-def direct(asked: Problem, grids: Sequence[Grid], level: float = 0.0) -> Direct:
-    model = formulate(asked, grids, level)
+def direct(question: Problem, grids: Sequence[Grid], level: float = 0.0) -> Direct:
+    model = formulate(question, grids, level)
     solution = solve(model.program)
     assert solution.stopped in (StopReason.SOLVED, StopReason.INACCURATE), solution.stopped
     return Direct(model, solution, measured(model, solution))
@@ -124,18 +124,18 @@ def direct(asked: Problem, grids: Sequence[Grid], level: float = 0.0) -> Direct:
 
 def measured(model: ConicModel, solution: ConeSolution) -> float:
     """The objective in core units, from the recovered laws and size."""
-    asked = model.problem
+    question = model.problem
     laws, size = model.recover(solution.x)
-    norm, order = asked.objective.norm(asked.machine), asked.objective.energy_order()
+    norm, order = question.objective.norm(question.machine), question.objective.energy_order()
     if norm is not None:
         image = np.array(norm.matrix) @ np.array(size) + np.array(norm.shift)
         return float(np.linalg.norm(image))
     if order is not None:
-        return sqrt(mean_square(moved(asked, laws).curve, order))
+        return sqrt(mean_square(moved(question, laws).curve, order))
     assert model.epigraph is not None
     return float(solution.x[model.epigraph]) * model.scales.level
 
 
-def moved(asked: Problem, laws: Sequence[Any]) -> Motion:
-    placed = [s.with_law(law.curve()) for s, law in zip(asked.free, laws, strict=True)]
-    return Motion.of(asked.with_laws(placed).segments)
+def moved(question: Problem, laws: Sequence[Any]) -> Motion:
+    placed = [s.with_law(law.curve()) for s, law in zip(question.free, laws, strict=True)]
+    return Motion.of(question.with_laws(placed).segments)

@@ -55,25 +55,25 @@ def extreme(found: Design | Analysis, limit: str):
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 @pytest.mark.parametrize("closure", CLOSURES)
 def test_every_claim_is_what_dense_points_show(closure: str, sense: str) -> None:
-    asked = spec(CLOSURES[closure], sense)
-    found, design = analyse(asked), synthesise(asked)
+    question = spec(CLOSURES[closure], sense)
+    found, design = analyse(question), synthesise(question)
     assert design.dimensions["base_radius_mm"] == pytest.approx(61.7)
-    follower = asked.follower
+    follower = question.follower
     for flank in follower.flanks:
         p = cam_profile(design.curve, follower, tuple(design.size), "ccw", THETA, "right", flank)
         label = f"_{flank.name}" if flank.name else ""
         convex = np.min(p.radius[p.radius > 0.0], initial=np.inf)
-        told = extreme(found, f"profile_radius{label}").value
-        if told is not None and told > 0.0 and np.isfinite(convex):
-            assert told == pytest.approx(convex, rel=1e-4)
+        reported = extreme(found, f"profile_radius{label}").value
+        if reported is not None and reported > 0.0 and np.isfinite(convex):
+            assert reported == pytest.approx(convex, rel=1e-4)
         if np.any(p.radius < -flank.distance):
             hollow = -np.max(p.radius[p.radius < -flank.distance])
             assert extreme(found, f"cutter_radius{label}").value == pytest.approx(hollow, rel=1e-4)
         path = f"_{flank.path}" if flank.path else ""
         rising = np.radians(83.0) > THETA
         steepest = np.degrees(np.max(abs(p.pressure_angle[rising])))
-        told = abs(extreme(found, f"pressure_angle_rise{path}").value)
-        assert told == pytest.approx(steepest, abs=1e-5)
+        reported = abs(extreme(found, f"pressure_angle_rise{path}").value)
+        assert reported == pytest.approx(steepest, abs=1e-5)
     edge = cam_profile(
         design.curve, follower, tuple(design.size), "ccw", THETA, "right", follower.flanks[-1]
     )
@@ -113,11 +113,11 @@ def test_a_range_of_angles_that_ends_too_early_is_told_with_what_would_do(
     refused = synthesise(spec(PAIR | {"angle_deg": {"max": most}}, "opposite", limits))
     assert refused.status == "infeasible"
     assert refused.dimensions["counter_angle_deg"] <= most
-    (told,) = [r for r in refused.conflict.relaxations if r.limit == "counter_angle"]
-    assert told.field == "follower/closure/angle_deg/max"
-    assert (told.requested, told.unit) == (most, "deg")
-    assert most < told.needed <= enough * (1.0 + 1e-6)
-    given = {"angle_deg": {"max": told.needed}}
+    (reported,) = [r for r in refused.conflict.relaxations if r.limit == "counter_angle"]
+    assert reported.field == "follower/closure/angle_deg/max"
+    assert (reported.requested, reported.unit) == (most, "deg")
+    assert most < reported.needed <= enough * (1.0 + 1e-6)
+    given = {"angle_deg": {"max": reported.needed}}
     assert synthesise(spec(PAIR | given, "opposite", limits)).certificate.certified
 
 
@@ -128,7 +128,7 @@ def test_arms_are_sized_together_with_their_law_and_their_closure(closure: str) 
         segment | ({"law": {"kind": "spline"}} if segment["kind"] != "dwell" else {})
         for segment in body.model_dump(mode="json", exclude_none=True)["program"]
     ]
-    asked = body.model_dump(mode="json", exclude_none=True) | {
+    question = body.model_dump(mode="json", exclude_none=True) | {
         "program": moves, "base_radius_mm": None, "speed_rpm": 120.0, "tolerance": 1e-2,
         "proof": "quick",
         "limits": [
@@ -137,7 +137,7 @@ def test_arms_are_sized_together_with_their_law_and_their_closure(closure: str) 
             {"kind": "profile_radius", "min_mm": 2.0},
         ],
     }  # fmt: skip
-    design = synthesise(DesignSpec.model_validate(asked))
+    design = synthesise(DesignSpec.model_validate(question))
     assert design.certificate.certified, [e for e in design.extremes if not e.holds]
     assert design.certificate.lower_bound <= design.dimensions["base_radius_mm"]
     follower, z = design.completed_spec.follower, tuple(design.size)

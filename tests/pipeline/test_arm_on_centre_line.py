@@ -42,8 +42,12 @@ def test_a_base_radius_asked_for_decides_where_it_is_larger() -> None:
 @pytest.mark.parametrize("sense", SENSES)
 def test_the_least_distance_takes_nothing_from_a_bound_over_all_laws(sense: str) -> None:
     """Peak jerk of two free laws: 32 h/β³ of the faster one, whatever the pivot."""
-    asked = {"objective": {"kind": "peak_jerk"}, "base_radius_mm": {"max": 60.0}, "tolerance": 5e-3}
-    design = synthesise(scene(distance=OUT_OF_THE_WAY, sense=sense, **asked))
+    question = {
+        "objective": {"kind": "peak_jerk"},
+        "base_radius_mm": {"max": 60.0},
+        "tolerance": 5e-3,
+    }
+    design = synthesise(scene(distance=OUT_OF_THE_WAY, sense=sense, **question))
     exact = 32.0 * SWING / radians(RISE) ** 3 * OMEGA**3
     assert design.status == "optimal"
     assert design.objectives["peak_jerk_deg_per_s3"] == pytest.approx(exact, rel=5e-3)

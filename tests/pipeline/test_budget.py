@@ -72,9 +72,9 @@ ASKED: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("asked", ASKED)
-def test_no_answer_is_late(monkeypatch: pytest.MonkeyPatch, asked: str) -> None:
-    question = DesignSpec.model_validate({**ASKED[asked], "time_budget_s": BUDGET})
+@pytest.mark.parametrize("name", ASKED)
+def test_no_answer_is_late(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    question = DesignSpec.model_validate({**ASKED[name], "time_budget_s": BUDGET})
     with ticking(monkeypatch) as machine:
         try:
             answered = synthesise(question) is not None

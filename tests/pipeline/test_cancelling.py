@@ -43,36 +43,36 @@ class Patience(Event):
 @pytest.mark.parametrize("scene", SCENES)
 def test_it_ends_at_the_next_look(scene: str) -> None:
     """A solver's iteration is a look, and so is the step after it: two, and nothing goes on."""
-    asked = spec(**SCENES[scene])
+    question = spec(**SCENES[scene])
     endless = Patience(10**9)
     with clock.cancellation_scope(endless):
-        design = synthesise(asked)
+        design = synthesise(question)
     assert endless.looks > 20
     for looks in range(0, endless.looks, max(1, endless.looks // 6)):
         patience = Patience(looks)
         with clock.cancellation_scope(patience), pytest.raises(Cancelled):
-            synthesise(asked)
+            synthesise(question)
         assert patience.looks <= looks + 2
-    alone = synthesise(asked)
+    alone = synthesise(question)
     assert (alone.size, alone.motion) == (design.size, design.motion)
     assert alone.certificate == design.certificate
 
 
 def test_ipopt_stops_between_two_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped in its callback, it says so itself; the clock raises only after that."""
-    told: list[str] = []
+    reported: list[str] = []
     event = Event()
 
     class Stopping(ipopt._Look):
         def eval(self, point: Any) -> list[float]:
             event.set()
-            told.append("asked")
+            reported.append("asked")
             return super().eval(point)
 
     monkeypatch.setattr(ipopt, "_Look", Stopping)
     with clock.cancellation_scope(event), pytest.raises(Cancelled):
         synthesise(spec(**SCENES["IPOPT"]))
-    assert told == ["asked"]
+    assert reported == ["asked"]
 
 
 def test_linear_programs_stop_between_two_objectives() -> None:

@@ -69,10 +69,10 @@ def points(design: Design, name: str):
 def given(design: Design, **changes: float) -> DesignSpec:
     """The same machine given in full, with other dimensions."""
     body = design.spec.model_dump(mode="json", exclude_none=True)
-    told = design.dimensions | changes
-    body["base_radius_mm"] = told["base_radius_mm"]
-    if "counter_distance_mm" in told:
-        body["follower"]["closure"]["distance_mm"] = told["counter_distance_mm"]
+    reported = design.dimensions | changes
+    body["base_radius_mm"] = reported["base_radius_mm"]
+    if "counter_distance_mm" in reported:
+        body["follower"]["closure"]["distance_mm"] = reported["counter_distance_mm"]
     return DesignSpec.model_validate(body)
 
 
@@ -138,10 +138,10 @@ COUNTERS = {
 @pytest.mark.parametrize("scene", COUNTERS)
 def test_the_counter_roller_stands_no_farther_than_a_limit_of_its_cam_asks(scene: str) -> None:
     limit, name = COUNTERS[scene]
-    asked = spec(PAIR, limit, base_radius_mm=64.0)
-    design = synthesise(asked)
+    question = spec(PAIR, limit, base_radius_mm=64.0)
+    design = synthesise(question)
     assert design.certificate.certified, [e for e in design.extremes if not e.holds]
-    assert design.spec == asked
+    assert design.spec == question
     binding = extreme(design, name)
     assert 0.0 <= binding.margin <= 1e-5 * abs(binding.bound), binding
     nearer = design.dimensions["counter_distance_mm"] * (1.0 - 1e-4)
@@ -190,12 +190,12 @@ def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be(
         explain_only(f"follower/closure/distance_mm{field}")
         refused = synthesise(spec(PAIR | {"distance_mm": place}, limit))
         assert refused.status == ("unsolved" if field else "infeasible")  # a range is not proven
-        told = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
-        assert [r.field for r in told] == [f"follower/closure/distance_mm{field}"]
-        assert 0.8 * enough < told[0].needed <= enough * (1.0 + 1e-6)
-        given = {"distance_mm": told[0].needed if field == "" else {"max": told[0].needed}}
+        reported = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
+        assert [r.field for r in reported] == [f"follower/closure/distance_mm{field}"]
+        assert 0.8 * enough < reported[0].needed <= enough * (1.0 + 1e-6)
+        given = {"distance_mm": reported[0].needed if field == "" else {"max": reported[0].needed}}
         assert synthesise(spec(PAIR | given, limit)).certificate.certified
-        assert told[0].requested == pytest.approx(0.8 * enough)
+        assert reported[0].requested == pytest.approx(0.8 * enough)
 
 
 def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing(
@@ -234,8 +234,8 @@ def test_an_outer_radius_brings_the_counter_roller_nearer() -> None:
 
 @pytest.mark.usefixtures("unexplained")
 def test_undercut_names_its_flank_and_angle() -> None:
-    asked = spec(GROOVE, inflection=0.3, base_radius_mm=8.0)
-    found = analyse(asked)
+    question = spec(GROOVE, inflection=0.3, base_radius_mm=8.0)
+    found = analyse(question)
     assert found.undercut is not None
     assert found.undercut.flank == "outer"
     assert {"profile_radius_inner", "profile_radius_outer"} & set(found.violated)
@@ -246,14 +246,14 @@ def test_undercut_names_its_flank_and_angle() -> None:
 
 
 def test_a_ring_s_curves_are_told_as_its_material_sees_them() -> None:
-    asked = spec(RING, base_radius_mm=58.0)
-    found = analyse(asked)
-    told = {curve.curve: curve for curve in found.curves if curve.over == "turn"}
+    question = spec(RING, base_radius_mm=58.0)
+    found = analyse(question)
+    reported = {curve.curve: curve for curve in found.curves if curve.over == "turn"}
     size = (3.9, float(np.sqrt((58.0 - ROLLER) ** 2 - 3.9**2)))
-    p = cam_profile(synthesise(asked).curve, asked.follower, size, "ccw", THETA)
+    p = cam_profile(synthesise(question).curve, question.follower, size, "ccw", THETA)
     hollow, convex = -np.max(p.radius[p.radius < 0.0]), np.min(p.radius[p.radius > 0.0])
-    assert told["hollow_radius"].smallest.value == pytest.approx(hollow, rel=1e-6)
-    assert told["convex_radius"].smallest.value == pytest.approx(convex, rel=1e-5)
+    assert reported["hollow_radius"].smallest.value == pytest.approx(hollow, rel=1e-6)
+    assert reported["convex_radius"].smallest.value == pytest.approx(convex, rel=1e-5)
     assert found.dimensions["prime_radius_mm"] == pytest.approx(58.0 - ROLLER)
 
 

@@ -117,24 +117,24 @@ def changed(spec: DesignSpec, field: str, value: Any) -> DesignSpec:
     return DesignSpec.model_validate(body)
 
 
-def dense(asked: Problem, intervals: int = 14) -> list[Grid]:
-    return [grid.with_points(np.linspace(0.0, 1.0, 601)) for grid in even(asked, intervals)]
+def dense(question: Problem, intervals: int = 14) -> list[Grid]:
+    return [grid.with_points(np.linspace(0.0, 1.0, 601)) for grid in even(question, intervals)]
 
 
 def possible(spec: DesignSpec, intervals: int = 14) -> bool:
     """Whether the scene fits, by the direct program; where both radii are limited, by offsets."""
-    asked = problem(spec)
-    if spec.base_radius_mm is None or asked.limits[0].kind != "outer_radius":
-        return fits(asked, dense(asked, intervals))
+    question = problem(spec)
+    if spec.base_radius_mm is None or question.limits[0].kind != "outer_radius":
+        return fits(question, dense(question, intervals))
     given = spec.follower.offset_mm
     offsets = np.linspace(-45.0, 45.0, 181) if given is None else [given]
     fixed = [problem(changed(spec, "follower/offset_mm", float(offset))) for offset in offsets]
-    return any(fits(asked, even(asked, intervals)) for asked in fixed)
+    return any(fits(question, even(question, intervals)) for question in fixed)
 
 
-def fits(asked: Problem, grids: list[Grid]) -> bool:
+def fits(question: Problem, grids: list[Grid]) -> bool:
     """Whether the solver's point keeps every row, whatever it calls a point with so little room."""
-    program = formulate(asked, grids).program
+    program = formulate(question, grids).program
     found = solve(program)
     if found.stopped not in (StopReason.SOLVED, StopReason.INACCURATE):
         return False
@@ -239,20 +239,20 @@ def test_two_limits_far_out_of_reach_are_a_conflict_and_no_failure() -> None:
 
 
 def test_a_largest_radius_beyond_what_is_searched_by_itself() -> None:
-    asked = scene(PLAIN, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
-    found = [r for r in why(asked).relaxations if r.needed is not None]
+    question = scene(PLAIN, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
+    found = [r for r in why(question).relaxations if r.needed is not None]
     assert {r.field for r in found} >= {
         "limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"
     }  # fmt: skip
     for r in found:
-        assert certified(changed(asked, r.field, r.needed)), r
+        assert certified(changed(question, r.field, r.needed)), r
 
 
 def test_how_large_a_cam_was_searched_is_stated() -> None:
     program = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
-    asked = scene(program, angles(1e-3, 45.0))
-    assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(asked).evidence
-    larger = changed(asked, "base_radius_mm", {"max": 3e6})
+    question = scene(program, angles(1e-3, 45.0))
+    assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(question).evidence
+    larger = changed(question, "base_radius_mm", {"max": 3e6})
     assert certified(larger)
 
 
@@ -282,8 +282,8 @@ def without(spec: DesignSpec, fields: set[str]) -> DesignSpec:
 
 def states(spec: DesignSpec) -> bool:
     """Whether CVXPY finds a cam: the second opinion."""
-    asked = problem(spec)
-    return optimum(asked, even(asked, 24)).value is not None
+    question = problem(spec)
+    return optimum(question, even(question, 24)).value is not None
 
 
 @pytest.mark.parametrize(
@@ -407,8 +407,8 @@ def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(boundary, "ACCURACY", 0.3)  # each trial takes a second
     radius = {"kind": "profile_radius", "min_mm": 60.4}
     spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
-    told = why(spec)
-    assert told.limits == ["profile radius ≥ 60.4 mm", "base radius ≤ 60.3 mm"]
-    needed = told.relaxations[0].needed
+    reported = why(spec)
+    assert reported.limits == ["profile radius ≥ 60.4 mm", "base radius ≤ 60.3 mm"]
+    needed = reported.relaxations[0].needed
     assert needed is not None
     assert 30.0 < needed < 60.3

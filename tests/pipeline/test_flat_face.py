@@ -19,7 +19,7 @@ from synthesis.exporters.options import CamDrawingOptions
 from synthesis.pipeline.synthesise import synthesise
 from tests.exporters.written import written
 from tests.numerics.geometry.cams import gentle
-from tests.optimise.conic.test_flat_face import LEAST, RADIUS, asked
+from tests.optimise.conic.test_flat_face import LEAST, RADIUS, question
 from tests.optimise.scenes import LIFT, acceleration, jerk
 
 BETA = 73.0 * pi / 180.0
@@ -32,7 +32,7 @@ def extreme(design: Design, name: str) -> Extreme:
 
 
 def test_cycloidal_law_by_hand() -> None:
-    design = synthesise(asked(RADIUS, law="cycloidal"))
+    design = synthesise(question(RADIUS, law="cycloidal"))
 
     def needed(x: float) -> float:  # ρ_min − s − s'' on the shorter move
         s = LIFT * (x - sin(2.0 * pi * x) / (2.0 * pi))
@@ -51,7 +51,7 @@ def test_cycloidal_law_by_hand() -> None:
 
 @pytest.mark.parametrize("law", NAMED)
 def test_given_laws_need_the_largest_of_least_radius_less_s_and_its_bend(law: str) -> None:
-    spec = asked(RADIUS, law=law)
+    spec = question(RADIUS, law=law)
     design = synthesise(spec)
     curve = design.curve
     breaks = curve.curve.breaks
@@ -64,58 +64,60 @@ def test_given_laws_need_the_largest_of_least_radius_less_s_and_its_bend(law: st
 
 
 def test_a_face_that_binds_costs_base_radius() -> None:
-    free = synthesise(asked(RADIUS, jerk(47.0, 73.0), tolerance=1e-2))
+    free = synthesise(question(RADIUS, jerk(47.0, 73.0), tolerance=1e-2))
     right = free.dimensions["face_right_mm"] - 3.0
     tight = synthesise(
-        asked(RADIUS, jerk(47.0, 73.0), {"kind": "face_width", "right_mm": right}, tolerance=1e-2)
+        question(
+            RADIUS, jerk(47.0, 73.0), {"kind": "face_width", "right_mm": right}, tolerance=1e-2
+        )
     )
     assert free.status == tight.status == "optimal"
     assert tight.dimensions["base_radius_mm"] > 1.02 * free.dimensions["base_radius_mm"]
-    told = extreme(tight, "face_right")
-    assert told.holds
-    assert told.value == pytest.approx(right, rel=1e-3)
-    assert told.value == pytest.approx(tight.dimensions["face_right_mm"], rel=1e-9)
+    reported = extreme(tight, "face_right")
+    assert reported.holds
+    assert reported.value == pytest.approx(right, rel=1e-3)
+    assert reported.value == pytest.approx(tight.dimensions["face_right_mm"], rel=1e-9)
 
 
 def test_total_width_is_centred_on_the_slide() -> None:
     width = {"kind": "face_width", "width_mm": 82.0}
-    design = synthesise(asked(RADIUS, jerk(47.0, 73.0), width, tolerance=1e-2))
-    told = extreme(design, "face_width")
+    design = synthesise(question(RADIUS, jerk(47.0, 73.0), width, tolerance=1e-2))
+    reported = extreme(design, "face_width")
     assert design.status == "optimal"
-    assert abs(told.value or 0.0) == pytest.approx(82.0, rel=1e-3)
+    assert abs(reported.value or 0.0) == pytest.approx(82.0, rel=1e-3)
     assert max(design.dimensions[f"face_{side}_mm"] for side in ("left", "right")) <= 41.0
 
 
 def test_undercut_is_refused_with_its_angle() -> None:
-    design = synthesise(asked(law="cycloidal", base_radius_mm=30.0))
-    told = extreme(design, "profile_radius")
+    design = synthesise(question(law="cycloidal", base_radius_mm=30.0))
+    reported = extreme(design, "profile_radius")
     assert design.status == "infeasible"
     assert design.conflict is not None
-    assert told.value is not None
-    assert told.value < -20.0
-    assert 50.0 < told.angle_deg < 60.0
-    assert f"at {told.angle_deg:.3f}°" in design.conflict.evidence
+    assert reported.value is not None
+    assert reported.value < -20.0
+    assert 50.0 < reported.angle_deg < 60.0
+    assert f"at {reported.angle_deg:.3f}°" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "base_radius_mm"]
-    assert mend.needed == pytest.approx(30.0 - told.value, rel=3e-6)
+    assert mend.needed == pytest.approx(30.0 - reported.value, rel=3e-6)
     assert mend.needed is not None
-    mended = asked(law="cycloidal", base_radius_mm=mend.needed)
+    mended = question(law="cycloidal", base_radius_mm=mend.needed)
     assert synthesise(mended).status == "optimal"
 
 
 def test_a_smaller_profile_radius_is_offered_where_that_alone_helps() -> None:
-    largest = {"max": synthesise(asked(RADIUS, law="cycloidal")).size[0] - 4.1}
-    design = synthesise(asked(RADIUS, law="cycloidal", base_radius_mm=largest))
+    largest = {"max": synthesise(question(RADIUS, law="cycloidal")).size[0] - 4.1}
+    design = synthesise(question(RADIUS, law="cycloidal", base_radius_mm=largest))
     assert design.conflict is not None
     (mend,) = [r for r in design.conflict.relaxations if r.limit == "profile_radius"]
     assert mend.needed == pytest.approx(LEAST - 4.1, rel=3e-3)
     assert mend.needed is not None
     assert mend.needed <= LEAST - 4.1 + 1e-9
     eased = {"kind": "profile_radius", "min_mm": LEAST - 4.1 - 1e-4}
-    assert synthesise(asked(eased, law="cycloidal", base_radius_mm=largest)).status == "optimal"
+    assert synthesise(question(eased, law="cycloidal", base_radius_mm=largest)).status == "optimal"
 
 
 def test_a_jump_of_the_velocity_is_no_cam() -> None:
-    design = synthesise(asked(law="constant_velocity"))
+    design = synthesise(question(law="constant_velocity"))
     assert design.status == "infeasible"
     assert "velocity jumps" in extreme(design, "profile_radius").evidence
     assert design.conflict is not None
@@ -124,7 +126,7 @@ def test_a_jump_of_the_velocity_is_no_cam() -> None:
 
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
 def test_every_format_is_written(rotation: str) -> None:
-    design = synthesise(asked(RADIUS, law="polynomial_3_4_5", rotation=rotation))
+    design = synthesise(question(RADIUS, law="polynomial_3_4_5", rotation=rotation))
     for exporter in PROFILE_FORMATS.values():
         assert len(written(exporter, design)) > 1000
         cutter = {"curve": "cutter", "cutter_diameter_mm": 8.0}
@@ -138,7 +140,7 @@ def test_every_format_is_written(rotation: str) -> None:
 
 
 def test_the_rotation_mirrors_and_changes_no_number() -> None:
-    a, b = (synthesise(asked(RADIUS, law="cycloidal", rotation=r)) for r in ("ccw", "cw"))
+    a, b = (synthesise(question(RADIUS, law="cycloidal", rotation=r)) for r in ("ccw", "cw"))
     assert a.dimensions == b.dimensions
     assert [e.value for e in a.extremes] == [e.value for e in b.extremes]
 
@@ -157,19 +159,19 @@ def test_the_rotation_mirrors_and_changes_no_number() -> None:
 )  # fmt: skip
 def test_what_makes_no_sense_is_refused(change: dict[str, Any], rule: str) -> None:
     with pytest.raises(ValidationError) as caught:
-        asked(**{"law": "cycloidal", **change}) if "limits" not in change else _with(change)
+        question(**{"law": "cycloidal", **change}) if "limits" not in change else _with(change)
     assert rule in [error["type"] for error in caught.value.errors()]
 
 
 def _with(change: dict[str, Any]) -> None:
-    body = asked(law="cycloidal").model_dump(mode="json")
-    type(asked(law="cycloidal")).model_validate({**body, **change})
+    body = question(law="cycloidal").model_dump(mode="json")
+    type(question(law="cycloidal")).model_validate({**body, **change})
 
 
 def test_a_pressure_angle_limit_and_a_cutter_hold_by_themselves() -> None:
     limits = [{"kind": "pressure_angle", "rise_deg": 1.0, "return_deg": 1.0, "dwell_deg": 1.0},
               {"kind": "cutter_radius", "radius_mm": 500.0}]  # fmt: skip
-    design = synthesise(asked(RADIUS, *limits, law="cycloidal"))
+    design = synthesise(question(RADIUS, *limits, law="cycloidal"))
     assert design.status == "optimal"
     assert extreme(design, "pressure_angle_rise").value == 0.0
 
@@ -192,7 +194,7 @@ def test_random_scenes_are_certified(
     limits += [caps[cap]] if law is None else []
     limits += [{"kind": "outer_radius", "max_mm": 1e4}] if outer else []
     design = synthesise(
-        asked(*limits, law=law, tolerance=2e-2).model_copy(
+        question(*limits, law=law, tolerance=2e-2).model_copy(
             update={"program": _program(up, down, law)}
         )
     )
@@ -210,5 +212,5 @@ def _program(up: float, down: float, law: str | None) -> Any:
 
     rest = 360.0 - up - down
     program = [rise(up, law=law), dwell(0.3 * rest), fall(down, law=law), dwell(0.7 * rest)]
-    body = {**asked().model_dump(mode="json"), "program": program}
-    return type(asked()).model_validate(body).program
+    body = {**question().model_dump(mode="json"), "program": program}
+    return type(question()).model_validate(body).program

@@ -24,9 +24,9 @@ DISTANCE = 101.9
 
 
 def spec(*limits: dict[str, Any], arm: Any = RANGE, **more: Any) -> DesignSpec:
-    asked = body(*limits, **more)
-    asked["follower"]["arm_mm"] = arm
-    return DesignSpec.model_validate(asked)
+    question = body(*limits, **more)
+    question["follower"]["arm_mm"] = arm
+    return DesignSpec.model_validate(question)
 
 
 def sized(*limits: dict[str, Any], **more: Any) -> Design:
@@ -82,8 +82,8 @@ def test_as_small_as_a_global_search_over_the_pivot_too() -> None:
 
 @pytest.mark.parametrize("sense", SENSES)
 def test_with_angles_limited_alone_a_cam_shrinks_with_its_arm(sense: str) -> None:
-    asked: dict[str, Any] = {"law": "cycloidal", "sense": sense}
-    free, given = sized(angles(), **asked), sized(angles(), arm=ARM, **asked)
+    question: dict[str, Any] = {"law": "cycloidal", "sense": sense}
+    free, given = sized(angles(), **question), sized(angles(), arm=ARM, **question)
     assert free.dimensions["arm_mm"] == RANGE["min"]
     assert prime(free) / RANGE["min"] == pytest.approx(prime(given) / ARM, rel=1e-6)
 
@@ -91,10 +91,10 @@ def test_with_angles_limited_alone_a_cam_shrinks_with_its_arm(sense: str) -> Non
 def test_a_length_in_mm_holds_it_up() -> None:
     """A profile radius does not shrink with the arm: neither end of the range is best."""
     least = {"kind": "profile_radius", "min_mm": 14.3}
-    asked: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}}
-    found = sized(angles(), least, **asked)
+    question: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}}
+    found = sized(angles(), least, **question)
     for arm in (50.3, 60.1, 71.9, 97.7):
-        assert prime(found) <= prime(sized(angles(), least, arm=arm, **asked)) * (1.0 + 1e-3)
+        assert prime(found) <= prime(sized(angles(), least, arm=arm, **question)) * (1.0 + 1e-3)
     (radius,) = [e for e in found.extremes if e.limit == "profile_radius"]
     assert radius.value is not None
     assert radius.value >= 14.3 - 1e-6
@@ -102,17 +102,17 @@ def test_a_length_in_mm_holds_it_up() -> None:
 
 @pytest.mark.usefixtures("unexplained")
 def test_with_laws_free_a_length_beside_it_is_no_better() -> None:
-    asked: dict[str, Any] = {"distance": DISTANCE, "tolerance": 2e-2}
-    found = sized(angles(), jerk(1.9), **asked)
+    question: dict[str, Any] = {"distance": DISTANCE, "tolerance": 2e-2}
+    found = sized(angles(), jerk(1.9), **question)
     at = found.dimensions["arm_mm"]
-    other = synthesise(spec(angles(), jerk(1.9), arm=1.03 * at, **asked))
+    other = synthesise(spec(angles(), jerk(1.9), arm=1.03 * at, **question))
     assert prime(found) <= prime(other) * (1.0 + 2e-2)
 
 
 def test_a_length_at_which_nothing_is_found_is_given_up_soon() -> None:
     """Rows that allow what no cam keeps were written at three times the points in every round."""
-    asked = spec(angles(), jerk(1.9), arm=93.183, distance=DISTANCE)
-    found = optimise(formulate_problem(asked, asked.objectives()[0]), 2e-2)
+    question = spec(angles(), jerk(1.9), arm=93.183, distance=DISTANCE)
+    found = optimise(formulate_problem(question, question.objectives()[0]), 2e-2)
     rounds = [stage for stage in found.stages if stage.stage.startswith("convex")]
     assert found.incumbent is None
     assert len(rounds) <= 4
@@ -130,11 +130,11 @@ def test_a_range_that_reaches_in_part_is_searched_there() -> None:
 
 
 def test_angles_and_the_arm_are_free_together() -> None:
-    asked = body(angles(), law="cycloidal", distance=DISTANCE)
-    asked["follower"]["arm_mm"] = RANGE
+    question = body(angles(), law="cycloidal", distance=DISTANCE)
+    question["follower"]["arm_mm"] = RANGE
     for k, angle in ((0, RISE), (2, FALL)):
-        asked["program"][k]["angle_deg"] = {"min": 0.8 * angle, "max": 1.3 * angle}
-    design = synthesise(DesignSpec.model_validate(asked))
+        question["program"][k]["angle_deg"] = {"min": 0.8 * angle, "max": 1.3 * angle}
+    design = synthesise(DesignSpec.model_validate(question))
     assert design.certificate.certified
     assert list(design.free_parameters) == [
         "program/0/angle_deg",
@@ -150,10 +150,10 @@ def test_angles_and_the_arm_are_free_together() -> None:
 @pytest.fixture(scope="module")
 def pair() -> Design:
     """Conjugate cams: the counter arm given, the main arm free."""
-    asked = body(angles(), law="cycloidal", distance=DISTANCE)
+    question = body(angles(), law="cycloidal", distance=DISTANCE)
     counter = {"kind": "conjugate", "roller_radius_mm": 9.1, "arm_mm": 78.3}
-    asked["follower"] |= {"arm_mm": RANGE, "closure": counter}
-    return synthesise(DesignSpec.model_validate(asked))
+    question["follower"] |= {"arm_mm": RANGE, "closure": counter}
+    return synthesise(DesignSpec.model_validate(question))
 
 
 def test_a_counter_arm_goes_with_it(pair: Design) -> None:
@@ -180,9 +180,9 @@ def test_where_nothing_fits_the_length_tried_is_named() -> None:
 
 
 def test_an_analysis_wants_a_number() -> None:
-    asked = spec(law="cycloidal", distance=DISTANCE, base_radius_mm=30.0)
+    question = spec(law="cycloidal", distance=DISTANCE, base_radius_mm=30.0)
     with pytest.raises(InputError) as caught:
-        analyse(asked)
+        analyse(question)
     assert caught.value.field == "/follower/arm_mm"
     assert caught.value.value == RANGE
 

@@ -31,7 +31,7 @@ def jerk(unit: str = "mm") -> dict[str, Any]:
     return {"kind": "jerk", f"max_{unit}_per_s3": 1.7 * least}
 
 
-def asked(
+def request(
     follower: dict[str, Any], *limits: dict[str, Any], law: str = "spline", below: float = 181.0,
     **more: Any,
 ) -> DesignSpec:  # fmt: skip
@@ -60,7 +60,7 @@ def test_a_cam_that_nothing_keeps_from_shrinking_is_refused(
         "no undercut, not too large": [RADIUS | {"min_mm": 0.0}, OUTER],
     }
     with pytest.raises(ValidationError) as refused:
-        asked(follower, *limits[limited])
+        request(follower, *limits[limited])
     (error,) = refused.value.errors()
     assert error["type"] == "no_smallest_cam"
     for remedy in ("pressure_angle", "profile_radius", "base_radius_mm a min"):
@@ -76,7 +76,7 @@ def test_what_keeps_it_large_is_enough(follower: dict[str, Any], kept: str) -> N
         "quiet": {"objective": {"kind": "rms_jerk"}},
     }.get(kept, {})
     limits = {"pressure angle": [PRESSURE], "profile radius": [RADIUS]}.get(kept, [])
-    assert asked(follower, *limits, **more).objectives()
+    assert request(follower, *limits, **more).objectives()
 
 
 @pytest.mark.parametrize(
@@ -93,18 +93,18 @@ def test_what_keeps_it_large_is_enough(follower: dict[str, Any], kept: str) -> N
     ids=["offset", "conjugate", "pivot", "pivot apart", "face's pivot", "face aside", "flat face"],
 )
 def test_what_has_a_size_of_its_own_is_not_refused(follower: dict[str, Any]) -> None:
-    assert asked(follower).follower.reason_without_minimum == ""
+    assert request(follower).follower.reason_without_minimum == ""
 
 
 def test_it_would_indeed_shrink_to_whatever_is_allowed() -> None:
     """The same question with a least radius far below what any machine has: it is reached."""
-    small = synthesise(asked(ARM, base_radius_mm={"min": 1e-3}))
+    small = synthesise(request(ARM, base_radius_mm={"min": 1e-3}))
     assert small.dimensions["base_radius_mm"] == pytest.approx(1e-3, rel=1e-2)
 
 
 def test_a_dwell_below_is_a_part_of_the_base_circle() -> None:
     """Its radius is the base radius: a bound, where rows and cones say nothing of curvature."""
-    question = asked(ROLLER, RADIUS | {"min_mm": 52.3}, jerk(), tolerance=5e-3)
+    question = request(ROLLER, RADIUS | {"min_mm": 52.3}, jerk(), tolerance=5e-3)
     assert formulate_problem(question, question.objectives()[0]).least_base_circle == 52.3
     design = synthesise(question)
     assert design.certificate.lower_bound == pytest.approx(52.3, rel=1e-9)
@@ -114,5 +114,5 @@ def test_a_dwell_below_is_a_part_of_the_base_circle() -> None:
 @pytest.mark.parametrize("ring", [False, True], ids=["no dwell below", "touched from inside"])
 def test_elsewhere_the_base_circle_is_no_part_of_the_cam(ring: bool) -> None:
     inside = ROLLER | {"closure": {"kind": "force", "contact": "inside"}}
-    question = asked(inside, RADIUS) if ring else asked(ROLLER, RADIUS, below=0.0)
+    question = request(inside, RADIUS) if ring else request(ROLLER, RADIUS, below=0.0)
     assert formulate_problem(question, question.objectives()[0]).least_base_circle == 0.0

@@ -32,7 +32,7 @@ JERK: dict[str, Any] = {
 FREE = {"max": 150.0}
 
 
-def asked(
+def question(
     distance: Any, *limits: dict[str, Any], sense: str = "opposite", law: str = "cycloidal",
     swing: float = SWING, offset: float = OFFSET, **more: Any,
 ) -> DesignSpec:  # fmt: skip
@@ -97,7 +97,7 @@ def rows(spec: DesignSpec, count: int = 1501) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def free_distance(sense: str) -> tuple[DesignSpec, Design]:
-    spec = asked(FREE, RADIUS, PRESSURE, FACE, sense=sense)
+    spec = question(FREE, RADIUS, PRESSURE, FACE, sense=sense)
     return spec, synthesise(spec)
 
 
@@ -147,7 +147,7 @@ def test_with_the_distance_free_a_blind_search_finds_the_same(sense: str) -> Non
 def test_at_a_given_distance_the_least_angle_is_found(
     sense: str, distance: float, limits: tuple[dict[str, Any], ...]
 ) -> None:
-    spec = asked(distance, *limits, sense=sense)
+    spec = question(distance, *limits, sense=sense)
     design = synthesise(spec)
     table, rhs = rows(spec)
 
@@ -170,8 +170,8 @@ def test_at_a_given_distance_the_least_angle_is_found(
 
 def test_a_free_law_is_smaller_than_every_given_one_and_bounded_over_all_laws() -> None:
     limits = (RADIUS, PRESSURE, FACE)
-    free = synthesise(asked(60.0, *limits, JERK, law="spline", tolerance=1e-2))
-    named = synthesise(asked(60.0, *limits, law="polynomial_3_4_5"))
+    free = synthesise(question(60.0, *limits, JERK, law="spline", tolerance=1e-2))
+    named = synthesise(question(60.0, *limits, law="polynomial_3_4_5"))
     assert free.certificate.certified
     assert free.status == "optimal"
     proof = free.certificate
@@ -242,7 +242,7 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(
 ) -> None:
     """Other unknowns from other starts end in the same place, above the bound over all laws."""
     limits = (RADIUS, PRESSURE, FACE, JERK)
-    ours = synthesise(asked(60.0, *limits, sense=sense, law="spline", tolerance=1e-2))
+    ours = synthesise(question(60.0, *limits, sense=sense, law="spline", tolerance=1e-2))
     others = [another_program(sense, 40, start) for start in starts]
     assert others == pytest.approx(others[:1] * len(others), rel=1e-6)
     assert ours.certificate.certified
@@ -256,28 +256,28 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(
 @pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_contact_that_leaves_the_face_is_found_with_its_angle(sense: str) -> None:
-    spec = asked(60.0, RADIUS, PRESSURE, FACE, sense=sense, base_radius_mm=37.0)
-    told, design = analyse(spec), synthesise(spec)
-    assert told.violated == ["face_far"]
+    spec = question(60.0, RADIUS, PRESSURE, FACE, sense=sense, base_radius_mm=37.0)
+    reported, design = analyse(spec), synthesise(spec)
+    assert reported.violated == ["face_far"]
     assert design.status == "infeasible"
-    (broken,) = [e for e in told.extremes if e.limit == "face_far"]
+    (broken,) = [e for e in reported.extremes if e.limit == "face_far"]
     assert extreme(design, "face_far") == broken
     theta, (phi, v, _), _ = dense(spec, 4001)
     sigma = {"opposite": 1.0, "same": -1.0}[sense]
     reach = 60.0 * np.cos(math.asin((37.0 + OFFSET) / 60.0) + phi) / (1.0 + sigma * v)
     assert broken.value == pytest.approx(np.max(reach), rel=1e-7)
     assert broken.angle_deg == pytest.approx(np.degrees(theta[np.argmax(reach)]), abs=0.05)
-    assert told.dimensions["face_far_mm"] == pytest.approx(np.max(reach), rel=1e-7)
-    assert told.remedy is not None
-    (size,) = told.remedy.sizes
+    assert reported.dimensions["face_far_mm"] == pytest.approx(np.max(reach), rel=1e-7)
+    assert reported.remedy is not None
+    (size,) = reported.remedy.sizes
     assert size.status == "optimal"
 
 
 def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
     _, free = free_distance("opposite")
     least = free.dimensions["centre_distance_mm"] + 4.0
-    kept = synthesise(asked({"min": least, "max": 150.0}, RADIUS, PRESSURE, FACE))
-    at = synthesise(asked(least, RADIUS, PRESSURE, FACE))
+    kept = synthesise(question({"min": least, "max": 150.0}, RADIUS, PRESSURE, FACE))
+    at = synthesise(question(least, RADIUS, PRESSURE, FACE))
     assert kept.certificate.certified
     assert kept.dimensions["centre_distance_mm"] == pytest.approx(least, rel=1e-3)
     assert kept.dimensions["base_radius_mm"] == pytest.approx(
@@ -287,7 +287,7 @@ def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
 
 @pytest.mark.usefixtures("coarse_conflicts")
 def test_what_cannot_be_says_what_is_in_the_way() -> None:
-    design = synthesise(asked(39.0, RADIUS, PRESSURE, FACE))
+    design = synthesise(question(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"
     assert design.conflict is not None
     assert any("pressure angle" in name for name in design.conflict.limits)
@@ -295,10 +295,10 @@ def test_what_cannot_be_says_what_is_in_the_way() -> None:
 
 @pytest.mark.usefixtures("unexplained")
 def test_the_outer_radius_of_a_given_cam_is_judged() -> None:
-    free = synthesise(asked(60.0, RADIUS))
+    free = synthesise(question(60.0, RADIUS))
     outer = 60.0 * math.sin(math.radians(free.dimensions["initial_angle_deg"] + SWING)) - OFFSET
     fits, tight = (
-        synthesise(asked(60.0, RADIUS, {"kind": "outer_radius", "max_mm": outer * factor}))
+        synthesise(question(60.0, RADIUS, {"kind": "outer_radius", "max_mm": outer * factor}))
         for factor in (1.001, 0.999)
     )
     assert fits.status == "optimal"
@@ -310,7 +310,7 @@ def test_the_outer_radius_of_a_given_cam_is_judged() -> None:
     ("rotation", "offset"), [("ccw", OFFSET), ("cw", OFFSET), ("ccw", 0.0), ("cw", -2.9)]
 )
 def test_every_format_is_written(rotation: str, offset: float) -> None:
-    design = synthesise(asked(83.3, RADIUS, offset=offset, rotation=rotation))
+    design = synthesise(question(83.3, RADIUS, offset=offset, rotation=rotation))
     assert design.status == "optimal"
     for exporter in PROFILE_FORMATS.values():
         assert len(written(exporter, design)) > 1000
@@ -334,13 +334,13 @@ def test_every_format_is_written(rotation: str, offset: float) -> None:
 def test_what_makes_no_sense_is_refused(change: dict[str, Any], rule: str) -> None:
     change = {"distance": 60.0, "limits": [], **change}
     with pytest.raises(ValidationError) as caught:
-        asked(change.pop("distance"), *change.pop("limits"), **change)
+        question(change.pop("distance"), *change.pop("limits"), **change)
     assert rule in [error["type"] for error in caught.value.errors()]
 
 
 def test_a_face_that_turns_with_the_cam_is_told_where() -> None:
     with pytest.raises(ValidationError, match=r"turns .* times as fast") as caught:
-        asked(60.0, sense="same", swing=85.0)
+        question(60.0, sense="same", swing=85.0)
     (error,) = caught.value.errors()
     # the cycloid is fastest in the middle of the shorter move, at 2h/β
     assert error["ctx"]["at"] == pytest.approx(114.0 + 48.5, abs=1e-3) or (

@@ -261,11 +261,11 @@ def test_other_objectives_see_the_limit_too() -> None:
     """Least jerk at a given base radius: more of it than without the pressure angle."""
     small = synthesise(scene(angles(), jerk(1.9), distance=DISTANCE, tolerance=1e-2))
     radius = small.dimensions["base_radius_mm"] * 1.03
-    asked: dict[str, Any] = {
+    question: dict[str, Any] = {
         "distance": DISTANCE, "base_radius_mm": radius, "objective": {"kind": "peak_jerk"},
         "tolerance": 2e-2,
     }  # fmt: skip
-    held, free = synthesise(scene(angles(), **asked)), synthesise(scene(**asked))
+    held, free = synthesise(scene(angles(), **question)), synthesise(scene(**question))
     assert certified(held)
     name = "peak_jerk_deg_per_s3"
     assert held.objectives[name] > 1.01 * free.objectives[name]
@@ -288,31 +288,31 @@ INFEASIBLE: dict[str, tuple[dict[str, Any], set[str]]] = {
 
 @pytest.mark.usefixtures("coarse_conflicts")
 def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
-    asked = body(angles(), jerk(1.9), distance=DISTANCE)
-    asked["program"][0]["law"] = {"kind": "modified_sine"}  # 69.47 h/β³, more than 1.9 · 32
-    design = synthesise(DesignSpec.model_validate(asked))
+    question = body(angles(), jerk(1.9), distance=DISTANCE)
+    question["program"][0]["law"] = {"kind": "modified_sine"}  # 69.47 h/β³, more than 1.9 · 32
+    design = synthesise(DesignSpec.model_validate(question))
     assert design.status == "infeasible"
     assert design.conflict is not None
-    (told,) = design.conflict.relaxations
-    assert told.limit == "jerk"
-    assert told.needed == pytest.approx(jerk(69.4664 / 32.0)["max_deg_per_s3"], rel=2e-4)
+    (reported,) = design.conflict.relaxations
+    assert reported.limit == "jerk"
+    assert reported.needed == pytest.approx(jerk(69.4664 / 32.0)["max_deg_per_s3"], rel=2e-4)
 
 
 @pytest.mark.usefixtures("coarse_conflicts")
 @pytest.mark.parametrize("name", INFEASIBLE)
 def test_infeasible_with_a_reason(name: str) -> None:
-    asked, named = INFEASIBLE[name]
-    limits = asked.pop("limits", (angles(),))
-    design = synthesise(scene(*limits, **asked))
+    question, named = INFEASIBLE[name]
+    limits = question.pop("limits", (angles(),))
+    design = synthesise(scene(*limits, **question))
     assert design.status == "infeasible"
     assert design.conflict is not None
-    told = {relaxation.limit for relaxation in design.conflict.relaxations}
-    assert named <= told
+    reported = {relaxation.limit for relaxation in design.conflict.relaxations}
+    assert named <= reported
     for relaxation in design.conflict.relaxations:
         if relaxation.needed is None or relaxation.limit not in ("jerk", "pressure_angle_return"):
             continue
         # the value told is one with which there is a cam
-        eased = body(*limits, **asked)
+        eased = body(*limits, **question)
         _, position, field = relaxation.field.split("/")
         eased["limits"][int(position)][field] = relaxation.needed * (1.0 + 1e-4)
         eased["tolerance"] = 0.05

@@ -15,7 +15,7 @@ LIFT, RISE, RETURN, OMEGA = 17.3, 71.3, 113.7, 7.9
 UNIT = LIFT * (OMEGA / radians(RISE)) ** 3
 
 
-def asked(kind: str, smoothness: int, **changes: Any) -> DesignSpec:
+def question(kind: str, smoothness: int, **changes: Any) -> DesignSpec:
     law = {"kind": "spline", "smoothness": smoothness}
     return DesignSpec.model_validate({
         "speed_rpm": OMEGA * 60.0 / radians(360.0),
@@ -35,7 +35,7 @@ def asked(kind: str, smoothness: int, **changes: Any) -> DesignSpec:
 
 @lru_cache(maxsize=8)
 def designed(kind: str, smoothness: int) -> Design:
-    return synthesise(asked(kind, smoothness))
+    return synthesise(question(kind, smoothness))
 
 
 def price(kind: str, smoothness: int) -> SmoothnessCost:
@@ -76,12 +76,14 @@ def test_of_c2_splines_the_price_is_nothing() -> None:
 
 
 def test_it_is_told_only_where_it_is_asked_for() -> None:
-    assert synthesise(asked("peak_jerk", 3, report_smoothness_cost=False)).smoothness_cost is None
+    assert (
+        synthesise(question("peak_jerk", 3, report_smoothness_cost=False)).smoothness_cost is None
+    )
 
 
 def test_continuity_is_smoothness_too() -> None:
     """A C2 spline that has to be C3 because the whole turn has to."""
-    found = synthesise(asked("peak_jerk", 2, continuity=3)).smoothness_cost
+    found = synthesise(question("peak_jerk", 2, continuity=3)).smoothness_cost
     assert found is not None
     assert found.price == pytest.approx(price("peak_jerk", 3).price, rel=1e-6)
 
@@ -90,6 +92,6 @@ def test_without_time_left_there_is_no_price() -> None:
     from synthesis.pipeline import synthesise as pipeline
 
     found = designed("peak_jerk", 3)
-    late = pipeline._smoothness_cost(found, asked("peak_jerk", 3), stop=0.0)
+    late = pipeline._smoothness_cost(found, question("peak_jerk", 3), stop=0.0)
     assert (late.price, late.c2_value, late.at_most) == (None, None, None)
     assert "time budget" in late.note

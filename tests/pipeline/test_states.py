@@ -57,9 +57,11 @@ def both_sides(motion: Motion, degrees: float, highest: int = 3) -> tuple[np.nda
 def test_splines_pick_up_a_constant_velocity(smoothness: int) -> None:
     law = SPLINE | {"smoothness": smoothness}
     jerk = {"kind": "jerk", "max_mm_per_s3": 4e5}
-    asked = spec(with_laws(law, law, law), continuity=smoothness)
-    asked = asked.model_validate(asked.model_dump() | {"limits": [asked.limits[0], jerk]})
-    design = synthesise(asked)
+    question = spec(with_laws(law, law, law), continuity=smoothness)
+    question = question.model_validate(
+        question.model_dump() | {"limits": [question.limits[0], jerk]}
+    )
+    design = synthesise(question)
     assert design.certificate.certified
     assert extremes(design)["acceleration_join"].field == "continuity"
     speed = -21.4 / np.radians(34.8)
@@ -98,8 +100,8 @@ A_HARMONIC = pi**2 / 2.0 * 21.7 / np.radians(72.9) ** 2 * OMEGA**2
 
 def test_jumps_beside_a_constant_velocity_are_one_sided_in_an_analysis() -> None:
     laws = ({"kind": "cycloidal"}, {"kind": "parabolic"}, {"kind": "simple_harmonic"})
-    asked = spec(with_laws(*laws), base_radius_mm=60.0)
-    found = analyse(asked)
+    question = spec(with_laws(*laws), base_radius_mm=60.0)
+    found = analyse(question)
     jumps = {(jump.curve, round(jump.angle_deg, 9)): jump for jump in found.jumps}
     for degrees, before, after in ((182.5, 0.0, V), (217.3, V, 0.0)):
         jump = jumps["velocity", degrees]
@@ -174,13 +176,13 @@ def test_every_task_of_vdi_2143_is_certified(law: str, task: str) -> None:
          "start": state(v0, a0), "end": state(v1, a1)},
         {"kind": "return", "angle_deg": 216.3, "lift_mm": 28.4, "law": moving},
     ]  # fmt: skip
-    asked = spec(program, continuity=3 if law == "polynomial_7" else 2, limits=[],
+    question = spec(program, continuity=3 if law == "polynomial_7" else 2, limits=[],
                  base_radius_mm=900.0)  # fmt: skip
-    found = analyse(asked)
+    found = analyse(question)
     assert found.holds, found.violated
     names = {extreme.limit for extreme in found.extremes}
     assert {"velocity_asked", "acceleration_asked"} <= names
-    motion = Motion.of(asked.placed_segments())
+    motion = Motion.of(question.placed_segments())
     left, right = both_sides(motion, 143.7, 2)
     assert left[1:] == pytest.approx([v1 / OMEGA, a1 / OMEGA**2], abs=1e-11)
     assert right == pytest.approx(left, abs=1e-10)
@@ -206,9 +208,9 @@ def test_a_spline_between_states_reaches_the_least_jerk(task: str) -> None:
          "start": state(v0, a0), "end": state(v1, a1)},
         {"kind": "return", "angle_deg": 216.3, "lift_mm": 28.4, "law": bridge},
     ]  # fmt: skip
-    asked = spec(program, limits=[], base_radius_mm=900.0, objective={"kind": "rms_jerk"},
+    question = spec(program, limits=[], base_radius_mm=900.0, objective={"kind": "rms_jerk"},
                  tolerance=1e-3)  # fmt: skip
-    found = synthesise(asked)
+    found = synthesise(question)
     states = (v0 / OMEGA, a0 / OMEGA**2, v1 / OMEGA, a1 / OMEGA**2)
     back = (states[2], states[3], states[0], states[1])
     total = least_jerk(28.4, np.radians(143.7), *states)
@@ -247,9 +249,9 @@ def test_two_splines_share_the_acceleration_at_a_velocity_asked_for() -> None:
         {"kind": "dwell", "angle_deg": 103.7},
     ]  # fmt: skip
     jerk = {"kind": "jerk", "max_mm_per_s3": 4e5}
-    asked = spec(program, limits=[jerk], objective={"kind": "peak_acceleration"},
+    question = spec(program, limits=[jerk], objective={"kind": "peak_acceleration"},
                  base_radius_mm=200.0)  # fmt: skip
-    design = synthesise(asked)
+    design = synthesise(question)
     assert design.certificate.certified
     left, right = both_sides(design.curve, 71.3, 2)
     assert left == pytest.approx(right, abs=1e-8)

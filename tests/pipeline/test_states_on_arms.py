@@ -37,14 +37,14 @@ def program(**end: float) -> list[dict[str, Any]]:
 
 
 def test_a_straight_line_in_degrees_is_picked_up() -> None:
-    asked = spec(program(), continuity=2)
-    found = analyse(asked)
+    question = spec(program(), continuity=2)
+    found = analyse(question)
     assert found.holds, found.violated
     velocity = 5.2 / 31.1 * OMEGA / pi * 180.0  # deg/s
     by_speed = program()
     by_speed[1] = {"kind": "constant_velocity", "angle_deg": 31.1, "velocity_deg_per_s": velocity}
-    assert spec(by_speed).lifts() == pytest.approx(asked.lifts(), rel=1e-14)
-    motion = Motion.of(asked.placed_segments())
+    assert spec(by_speed).lifts() == pytest.approx(question.lifts(), rel=1e-14)
+    motion = Motion.of(question.placed_segments())
     s, v = motion.derivatives(np.radians([100.0]), 1)[:, 0]
     assert v == pytest.approx(ARM * 5.2 / 31.1, rel=1e-13)  # of the roller's arc, per radian
     assert s == pytest.approx(ARM * np.radians(12.4 + 5.2 * 11.3 / 31.1), rel=1e-12)

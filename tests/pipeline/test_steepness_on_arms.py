@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, synthesise
 from tests.optimise.arms import ARM, FALL, RISE, SENSES, SWING, jerk, least, scene, slope
-from tests.pipeline.test_oscillating_flat_face import RADIUS, asked, dense
+from tests.pipeline.test_oscillating_flat_face import RADIUS, dense, question
 
 PEAK: dict[str, Any] = {"kind": "peak_pressure_angle"}
 LARGEST, ROLLER, DISTANCE = 24.3, 7.9, 101.9
@@ -148,7 +148,7 @@ def steepest_of_a_face(spec: DesignSpec, turn: Any, base: float, distance: float
 
 @pytest.mark.parametrize("sense", SENSES)
 def test_a_face_as_flat_as_a_scan_of_its_base_radius_finds(sense: str) -> None:
-    spec = asked(71.3, RADIUS, sense=sense, objective=PEAK)
+    spec = question(71.3, RADIUS, sense=sense, objective=PEAK)
     design = synthesise(spec)
     assert design.status == "optimal"
     assert certified(design)
@@ -160,8 +160,8 @@ def test_a_face_as_flat_as_a_scan_of_its_base_radius_finds(sense: str) -> None:
 
 
 def test_a_face_with_its_pivot_free_is_flattest_far_away() -> None:
-    design = synthesise(asked({"max": 93.7}, RADIUS, objective=PEAK, tolerance=2e-2))
-    given = synthesise(asked(93.7, RADIUS, objective=PEAK))
+    design = synthesise(question({"max": 93.7}, RADIUS, objective=PEAK, tolerance=2e-2))
+    given = synthesise(question(93.7, RADIUS, objective=PEAK))
     assert design.status == "optimal"
     assert value(design) == pytest.approx(value(given), rel=1e-4)
     assert design.dimensions["centre_distance_mm"] == pytest.approx(93.7, rel=1e-3)
@@ -169,7 +169,7 @@ def test_a_face_with_its_pivot_free_is_flattest_far_away() -> None:
 
 def test_a_face_that_points_at_its_pivot_has_nothing_to_weigh() -> None:
     with pytest.raises(ValidationError) as refused:
-        asked(71.3, RADIUS, offset=0.0, objective=PEAK)
+        question(71.3, RADIUS, offset=0.0, objective=PEAK)
     assert refused.value.errors()[0]["type"] == "pressure_angle_given"
 
 

@@ -230,8 +230,8 @@ def test_peak_pressure_angle() -> None:
     peak = np.max(np.abs(alpha[kinds != "dwell"]))
     assert design.certificate.value == pytest.approx(peak, rel=1e-6)
     # the same question asked the other way round: 50 mm is the least base radius for this angle
-    asked = {"kind": "pressure_angle", "rise_deg": peak, "return_deg": peak}
-    other = synthesise(spec(limits=[asked, jerk(48.0)], tolerance=2e-3))
+    request = {"kind": "pressure_angle", "rise_deg": peak, "return_deg": peak}
+    other = synthesise(spec(limits=[request, jerk(48.0)], tolerance=2e-3))
     assert other.certificate.value == pytest.approx(50.0, rel=1e-2)
 
 

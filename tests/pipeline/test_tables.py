@@ -62,8 +62,8 @@ def test_a_table_between_dwells_beside_a_spline() -> None:
     fall = {"kind": "return", "angle_deg": 92.1, "lift_mm": 28.4, "law": {"kind": "spline"}}
     jerk = {"kind": "jerk", "max_mm_per_s3": 4e5}
     program = [table(103.7, 28.4), DWELLS[0], fall, DWELLS[1]]
-    asked = spec(program, limits=[{"kind": "pressure_angle", "rise_deg": 33.0}, jerk])
-    design = synthesise(asked)
+    question = spec(program, limits=[{"kind": "pressure_angle", "rise_deg": 33.0}, jerk])
+    design = synthesise(question)
     assert design.status == "optimal"
     deviation = extremes(design)["table_deviation"]
     assert deviation.value == pytest.approx(measured(design), abs=1e-9)
@@ -169,29 +169,29 @@ def test_a_tolerance_that_is_missed_is_a_result() -> None:
 def test_a_table_that_moves_one_way_is_a_rise_or_a_return(lift: float, kind: str) -> None:
     law = {"kind": "cycloidal"}
     back = {"kind": "return" if lift > 0.0 else "rise", "angle_deg": 256.3, "law": law}
-    asked = spec([table(103.7, lift), back | {"lift_mm": abs(lift)}])
-    assert asked.placed_segments()[0].kind == kind
-    assert list(asked.left_free()) == [("/base_radius_mm", None)]
+    question = spec([table(103.7, lift), back | {"lift_mm": abs(lift)}])
+    assert question.placed_segments()[0].kind == kind
+    assert list(question.left_free()) == [("/base_radius_mm", None)]
 
 
 def test_a_table_is_a_value_like_any_other() -> None:
     """Equal if it says the same, read again if it is changed."""
     fall = {"kind": "return", "angle_deg": 260.0, "lift_mm": 20.0, "law": {"kind": "cycloidal"}}
-    asked, again = spec([wrong(), fall]), spec([wrong(), fall])
-    assert asked == again
-    assert asked.lifts() == [20.0, -20.0]
-    longer = asked.program[0].model_copy(update={"lift_mm": 20.0005})
+    question, again = spec([wrong(), fall]), spec([wrong(), fall])
+    assert question == again
+    assert question.lifts() == [20.0, -20.0]
+    longer = question.program[0].model_copy(update={"lift_mm": 20.0005})
     assert longer.signed_lift == 20.0005
-    assert longer != asked.program[0]
+    assert longer != question.program[0]
 
 
 def test_displacement_counts_from_the_lowest_row() -> None:
     degrees = np.arange(0.0, 360.0, 2.0)
     s = 5.0 * np.sin(np.radians(degrees))
     points = np.stack([degrees, s], axis=1).tolist()
-    asked = spec([{"kind": "table", "angle_deg": 360.0, "tolerance_mm": 1e-3, "points": points}])
-    assert asked.stroke() == pytest.approx(10.0)
-    assert asked.placed_segments()[0].s_start == pytest.approx(5.0)
+    question = spec([{"kind": "table", "angle_deg": 360.0, "tolerance_mm": 1e-3, "points": points}])
+    assert question.stroke() == pytest.approx(10.0)
+    assert question.placed_segments()[0].s_start == pytest.approx(5.0)
 
 
 def test_states_asked_for_are_met() -> None:

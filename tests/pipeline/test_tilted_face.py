@@ -21,7 +21,7 @@ from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.analyse import analyse
 from tests.exporters.written import written
-from tests.optimise.conic.test_flat_face import LEAST, RADIUS, asked
+from tests.optimise.conic.test_flat_face import LEAST, RADIUS, question
 from tests.optimise.scenes import LIFT, jerk
 from tests.pipeline.test_flat_face import BETA, extreme
 
@@ -32,7 +32,7 @@ def tilted(
     *limits: dict[str, Any], tilt: float = TILT, offset: float = OFFSET, **more: Any
 ) -> DesignSpec:
     face = {"kind": "translating_flat_face", "tilt_deg": tilt, "offset_mm": offset}
-    return asked(*limits, follower=face, **more)
+    return question(*limits, follower=face, **more)
 
 
 def reach(design: Design, theta: np.ndarray) -> np.ndarray:
@@ -61,9 +61,9 @@ def test_cycloidal_law_by_hand() -> None:
     needed = LEAST - worst.fun * cos(radians(TILT))
     assert design.status == "optimal"
     assert design.dimensions["base_radius_mm"] == pytest.approx(needed, rel=3e-8)
-    told = reach(design, np.linspace(0.0, 2.0 * pi, 40001))
-    assert design.dimensions["face_right_mm"] == pytest.approx(np.max(told), abs=1e-6)
-    assert design.dimensions["face_left_mm"] == pytest.approx(-np.min(told), abs=1e-6)
+    reported = reach(design, np.linspace(0.0, 2.0 * pi, 40001))
+    assert design.dimensions["face_right_mm"] == pytest.approx(np.max(reported), abs=1e-6)
+    assert design.dimensions["face_left_mm"] == pytest.approx(-np.min(reported), abs=1e-6)
 
 
 @pytest.mark.parametrize("right", [12.9, 17.1])
@@ -103,9 +103,9 @@ def test_a_tilt_lets_a_free_law_s_cam_be_smaller_and_is_its_pressure_angle() -> 
 def test_contact_that_leaves_the_face_is_found_with_its_angle() -> None:
     face = {"kind": "face_width", "right_mm": 5.1}
     given_cam = tilted(RADIUS, face, law="cycloidal", base_radius_mm=83.0)
-    told = analyse(given_cam)
-    assert told.violated == ["face_right"]
-    (broken,) = [e for e in told.extremes if e.limit == "face_right"]
+    reported = analyse(given_cam)
+    assert reported.violated == ["face_right"]
+    (broken,) = [e for e in reported.extremes if e.limit == "face_right"]
     design = synthesise(given_cam)
     assert design.status == "infeasible"
     assert extreme(design, "face_right") == broken
@@ -113,8 +113,8 @@ def test_contact_that_leaves_the_face_is_found_with_its_angle() -> None:
     where = reach(design, theta)
     assert broken.value == pytest.approx(np.max(where), rel=1e-7)
     assert broken.angle_deg == pytest.approx(np.degrees(theta[np.argmax(where)]), abs=1e-2)
-    assert told.remedy is not None
-    (size,) = told.remedy.sizes
+    assert reported.remedy is not None
+    (size,) = reported.remedy.sizes
     assert size.status == "optimal"
     assert size.dimensions["base_radius_mm"] > 83.0
 
@@ -145,9 +145,9 @@ def test_a_pressure_angle_below_the_tilt_cannot_be(tilt: float, law: str | None)
     assert "whatever law and size" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "limits/1/rise_deg"]
     assert mend.needed == pytest.approx(TILT, rel=1e-6)
-    told = extreme(design, "pressure_angle_rise")
-    assert not told.holds
-    assert told.value == pytest.approx(tilt, rel=1e-12)
+    reported = extreme(design, "pressure_angle_rise")
+    assert not reported.holds
+    assert reported.value == pytest.approx(tilt, rel=1e-12)
     allowed = {"kind": "pressure_angle", "rise_deg": 24.0, "return_deg": 35.0}
     fits = synthesise(tilted(RADIUS, allowed, jerk(60.0, 73.0), tilt=tilt, law=law, tolerance=1e-2))
     assert fits.status == "optimal"

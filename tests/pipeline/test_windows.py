@@ -66,19 +66,19 @@ def test_a_point_is_passed_exactly(smoothness: int) -> None:
     down = UP + TOP + 33.7
     assert motion_at(design, down, 0) == pytest.approx(LIFT - 12.9, abs=1e-9 * LIFT)
     assert motion_at(design, down, 1) == pytest.approx(-310.0, rel=1e-9)
-    told = extreme(design, "program/2/points/0/travel_mm")
-    assert told.value == pytest.approx(12.9, abs=1e-9 * LIFT)
-    assert told.angle_deg == pytest.approx(down)
-    assert told.holds
-    assert told.width <= told.margin <= 1.001e-9 * LIFT
+    reported = extreme(design, "program/2/points/0/travel_mm")
+    assert reported.value == pytest.approx(12.9, abs=1e-9 * LIFT)
+    assert reported.angle_deg == pytest.approx(down)
+    assert reported.holds
+    assert reported.width <= reported.margin <= 1.001e-9 * LIFT
 
 
 def test_a_tolerance_is_used_and_kept() -> None:
     point = {"angle_deg": 20.3, "travel_mm": 9.7, "tolerance_mm": 0.31}
     loose = synthesise(cam({"points": [point]}))
     exact = synthesise(cam({"points": [{**point, "tolerance_mm": 0.0}]}))
-    told = extreme(loose, "program/0/points/0/tolerance_mm")
-    assert told.holds
+    reported = extreme(loose, "program/0/points/0/tolerance_mm")
+    assert reported.holds
     assert 9.39 <= motion_at(loose, 20.3, 0)[0] <= 9.3901
     assert loose.certificate.value < 0.95 * exact.certificate.value
 
@@ -114,9 +114,9 @@ def test_every_window_holds_all_along_and_only_there() -> None:
         window = windows[j]
         low, high = window["from_deg"], window["to_deg"]
         inside = motion_at(design, np.linspace(low + 1e-9, high - 1e-9, 4001), order)
-        told = extreme(design, f"program/0/windows/{j}/{name}/{side}")
-        assert told.value == pytest.approx(inside.max(), rel=1e-5)
-        assert low <= told.angle_deg <= high
+        reported = extreme(design, f"program/0/windows/{j}/{name}/{side}")
+        assert reported.value == pytest.approx(inside.max(), rel=1e-5)
+        assert low <= reported.angle_deg <= high
         assert inside.max() <= window[name][side]
         everywhere = motion_at(design, np.linspace(0.0, UP, 4001), order)
         assert everywhere.max() > 1.05 * window[name][side]
@@ -125,11 +125,11 @@ def test_every_window_holds_all_along_and_only_there() -> None:
 def test_on_a_return_travel_counts_down() -> None:
     windows = [{"from_deg": 0.0, "to_deg": 30.1, "travel_mm": {"max": 4.3}}]
     design = synthesise(cam(None, {"windows": windows}))
-    told = extreme(design, "program/2/windows/0/travel_mm/max")
+    reported = extreme(design, "program/2/windows/0/travel_mm/max")
     fallen = LIFT - motion_at(design, UP + TOP + 30.1, 0)[0]
-    assert told.value == pytest.approx(fallen, abs=1e-9)
-    assert told.holds
-    assert told.margin == pytest.approx(4.3 - fallen, abs=1e-9)
+    assert reported.value == pytest.approx(fallen, abs=1e-9)
+    assert reported.holds
+    assert reported.margin == pytest.approx(4.3 - fallen, abs=1e-9)
     assert 4.2 < fallen <= 4.3
 
 
@@ -143,9 +143,9 @@ def test_points_on_a_given_law_are_checked() -> None:
     assert design.status == "infeasible"
     x = 20.3 / UP
     there = LIFT * (x - np.sin(2.0 * pi * x) / (2.0 * pi))
-    told = extreme(design, "program/0/points/0/travel_mm")
-    assert told.value == pytest.approx(there, rel=1e-12)
-    assert not told.holds
+    reported = extreme(design, "program/0/points/0/travel_mm")
+    assert reported.value == pytest.approx(there, rel=1e-12)
+    assert not reported.holds
     (change,) = (r for r in design.conflict.relaxations if "points" in r.field)
     assert change.needed == pytest.approx(9.7 - there, rel=1e-5)
 
@@ -156,11 +156,11 @@ def test_an_analysis_tells_of_windows() -> None:
     found = analyse(cam({**cycloidal, "windows": [window]}, cycloidal, base_radius_mm=90.0,
                         follower={"kind": "translating_roller", "roller_radius_mm": 9.1,
                                   "offset_mm": 3.1}))  # fmt: skip
-    (told,) = (e for e in found.extremes if "windows" in e.field)
+    (reported,) = (e for e in found.extremes if "windows" in e.field)
     x = 40.0 / UP
     a = LIFT / np.radians(UP) ** 2 * 2.0 * pi * np.sin(2.0 * pi * x) * OMEGA**2
-    assert told.value == pytest.approx(a, rel=1e-9)
-    assert told.angle_deg == pytest.approx(40.0)
+    assert reported.value == pytest.approx(a, rel=1e-9)
+    assert reported.angle_deg == pytest.approx(40.0)
     assert "program_0_window_0_acceleration_min" in found.violated
 
 
@@ -208,15 +208,15 @@ def test_a_window_that_ends_at_a_jump_sees_its_own_side() -> None:
     for first, last, value in ((2.0, UP / 2.0, 4.0), (UP / 2.0, 61.3, -4.0)):
         window = {"from_deg": first, "to_deg": last, "acceleration_mm_per_s2": bounds}
         spec = cam({**parabolic, "windows": [window]}, parabolic)
-        told = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
+        reported = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
         for side in bounds:
-            found = told[f"program/0/windows/0/acceleration_mm_per_s2/{side}"]
+            found = reported[f"program/0/windows/0/acceleration_mm_per_s2/{side}"]
             assert found.value == pytest.approx(value * unit, rel=1e-12)
             assert found.holds == (side == "max" or value > 0.0)
     window = {"from_deg": 2.0, "to_deg": 61.3, "jerk_mm_per_s3": {"max": 1e9}}
     spec = cam({**parabolic, "windows": [window]}, parabolic)
-    told = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
-    assert told["program/0/windows/0/jerk_mm_per_s3/max"].value is None
+    reported = judged(spec, Motion.of(spec.placed_segments()), (0.0, 60.0))
+    assert reported["program/0/windows/0/jerk_mm_per_s3/max"].value is None
 
 
 # -- what makes no sense --------------------------------------------------------------------------
@@ -300,9 +300,9 @@ def test_a_point_of_a_small_move_far_up_is_still_exact() -> None:
     ]  # fmt: skip
     limits = [LIMITS[0], {"kind": "jerk", "max_mm_per_s3": 2e7}]
     design = synthesise(cam(program=program, limits=limits, tolerance=0.05))
-    told = extreme(design, "program/2/points/0/travel_mm")
-    assert told.holds
-    assert told.width <= told.margin <= 1.001e-9 * small
+    reported = extreme(design, "program/2/points/0/travel_mm")
+    assert reported.holds
+    assert reported.width <= reported.margin <= 1.001e-9 * small
 
 
 # -- followers on arms ----------------------------------------------------------------------------
@@ -329,13 +329,13 @@ def test_on_arms_windows_and_points_are_in_degrees() -> None:
     window = {"from_deg": 31.3, "to_deg": 80.1, "velocity_deg_per_s": {"max": -7.0}}
     point = {"angle_deg": 90.7, "travel_deg": travel[1], "velocity_deg_per_s": speed[1]}
     found = analyse(swung(windows=[window], points=[point]))
-    told = {e.field: e for e in found.extremes}
-    slowest = told["program/2/windows/0/velocity_deg_per_s/max"]
+    reported = {e.field: e for e in found.extremes}
+    slowest = reported["program/2/windows/0/velocity_deg_per_s/max"]
     assert slowest.unit == "deg/s"
     assert slowest.value == pytest.approx(speed[0], rel=1e-9)
     assert slowest.holds
     for name, value in (("travel_deg", travel[1]), ("velocity_deg_per_s", speed[1])):
-        there = told[f"program/2/points/0/{name}"]
+        there = reported[f"program/2/points/0/{name}"]
         assert there.value == pytest.approx(value, rel=1e-9)
         assert there.holds
     off = {**point, "travel_deg": travel[1] + 1e-6, "velocity_deg_per_s": None}

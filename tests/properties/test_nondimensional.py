@@ -220,14 +220,14 @@ def test_a_question_in_its_own_units_leaves_no_number_in_others() -> None:
     seen = set[str]()
     for body in (*MACHINES.values(), *examples):
         question = NondimensionalSpec.of(DesignSpec.model_validate(body))
-        asked, natural = (
+        request, natural = (
             dict(numbers(spec.model_dump(mode="json")))
             for spec in (question.physical, question.scaled)
         )
-        for place in asked.keys() & natural.keys():
+        for place in request.keys() & natural.keys():
             length, time = powers(place[1])
             unit = question.units.length**length * question.units.time**time
-            assert natural[place] * unit == pytest.approx(asked[place], rel=1e-10), place
+            assert natural[place] * unit == pytest.approx(request[place], rel=1e-10), place
             seen.add(place[1])
     assert seen > {"max_mpa", "moving_mass_kg", "distance_mm", "rate_n_per_mm", "velocity_mm_per_s"}
 
@@ -238,9 +238,11 @@ def test_what_is_given_comes_back_to_the_last_digit() -> None:
         assert question.to_physical(question.scaled) is question.physical
         low, high = ends(question.scaled.base_radius_mm)
         radius = 0.3 * low + 0.7 * high if low > 0.0 and high < inf else 3.0
-        told = question.to_physical(question.scaled.model_copy(update={"base_radius_mm": radius}))
-        assert told.base_radius_mm == radius * question.units.length
-        assert told.model_copy(update={"base_radius_mm": None}) == (
+        reported = question.to_physical(
+            question.scaled.model_copy(update={"base_radius_mm": radius})
+        )
+        assert reported.base_radius_mm == radius * question.units.length
+        assert reported.model_copy(update={"base_radius_mm": None}) == (
             question.physical.model_copy(update={"base_radius_mm": None})
         )
 

@@ -21,12 +21,12 @@ for name in ("undercut-limit", "tilted-flat-face", "no-residual-vibration"):
 
 def designs(seed: str, threads: str) -> str:
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-    told = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
-    told |= dict.fromkeys(names, threads)
+    reported = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
+    reported |= dict.fromkeys(names, threads)
     run = subprocess.run(
         [sys.executable, "-c", SCRIPT],
         cwd=ROOT,
-        env=told,
+        env=reported,
         capture_output=True,
         text=True,
         check=True,

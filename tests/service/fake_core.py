@@ -36,8 +36,8 @@ def prepare() -> None:
 def task(spec: bytes, budget_s: float, also: Sequence[Any] = (), near: Any = None) -> Answer:
     """Leaves its id to the next, which tells with that where it has begun."""
 
-    def begun(asked: DesignSpec, deadline: float, neighbours: list[Any]) -> Design:
-        found = synthesise(asked, deadline=deadline)
+    def begun(question: DesignSpec, deadline: float, neighbours: list[Any]) -> Design:
+        found = synthesise(question, deadline=deadline)
         found = found if near is None else found.with_warm_start(near)
         neighbours.append(found.id)
         return found

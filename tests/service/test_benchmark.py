@@ -22,8 +22,8 @@ def one_service() -> Iterator[None]:
 
 def test_the_benchmark_of_http_runs() -> None:
     times = section("http", TRIAL).parts[0].markdown()
-    for told in ("whole request", "core, as reported", "added by HTTP", "from the store"):
-        assert told in times
+    for reported in ("whole request", "core, as reported", "added by HTTP", "from the store"):
+        assert reported in times
 
 
 def test_the_benchmark_of_sweeps_runs() -> None:
@@ -38,8 +38,8 @@ def test_the_benchmark_of_large_sweeps_runs() -> None:
     assert isinstance(times, Table)
     assert isinstance(memory, Table)
     assert times.rows[0][0] == "10"
-    for _, *told in memory.rows:
-        now, peak, worker, most, share = (float(size.removesuffix(" MiB")) for size in told)
+    for _, *reported in memory.rows:
+        now, peak, worker, most, share = (float(size.removesuffix(" MiB")) for size in reported)
         assert 50.0 < now <= peak
         assert 50.0 < worker <= most
         assert worker < share < 1000.0

@@ -50,8 +50,8 @@ def test_a_scheduler_elsewhere_is_set_as_one_of_our_own() -> None:
     """Dask reads its settings from variables; what they come to is what the engine sets."""
     declared = dask.config.collect_env(SERVICES["scheduler"]["environment"])
     for name, value in declared["distributed"]["scheduler"].items():
-        asked = CONFIGURATION[f"distributed.scheduler.{name.replace('_', '-')}"]
-        assert (value, type(value)) == (asked, type(asked)), name
+        question = CONFIGURATION[f"distributed.scheduler.{name.replace('_', '-')}"]
+        assert (value, type(value)) == (question, type(question)), name
     assert len(declared["distributed"]["scheduler"]) == 3
 
 

@@ -17,11 +17,11 @@ from synthesis.exporters.bundle import folders
 from synthesis.exporters.diagrams.timing import timing_diagram
 from synthesis.numerics import clock
 from synthesis.spec.cam_set import MAX_CAMS, within_half_turn, wrap_turn
-from tests.studies.cam_sets import INLET, PRESS, asked, body
+from tests.studies.cam_sets import INLET, PRESS, body, question
 
 
 def test_the_shaft_gives_speed_and_sense() -> None:
-    found = asked(rotation="cw")
+    found = question(rotation="cw")
     for cam in found.cams:
         assert (cam.spec.speed_rpm, cam.spec.rotation) == (143.7, "cw")
     assert [cam.spec.name for cam in found.cams] == ["inlet", "press"]
@@ -33,15 +33,15 @@ def test_given_once_more_they_say_the_same() -> None:
     explicit = body()
     for cam in explicit["cams"]:
         cam["spec"] = {"speed_rpm": 143.7, "rotation": "ccw", "name": cam["name"]} | cam["spec"]
-    assert CamSetSpec.model_validate(explicit) == asked()
-    assert set_id(CamSetSpec.model_validate(explicit)) == set_id(asked())
+    assert CamSetSpec.model_validate(explicit) == question()
+    assert set_id(CamSetSpec.model_validate(explicit)) == set_id(question())
 
 
 def test_what_was_written_is_read_again() -> None:
     """Strictly, as the service reads it."""
-    text = asked().model_dump_json()
-    assert CamSetSpec.model_validate_json(text, strict=True) == asked()
-    assert CamSetSpec.model_validate_json(json.dumps(body()), strict=True) == asked()
+    text = question().model_dump_json()
+    assert CamSetSpec.model_validate_json(text, strict=True) == question()
+    assert CamSetSpec.model_validate_json(json.dumps(body()), strict=True) == question()
 
 
 @pytest.mark.parametrize(("field", "value"), [("speed_rpm", 143.6), ("rotation", "cw")])
@@ -49,7 +49,7 @@ def test_a_cam_that_turns_otherwise_is_refused(field: str, value: Any) -> None:
     cams = body()["cams"]
     cams[1] = cams[1] | {"spec": PRESS | {field: value}}
     with pytest.raises(ValidationError, match=rf"{field} is {value} here"):
-        asked(cams=cams)
+        question(cams=cams)
 
 
 @pytest.mark.parametrize(
@@ -66,25 +66,25 @@ def test_a_cam_that_turns_otherwise_is_refused(field: str, value: Any) -> None:
     ids=str,
 )
 def test_another_question_has_another_id(changes: dict[str, Any]) -> None:
-    assert set_id(asked(**changes)) != set_id(asked())
+    assert set_id(question(**changes)) != set_id(question())
 
 
 def test_how_many_cams() -> None:
-    asked(cams=[{"spec": INLET}] * MAX_CAMS)
+    question(cams=[{"spec": INLET}] * MAX_CAMS)
     for cams in ([], [{"spec": INLET}] * (MAX_CAMS + 1)):
         with pytest.raises(ValidationError, match="cams"):
-            asked(cams=cams)
+            question(cams=cams)
 
 
 @pytest.mark.parametrize("cams", [None, 3, [3], [{"spec": 3}], [{}], {"0": {}}])
 def test_what_is_no_list_of_cams(cams: Any) -> None:
     with pytest.raises(ValidationError):
-        asked(cams=cams)
+        question(cams=cams)
 
 
 def test_a_wrong_speed_is_told_once() -> None:
     with pytest.raises(ValidationError) as caught:
-        asked(speed_rpm=-3.0)
+        question(speed_rpm=-3.0)
     assert [error["loc"] for error in caught.value.errors()] == [("speed_rpm",)]
 
 
@@ -96,18 +96,18 @@ def test_directions() -> None:
 
 
 def test_every_cam_is_the_one_that_is_designed_alone() -> None:
-    found = synthesise_set(asked())
-    for cam, spec in zip(found.cams, asked().cams, strict=True):
+    found = synthesise_set(question())
+    for cam, spec in zip(found.cams, question().cams, strict=True):
         alone = synthesise(DesignSpec.model_validate(spec.spec.model_dump()))
         assert cam.design.id == alone.id
         assert cam.design.model_copy(update={"report": alone.report}) == alone
     assert found.status == "optimal"
-    assert found.id == set_id(asked())
+    assert found.id == set_id(question())
 
 
 def test_cams_without_a_name_are_numbered() -> None:
     cams = [{"spec": INLET}, {"name": " ", "spec": PRESS | {"name": "press"}}]
-    assert [cam.name for cam in synthesise_set(asked(cams=cams)).cams] == ["cam 1", "press"]
+    assert [cam.name for cam in synthesise_set(question(cams=cams)).cams] == ["cam 1", "press"]
 
 
 # --- time and trouble -----------------------------------------------------------------------------
@@ -131,21 +131,21 @@ def test_cams_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("synthesis.studies.cam_set.synthesise", slow({}, until))
     cams = [{"name": f"cam {i}", "spec": INLET} for i in range(4)]
     monkeypatch.setattr(clock, "now", lambda: 1000.0)  # no cam needs any time
-    synthesise_set(asked(cams=cams), deadline=1400.0)
+    synthesise_set(question(cams=cams), deadline=1400.0)
     assert until == pytest.approx([1100.0, 1000.0 + 400.0 / 3.0, 1200.0, 1400.0])
     until.clear()
-    synthesise_set(asked(cams=cams, time_budget_s=40.0), deadline=1400.0)
+    synthesise_set(question(cams=cams, time_budget_s=40.0), deadline=1400.0)
     assert until[0] == 1010.0
 
 
 def test_where_time_ends_the_best_of_all_cams_is_handed_over(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    best = synthesise(asked().cams[0].spec).model_copy(update={"status": "feasible"})
+    best = synthesise(question().cams[0].spec).model_copy(update={"status": "feasible"})
     late = slow({"inlet": TimeBudgetExceeded(1.0, best)}, [])
     monkeypatch.setattr("synthesis.studies.cam_set.synthesise", late)
     with pytest.raises(TimeBudgetExceeded) as caught:
-        synthesise_set(asked())
+        synthesise_set(question())
     found = pickle.loads(pickle.dumps(caught.value)).best
     assert [cam.design.status for cam in found.cams] == ["feasible", "optimal"]
     assert found.status == "feasible"
@@ -156,7 +156,7 @@ def test_where_a_cam_has_nothing_there_is_no_set(monkeypatch: pytest.MonkeyPatch
         "synthesis.studies.cam_set.synthesise", slow({"press": TimeBudgetExceeded(1.0)}, [])
     )
     with pytest.raises(TimeBudgetExceeded) as caught:
-        synthesise_set(asked())
+        synthesise_set(question())
     assert caught.value.best is None
 
 
@@ -164,13 +164,13 @@ def test_a_failed_solver_is_told_with_its_cam(monkeypatch: pytest.MonkeyPatch) -
     failed = SolverFailed("clarabel", "NumericalError", "Scale the problem.")
     monkeypatch.setattr("synthesis.studies.cam_set.synthesise", slow({"press": failed}, []))
     with pytest.raises(SolverFailed, match=r"/cams/1\. Scale the problem"):
-        synthesise_set(asked())
+        synthesise_set(question())
 
 
 def test_cams_that_share_a_name_are_told_apart_by_their_number() -> None:
     given = ["valve", "press (1)", "valve", "", "valve (3)"]
     cams = [{"name": name, "phase_deg": 20.7 * i, "spec": INLET} for i, name in enumerate(given)]
-    found = synthesise_set(asked(cams=cams))
+    found = synthesise_set(question(cams=cams))
     assert [cam.name for cam in found.cams] == [
         "valve (1)", "press (1)", "valve (3) (3)", "cam 4", "valve (3) (5)"
     ]  # fmt: skip

@@ -48,5 +48,5 @@ def body(**changes: Any) -> dict[str, Any]:
     }
 
 
-def asked(**changes: Any) -> CamSetSpec:
+def question(**changes: Any) -> CamSetSpec:
     return CamSetSpec.model_validate(body(**changes))

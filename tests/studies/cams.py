@@ -39,12 +39,12 @@ def roller(radius: float, offset: float = 7.1) -> dict[str, Any]:
 class Textbook:
     """s to s''', pressure angle [deg] and pitch curvature by the formulas of the literature."""
 
-    def __init__(self, asked: DesignSpec, points: int = 400_001) -> None:
+    def __init__(self, question: DesignSpec, points: int = 400_001) -> None:
         self.degrees = np.linspace(0.0, 360.0, points)
         theta = np.radians(self.degrees)
-        motion = Motion.of(asked.placed_segments())
-        e, roller_radius = asked.follower.offset_mm, asked.follower.roller_radius_mm
-        prime = asked.base_radius_mm + roller_radius
+        motion = Motion.of(question.placed_segments())
+        e, roller_radius = question.follower.offset_mm, question.follower.roller_radius_mm
+        prime = question.base_radius_mm + roller_radius
         self.s = s = motion.derivatives(theta, 3)
         x, u = s[0] + np.sqrt(prime**2 - e**2), s[1] - e
         self.alpha = np.degrees(np.arctan(u / x))

@@ -33,9 +33,9 @@ def extreme(found: Analysis, name: str) -> Any:
 
 
 def test_extremes_of_every_curve_are_those_of_the_textbook() -> None:
-    asked = spec()
-    found, book = given(), Textbook(asked)
-    omega = rad_per_s(asked.speed_rpm)
+    question = spec()
+    found, book = given(), Textbook(question)
+    omega = rad_per_s(question.speed_rpm)
     names = ("displacement", "velocity", "acceleration", "jerk")
     expected = {name: book.s[k] * omega**k for k, name in enumerate(names)}
     expected |= {"pressure_angle": book.alpha, "pitch_curvature": book.curvature}
@@ -84,8 +84,8 @@ def test_the_size_that_mends_it_is_the_smallest(offset: str) -> None:
         assert Textbook(smaller, 20_001).alpha.max() > 31.7 or broken_on_return(smaller)
 
 
-def broken_on_return(asked: DesignSpec) -> bool:
-    book = Textbook(asked, 20_001)
+def broken_on_return(question: DesignSpec) -> bool:
+    book = Textbook(question, 20_001)
     back = (book.degrees >= 114.5) & (book.degrees <= 203.4)
     return bool(np.min(book.alpha[back]) < -43.1)
 
@@ -100,8 +100,8 @@ def test_a_cam_that_holds_has_nothing_to_mend() -> None:
 
 
 def test_undercut_is_found_where_the_curvature_is_largest(request: pytest.FixtureRequest) -> None:
-    asked = spec(base_radius_mm=2.6, limits=[], follower=roller(17.9, -4.3))
-    found, book = analyse(asked), Textbook(asked)
+    question = spec(base_radius_mm=2.6, limits=[], follower=roller(17.9, -4.3))
+    found, book = analyse(question), Textbook(question)
     k = int(np.argmax(book.curvature))
     radius = 1.0 / book.curvature[k]
     assert radius < 17.9
@@ -129,8 +129,8 @@ def test_a_roller_as_large_as_the_radius_makes_a_cusp() -> None:
 
 @pytest.mark.usefixtures("unmended")
 def test_jumps_are_one_sided() -> None:
-    asked = spec(program=program("parabolic", "simple_harmonic"))
-    found, omega = analyse(asked), rad_per_s(137.0)
+    question = spec(program=program("parabolic", "simple_harmonic"))
+    found, omega = analyse(question), rad_per_s(137.0)
     beta, back = math.radians(73.3), math.radians(88.9)
     a, b = 4.0 * 23.7 / beta**2 * omega**2, math.pi**2 * 23.7 / 2.0 / back**2 * omega**2
     expected = {

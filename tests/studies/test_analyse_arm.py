@@ -29,18 +29,18 @@ def arm(**changes: Any) -> dict[str, Any]:
     return ARM | changes
 
 
-def asked(**changes: Any) -> Any:
+def question(**changes: Any) -> Any:
     return spec("oscillating_roller", 1, **changes)
 
 
 def test_the_angle_at_rest_says_the_same_as_the_base_radius() -> None:
-    by_radius = analyse(asked())
+    by_radius = analyse(question())
     for changes in (
         {"follower": arm(initial_angle_deg=ANGLE), "base_radius_mm": None},
         {"follower": arm(initial_angle_deg=ANGLE)},
         {"follower": arm(initial_angle_deg={"min": 20.0}), "base_radius_mm": BASE},
     ):
-        found = analyse(asked(**changes))
+        found = analyse(question(**changes))
         for name, value in by_radius.dimensions.items():
             assert found.dimensions[name] == pytest.approx(value, rel=1e-12), name
         assert found.holds
@@ -60,16 +60,16 @@ def test_the_angle_at_rest_says_the_same_as_the_base_radius() -> None:
 )
 def test_what_is_left_free_is_named(changes: dict[str, Any], field: str) -> None:
     with pytest.raises(InputError) as caught:
-        analyse(asked(**changes))
+        analyse(question(**changes))
     assert caught.value.field == field
 
 
 @pytest.mark.usefixtures("unmended")
 def test_jumps_are_told_in_degrees() -> None:
-    program = [segment.model_dump(exclude_none=True) for segment in asked().program]
+    program = [segment.model_dump(exclude_none=True) for segment in question().program]
     program[0]["law"] = {"kind": "parabolic"}
-    found = analyse(asked(program=program, limits=[]))
-    beta, omega = radians(97.3), asked().machine().omega
+    found = analyse(question(program=program, limits=[]))
+    beta, omega = radians(97.3), question().machine().omega
     peak = 4.0 * LIFTS["oscillating_roller"] / beta**2 * omega**2
     jumps = [jump for jump in found.jumps if jump.curve == "acceleration"]
     assert [jump.unit for jump in jumps] == ["deg/s²"] * 3
@@ -84,7 +84,7 @@ def test_jumps_are_told_in_degrees() -> None:
 
 @pytest.mark.usefixtures("unmended")
 def test_a_roller_that_is_too_large_undercuts_and_says_where() -> None:
-    body = asked(follower=arm(roller_radius_mm=60.0), base_radius_mm=PRIME - 60.0)
+    body = question(follower=arm(roller_radius_mm=60.0), base_radius_mm=PRIME - 60.0)
     found = analyse(body)
     cam = given_cam(body)
     theta = np.linspace(0.0, 2.0 * pi, 72_001)
@@ -99,7 +99,7 @@ def test_a_roller_that_is_too_large_undercuts_and_says_where() -> None:
 
 
 def test_what_mends_it_names_the_arm_s_own_dimension() -> None:
-    found = analyse(asked(limits=[{"kind": "velocity", "max_deg_per_s": 100.0}]))
+    found = analyse(question(limits=[{"kind": "velocity", "max_deg_per_s": 100.0}]))
     assert found.violated == ["velocity"]
     (velocity,) = (r for r in found.remedy.relaxations if r.limit == "velocity")
     assert velocity.unit == "deg/s"

@@ -12,14 +12,14 @@ from synthesis import CamSet, synthesise_set
 from synthesis.design.cam_set import MountedCam
 from synthesis.exporters import PROFILE_FORMATS, PointOptions
 from tests.numerics.geometry import touch
-from tests.studies.cam_sets import asked
+from tests.studies.cam_sets import question
 
 SHAFT_DEG = 360.0 * (np.arange(19) + 0.414213562) / 19
 
 
 @pytest.fixture(scope="module", params=["ccw", "cw"])
 def found(request: pytest.FixtureRequest) -> CamSet:
-    return synthesise_set(asked(rotation=request.param))
+    return synthesise_set(question(rotation=request.param))
 
 
 def on_the_shaft(cam: MountedCam) -> np.ndarray:
@@ -81,18 +81,18 @@ def test_the_keyway_of_every_cam_meets_the_same_key(found: CamSet) -> None:
 
 def test_a_phase_turns_against_the_rotation() -> None:
     """By hand: cam angle 0 has to wait for 60° of a ccw turn, so the cam lies 60° clockwise."""
-    cams = [{**asked().cams[0].model_dump(mode="json", exclude={"spec"}), "phase_deg": 60.0}]
+    cams = [{**question().cams[0].model_dump(mode="json", exclude={"spec"}), "phase_deg": 60.0}]
     for rotation, turn in (("ccw", -60.0), ("cw", 60.0)):
-        spec = asked().cams[0].spec.model_dump(mode="json") | {"rotation": rotation}
+        spec = question().cams[0].spec.model_dump(mode="json") | {"rotation": rotation}
         spec["speed_rpm"] = 143.7
-        (cam,) = synthesise_set(asked(rotation=rotation, cams=[cams[0] | {"spec": spec}])).cams
+        (cam,) = synthesise_set(question(rotation=rotation, cams=[cams[0] | {"spec": spec}])).cams
         assert (cam.turn_deg, cam.mark_deg) == (turn, 90.0 + turn)
         assert cam.keyway_deg == 90.0 - turn
 
 
 def test_mirrored_shafts_mirror_their_cams() -> None:
     """Sense, direction and offset mirrored; offsets are defined to mirror with the sense."""
-    one, other = synthesise_set(asked()), asked(rotation="cw")
+    one, other = synthesise_set(question()), question(rotation="cw")
     direction = {"follower_direction_deg": 180.0 - 208.6}
     mirrored = other.model_copy(
         update={"cams": [other.cams[0], other.cams[1].model_copy(update=direction)]}

@@ -98,14 +98,14 @@ def test_what_mends_an_arm_s_pressure_angle_is_the_smallest_there_is(sense: str)
 
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_a_mended_arm_keeps_every_limit(sense: str) -> None:
-    asked, found = body(sense), analysed(sense)
+    question, found = body(sense), analysed(sense)
     assert found.remedy is not None
     for size in found.remedy.sizes:
         if size.status in WITHOUT_CAM:
             continue
         place = {"centre_distance_mm": size.dimensions["centre_distance_mm"]}
-        mended = asked | {
-            "follower": asked["follower"] | place,
+        mended = question | {
+            "follower": question["follower"] | place,
             "base_radius_mm": size.dimensions["base_radius_mm"],
         }
         again = analyse(DesignSpec.model_validate(mended))

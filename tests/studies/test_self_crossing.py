@@ -38,18 +38,18 @@ def crossing(found: Design) -> Any:
 
 @pytest.mark.usefixtures("unmended")
 def test_an_analysis_names_both_angles_and_the_depth() -> None:
-    asked = lobe()
-    found = analyse(asked)
+    question = lobe()
+    found = analyse(question)
     assert found.violated == ["self_crossing"]
     assert found.undercut is None
-    told = found.self_crossing
-    assert told is not None
-    motion, s0 = Motion.of(asked.placed_segments()), math.sqrt((BASE + 7.6) ** 2 - 1.3**2)
+    reported = found.self_crossing
+    assert reported is not None
+    motion, s0 = Motion.of(question.placed_segments()), math.sqrt((BASE + 7.6) ** 2 - 1.3**2)
     seen = brute(motion, 1.3, s0, 7.6)
     close = brute(motion, 1.3, s0, 7.6, (seen.profile, seen.roller, 6e-3))
-    assert told.depth_mm == pytest.approx(7.6 - close.distance, abs=1e-6)
-    assert told.profile_deg == pytest.approx(math.degrees(close.profile), abs=0.01)
-    assert told.roller_deg == pytest.approx(math.degrees(close.roller), abs=0.01)
+    assert reported.depth_mm == pytest.approx(7.6 - close.distance, abs=1e-6)
+    assert reported.profile_deg == pytest.approx(math.degrees(close.profile), abs=0.01)
+    assert reported.roller_deg == pytest.approx(math.degrees(close.roller), abs=0.01)
 
 
 def test_a_larger_cam_mends_it(request: pytest.FixtureRequest) -> None:

@@ -23,11 +23,11 @@ J = (OMEGA / (pi / 2.0)) ** 3
 
 
 def test_the_textbook_law_has_the_printed_peak() -> None:
-    a, j = CAM["told"]("polynomial_3_4_5_6")
+    a, j = CAM["peaks"]("polynomial_3_4_5_6")
     assert round(a) == 547
     assert a == pytest.approx(6.0 * A, rel=1e-9)
     assert j == pytest.approx(48.0 * J, rel=1e-9)
-    assert round(CAM["told"]("double_harmonic")[0]) == 900
+    assert round(CAM["peaks"]("double_harmonic")[0]) == 900
 
 
 def test_rise_and_return_are_one_polynomial_of_the_half_turn() -> None:
@@ -70,7 +70,7 @@ def test_the_closed_form_is_that_of_the_pulses(jerk: float) -> None:
 
 @pytest.mark.parametrize("law", CAM["TEXTBOOK"])
 def test_the_least_peak_at_the_same_jerk(law: str) -> None:
-    jerk = CAM["told"](law)[1]
+    jerk = CAM["peaks"](law)[1]
     design = CAM["optimum"](jerk)
     exact = CAM["least"](jerk / J) * A * INCH
     proof = design.certificate
@@ -81,7 +81,7 @@ def test_the_least_peak_at_the_same_jerk(law: str) -> None:
 
 
 def test_a_quarter_lower_than_the_textbook() -> None:
-    a, j = CAM["told"]("polynomial_3_4_5_6")
+    a, j = CAM["peaks"]("polynomial_3_4_5_6")
     lower = 1.0 - CAM["optimum"](j).certificate.value / (a * INCH)
     assert 0.25 <= lower <= 0.26
 
@@ -93,8 +93,8 @@ def test_the_example_of_the_service_is_this_cam() -> None:
     alike = example.model_copy(update={"speed_rpm": ours.speed_rpm, "limits": ours.limits})
     assert alike == ours
     assert example.speed_rpm == pytest.approx(ours.speed_rpm, rel=1e-12)
-    found, asked = example.limits[0].max_mm_per_s3, ours.limits[0].max_mm_per_s3
-    assert found == pytest.approx(asked, rel=1e-6)
+    found, question = example.limits[0].max_mm_per_s3, ours.limits[0].max_mm_per_s3
+    assert found == pytest.approx(question, rel=1e-6)
 
 
 def test_the_documented_table_is_what_the_command_prints() -> None:

@@ -140,9 +140,9 @@ def test_the_true_values_at_the_true_angles(column: str, truth: dict[str, np.nda
 
 
 def test_the_dimensions_are_those_of_the_example():
-    told = SPEC.follower.dimensions(SIZE)
-    assert told["base_radius_mm"] == pytest.approx(50.0, abs=1e-12)
-    assert told["prime_radius_mm"] == pytest.approx(60.0, abs=1e-12)
+    answer = SPEC.follower.dimensions(SIZE)
+    assert answer["base_radius_mm"] == pytest.approx(50.0, abs=1e-12)
+    assert answer["prime_radius_mm"] == pytest.approx(60.0, abs=1e-12)
     assert SPEC.machine().omega == pytest.approx(OMEGA, rel=1e-15)
 
 

@@ -91,10 +91,10 @@ def test_the_pressure_angle_reaches_the_sixties(
     found: Analysis, sense: str, over: str, start: float, end: float
 ) -> None:
     theta = np.linspace(radians(start), radians(end), 60_001)[1:-1]
-    told = alpha(theta, sense)
+    reported = alpha(theta, sense)
     value, at = largest(found, over)
-    assert value == pytest.approx(np.max(told), abs=1e-3)  # on the grid, ends left out
-    assert abs(at - degrees(theta[np.argmax(told)])) < 0.02
+    assert value == pytest.approx(np.max(reported), abs=1e-3)  # on the grid, ends left out
+    assert abs(at - degrees(theta[np.argmax(reported)])) < 0.02
     if (sense, over) in (("opposite", "rise"), ("same", "return")):
         known = {"opposite": 63.0592, "same": 58.7091}
         assert round(value, 4) == known[sense]
@@ -121,11 +121,11 @@ def test_the_sharpest_radius(found: Analysis, sense: str) -> None:
     speed = difference(lambda at: centre(at, sense), theta)
     bend = difference(lambda at: difference(lambda on: centre(on, sense), at, 1e-4), theta, 1e-4)
     curvature = -np.imag(np.conj(speed) * bend) / abs(speed) ** 3  # passed clockwise
-    told = {c.curve: c for c in found.curves}
-    assert told["convex_radius"].smallest.value == pytest.approx(
+    reported = {c.curve: c for c in found.curves}
+    assert reported["convex_radius"].smallest.value == pytest.approx(
         1.0 / np.max(curvature) - RR, rel=1e-4
     )
-    hollow = told["hollow_radius"].smallest
+    hollow = reported["hollow_radius"].smallest
     assert hollow.value == pytest.approx(RR - 1.0 / np.min(curvature), rel=2e-3)
     assert found.undercut is None
 

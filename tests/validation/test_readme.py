@@ -16,7 +16,7 @@ OVERVIEW = (ROOT / "docs/overview.md").read_text(encoding="utf-8")
 ROW = re.compile(
     r"^\| `([a-z0-9-]+)` \| (.*) \| ([\d.]+) mm \| (?:below )?([\d.]+) %, (.*) \|$", re.M
 )
-ROWS = {name: told for name, *told in ROW.findall(OVERVIEW)}
+ROWS = {name: reported for name, *reported in ROW.findall(OVERVIEW)}
 OVER = {"all laws": "all motion laws", "all sizes": "every size", "at that length": "alone"}
 
 

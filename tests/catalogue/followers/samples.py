@@ -133,14 +133,14 @@ def heading(angle: np.ndarray) -> Points:
     return np.stack([np.cos(angle), np.sin(angle)])
 
 
-def bodies(asked: DesignSpec, told: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
+def bodies(question: DesignSpec, reported: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
     """Every body of a follower by the path that it draws; ``told``: its dimensions."""
-    given = asked.follower.model_dump()
-    return BODIES[given["kind"]](given, told, s)
+    given = question.follower.model_dump()
+    return BODIES[given["kind"]](given, reported, s)
 
 
-def slide(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
-    e, prime = given["offset_mm"], told["prime_radius_mm"]
+def slide(given: dict, reported: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
+    e, prime = given["offset_mm"], reported["prime_radius_mm"]
     height = np.sqrt(prime**2 - e**2) + s
     main = Body(np.stack([e + 0.0 * s, height]), None, 0.0, given["roller_radius_mm"])
     own = given["closure"]
@@ -150,15 +150,15 @@ def slide(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Bo
     return {"main": main, "counter": Body(place, None, 0.0, own["roller_radius_mm"])}
 
 
-def face(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
+def face(given: dict, reported: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
     tilt = np.radians(given.get("tilt_deg", 0.0))
     # at the distance Rb from the axis when lowest, lifted along y
     normal = np.stack([-np.sin(tilt) + 0.0 * s, np.cos(tilt) + 0.0 * s])
-    return {"": Body(told["base_radius_mm"] * normal + [0.0 * s, s], None, 0.0, 0.0, normal)}
+    return {"": Body(reported["base_radius_mm"] * normal + [0.0 * s, s], None, 0.0, 0.0, normal)}
 
 
-def lever(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
-    l, d, prime = given["arm_mm"], given["centre_distance_mm"], told["prime_radius_mm"]
+def lever(given: dict, reported: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
+    l, d, prime = given["arm_mm"], given["centre_distance_mm"], reported["prime_radius_mm"]
     direction = np.radians(given["pivot_direction_deg"])
     pivot = d * heading(np.array(direction))
     turn = -1.0 if given["sense"] == "opposite" else 1.0
@@ -177,11 +177,11 @@ def lever(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Bo
     return {"main": main, "counter": counter}
 
 
-def hinge(given: dict, told: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
+def hinge(given: dict, reported: Mapping[str, float], s: np.ndarray) -> dict[str, Body]:
     d, f = given["centre_distance_mm"], given["face_offset_mm"]
     direction = np.radians(given["pivot_direction_deg"])
     turn = -1.0 if given["sense"] == "opposite" else 1.0
-    start = np.arcsin((told["base_radius_mm"] + f) / d)
+    start = np.arcsin((reported["base_radius_mm"] + f) / d)
     along = direction + np.pi + turn * (start + s / d)
     outward = heading(along + 0.5 * np.pi * turn)
     pivot = d * heading(np.array(direction))

@@ -26,15 +26,15 @@ NAMES = ("displacement", "velocity", "acceleration", "jerk")
 family = pytest.mark.parametrize(("kind", "sample"), CASES)
 
 
-def profile(asked: DesignSpec, theta: np.ndarray) -> CamProfile:
-    cam = given_cam(asked)
-    return cam_profile(cam.motion, asked.follower, cam.size, asked.rotation, theta)
+def profile(question: DesignSpec, theta: np.ndarray) -> CamProfile:
+    cam = given_cam(question)
+    return cam_profile(cam.motion, question.follower, cam.size, question.rotation, theta)
 
 
-def per_unit(asked: DesignSpec) -> float:
+def per_unit(question: DesignSpec) -> float:
     """The core's mm in one unit of the wire's displacement: an arc at arm or centre distance."""
-    told = asked.follower.model_dump()
-    arm = told.get("arm_mm", told.get("centre_distance_mm"))
+    reported = question.follower.model_dump()
+    arm = reported.get("arm_mm", reported.get("centre_distance_mm"))
     return 1.0 if arm is None else arm * np.pi / 180.0
 
 
@@ -58,78 +58,80 @@ def test_every_closure_of_a_family_has_a_sample(family: type[Follower]) -> None:
 
 @family
 def test_it_goes_over_the_wire_and_back(kind: str, sample: int) -> None:
-    asked = spec(kind, sample)
-    assert DesignSpec.model_validate_json(asked.model_dump_json()) == asked
-    assert asked.follower.size_names in type(asked.follower).size_charts
-    assert len(given_cam(asked).size) == len(asked.follower.size_names)
-    assert not list(asked.left_free())
-    told = asked.follower.dimensions(given_cam(asked).size)
-    assert told["base_radius_mm"] == pytest.approx(SAMPLES[kind][sample][1], rel=1e-12)
+    question = spec(kind, sample)
+    assert DesignSpec.model_validate_json(question.model_dump_json()) == question
+    assert question.follower.size_names in type(question.follower).size_charts
+    assert len(given_cam(question).size) == len(question.follower.size_names)
+    assert not list(question.left_free())
+    reported = question.follower.dimensions(given_cam(question).size)
+    assert reported["base_radius_mm"] == pytest.approx(SAMPLES[kind][sample][1], rel=1e-12)
 
 
 @family
 def test_the_traced_point_s_derivatives_are_those_of_its_position(kind: str, sample: int) -> None:
-    asked = spec(kind, sample)
-    cam, theta = given_cam(asked), np.radians([17.3, 61.9, 120.1, 171.7, 229.9, 301.3])
+    question = spec(kind, sample)
+    cam, theta = given_cam(question), np.radians([17.3, 61.9, 120.1, 171.7, 229.9, 301.3])
     reach = np.full(len(theta), 0.02)
 
     def traced(angle: np.ndarray) -> np.ndarray:
-        found = asked.follower.position(cam.motion.derivatives(angle), cam.size)
+        found = question.follower.position(cam.motion.derivatives(angle), cam.size)
         return np.array(found[:3])
 
-    told = traced(theta)
+    reported = traced(theta)
     for order in range(2):
         slope, _ = slopes(lambda angle, k=order: traced(angle)[k], theta, reach)
-        for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
+        for name, mine, found in zip("xy", reported[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, np.array(1e-8))
 
 
 @family
 @pytest.mark.parametrize("turns", ["ccw", "cw"])
 def test_an_analysis_finds_the_extremes_of_the_profile(kind: str, sample: int, turns: str) -> None:
-    asked = spec(kind, sample, rotation=turns)
-    found = analyse(asked)
+    question = spec(kind, sample, rotation=turns)
+    found = analyse(question)
     assert found.holds, found.violated
     degrees = np.linspace(0.0, 360.0, 36_001)
-    p, omega = profile(asked, np.radians(degrees)), asked.machine().omega
-    curves = {f"{name}, turn": p.s[k] * omega**k / per_unit(asked) for k, name in enumerate(NAMES)}
+    p, omega = profile(question, np.radians(degrees)), question.machine().omega
+    curves = {
+        f"{name}, turn": p.s[k] * omega**k / per_unit(question) for k, name in enumerate(NAMES)
+    }
     starts = np.cumsum([0.0, 97.3, 41.2, 118.9, 102.6])
     for over in get_args(Over):
         at = [
-            i for i, segment in enumerate(asked.program) if over in ("turn", segment.kind)
+            i for i, segment in enumerate(question.program) if over in ("turn", segment.kind)
         ]  # fmt: skip
         inside = [(degrees >= starts[i]) & (degrees <= starts[i + 1]) for i in at]
         alpha = np.degrees(p.pressure_angle)
         curves[f"pressure_angle, {over}"] = alpha[np.any(inside, axis=0)]
     curves["pitch_curvature, turn"], curves["profile_radius, turn"] = p.curvature, p.radius
-    for told in found.curves:
-        want = curves.get(f"{told.curve}, {told.over}")
-        if want is None or told.curve == "jerk":  # at the ends of laws it has two values
+    for reported in found.curves:
+        want = curves.get(f"{reported.curve}, {reported.over}")
+        if want is None or reported.curve == "jerk":  # at the ends of laws it has two values
             continue
         scale = 1e-5 * np.max(abs(want)) + 1e-9
-        assert told.largest.value == pytest.approx(np.max(want), abs=scale), told.curve
-        assert told.smallest.value == pytest.approx(np.min(want), abs=scale), told.curve
+        assert reported.largest.value == pytest.approx(np.max(want), abs=scale), reported.curve
+        assert reported.smallest.value == pytest.approx(np.min(want), abs=scale), reported.curve
 
 
 @family
 def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> None:
-    asked = spec(kind, sample, objective=[{"kind": "peak_acceleration"}, {"kind": "rms_jerk"}])
-    unit, design = asked.follower.travel.unit, synthesise(asked)
+    question = spec(kind, sample, objective=[{"kind": "peak_acceleration"}, {"kind": "rms_jerk"}])
+    unit, design = question.follower.travel.unit, synthesise(question)
     assert design.certificate.certified
     assert set(design.objectives) == {
         f"peak_acceleration_{unit}_per_s2", f"rms_jerk_{unit}_per_s3",
     }  # fmt: skip
     theta = np.linspace(0.0, 2.0 * np.pi, 72_001)
-    s, omega = given_cam(asked).motion.derivatives(theta), asked.machine().omega
-    largest = [np.max(abs(s[k])) * omega**k / per_unit(asked) for k in range(4)]
-    told = {e.limit: e for e in design.extremes}
+    s, omega = given_cam(question).motion.derivatives(theta), question.machine().omega
+    largest = [np.max(abs(s[k])) * omega**k / per_unit(question) for k in range(4)]
+    reported = {e.limit: e for e in design.extremes}
     for order, name in enumerate(NAMES[1:], start=1):
-        assert told[name].unit == unit + ("/s", "/s²", "/s³")[order - 1]
-        assert abs(told[name].value) == pytest.approx(largest[order], rel=1e-3)
-        assert told[name].field.startswith(f"{name}/max_{unit}_per_s")
+        assert reported[name].unit == unit + ("/s", "/s²", "/s³")[order - 1]
+        assert abs(reported[name].value) == pytest.approx(largest[order], rel=1e-3)
+        assert reported[name].field.startswith(f"{name}/max_{unit}_per_s")
     peak = design.objectives[f"peak_acceleration_{unit}_per_s2"]
     assert peak == pytest.approx(largest[2], rel=1e-6)
-    assert told["displacement_join"].unit == unit
+    assert reported["displacement_join"].unit == unit
     other = {"mm": "deg", "deg": "mm"}[unit]
     for segment, levels in zip(design.motion, ((0, 1), (1, 1), (1, 0), (0, 0)), strict=True):
         ends = [getattr(segment, f"s_{end}_{unit}") for end in ("start", "end")]
@@ -140,8 +142,8 @@ def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> Non
 
 @family
 def test_every_format_writes_it(kind: str, sample: int) -> None:
-    asked = spec(kind, sample)
-    unit, design = asked.follower.travel.unit, synthesise(asked)
+    question = spec(kind, sample)
+    unit, design = question.follower.travel.unit, synthesise(question)
     profiles = {name: written(exporter, design) for name, exporter in PROFILE_FORMATS.items()}
     motions = {n: f.write(design, f.options()) for n, f in MOTION_FORMATS.items()}
     for name, content in {**profiles, **{f"motion {n}": c for n, c in motions.items()}}.items():
@@ -152,14 +154,14 @@ def test_every_format_writes_it(kind: str, sample: int) -> None:
         f"ds_{unit}_per_rad", f"d2s_{unit}_per_rad2", f"d3s_{unit}_per_rad3", "side",
     ]  # fmt: skip
     table = np.array(rows, dtype=float)
-    s = given_cam(asked).motion.derivatives(np.radians(table[:, 0]))
-    omega, inside = asked.machine().omega, table[:, -1] == 0
+    s = given_cam(question).motion.derivatives(np.radians(table[:, 0]))
+    omega, inside = question.machine().omega, table[:, -1] == 0
     for k in range(4):
         scale = 1e-9 * np.max(abs(table[:, 1 + k]))
-        wanted = s[k] * omega**k / per_unit(asked)
+        wanted = s[k] * omega**k / per_unit(question)
         np.testing.assert_allclose(table[inside, 1 + k], wanted[inside], rtol=0, atol=scale)
         if k:
-            wanted = s[k] / per_unit(asked)
+            wanted = s[k] / per_unit(question)
             np.testing.assert_allclose(
                 table[inside, 4 + k], wanted[inside], rtol=0, atol=scale / omega**k
             )

@@ -32,25 +32,25 @@ DWELLS = ((1, (0.13, 0.51, 0.87)), (3, (0.17, 0.43, 0.91)))
 class Made:
     """One flank of a finished cam."""
 
-    asked: DesignSpec
+    question: DesignSpec
     cam: Cam
     flank: Flank
 
     def profile(self, theta: np.ndarray, rotation: str = "ccw") -> CamProfile:
         return cam_profile(
-            self.cam.motion, self.asked.follower, self.cam.size, rotation, theta, "right",
+            self.cam.motion, self.question.follower, self.cam.size, rotation, theta, "right",
             self.flank,
         )  # fmt: skip
 
     def body(self, theta: np.ndarray) -> Body:
-        told = self.asked.follower.dimensions(self.cam.size)
-        return bodies(self.asked, told, self.cam.motion.curve(theta))[self.flank.path]
+        reported = self.question.follower.dimensions(self.cam.size)
+        return bodies(self.question, reported, self.cam.motion.curve(theta))[self.flank.path]
 
 
 def flanks(kind: str, sample: int) -> Iterator[Made]:
-    asked = spec(kind, sample)
-    for flank in asked.follower.flanks:
-        yield Made(asked, given_cam(asked), flank)
+    question = spec(kind, sample)
+    for flank in question.follower.flanks:
+        yield Made(question, given_cam(question), flank)
 
 
 def angles(count: int, share: float) -> np.ndarray:
@@ -179,8 +179,8 @@ def test_the_drive_turns_as_its_direction_does(kind: str, sample: int) -> None:
 
         slope, _ = slopes(driven, theta, np.minimum(0.02, 0.5 * nearest))
         s = made.cam.motion.derivatives(theta)
-        _, told = made.flank.trace.drive_direction(s, made.cam.size)
-        for name, mine, found in zip("xy", told, slope, strict=True):
+        _, reported = made.flank.trace.drive_direction(s, made.cam.size)
+        for name, mine, found in zip("xy", reported, slope, strict=True):
             agree(f"turn of the drive, {name}", theta, mine, found, np.array(1e-8))
 
 
@@ -194,8 +194,8 @@ def test_cam_and_follower_keep_touching(kind: str, sample: int) -> None:
         moved = body.place if body.outward is None else np.stack([x, y])
         unit = 1.0
         if body.pivot is not None:  # s is the arc of the arm, or of the centre distance
-            told = made.asked.follower.model_dump()
-            unit = told.get("arm_mm", told["centre_distance_mm"])
+            reported = made.question.follower.model_dump()
+            unit = reported.get("arm_mm", reported["centre_distance_mm"])
         vx, vy = body.velocity(moved) * p.s[1] / unit
         length = np.max(np.hypot(x, y)) + np.max(np.hypot(*body.place))
         np.testing.assert_allclose(x * ny - y * nx, vx * nx + vy * ny, atol=1e-12 * length)

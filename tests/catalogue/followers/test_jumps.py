@@ -31,20 +31,20 @@ def jumping(kind: str, sample: int) -> DesignSpec:
     return spec(kind, sample, laws=("parabolic", "simple_harmonic"), limits=[])
 
 
-def accelerations(asked: DesignSpec) -> dict[float, tuple[float, float]]:
+def accelerations(question: DesignSpec) -> dict[float, tuple[float, float]]:
     """The same in the wire's unit."""
-    unit = LIFTS[asked.follower.kind] * asked.machine().omega ** 2
+    unit = LIFTS[question.follower.kind] * question.machine().omega ** 2
     return {at: (before * unit, after * unit) for at, (before, after) in JUMPS.items()}
 
 
 @family
 def test_an_analysis_tells_both_sides(kind: str, sample: int) -> None:
-    asked = jumping(kind, sample)
-    found = analyse(asked)
-    told = {j.angle_deg: (j.before, j.after) for j in found.jumps if j.curve == "acceleration"}
-    wanted = accelerations(asked)
-    assert sorted(told) == pytest.approx(sorted(wanted), abs=1e-9)
-    for (_, mine), (_, value) in zip(sorted(told.items()), sorted(wanted.items()), strict=True):
+    question = jumping(kind, sample)
+    found = analyse(question)
+    reported = {j.angle_deg: (j.before, j.after) for j in found.jumps if j.curve == "acceleration"}
+    wanted = accelerations(question)
+    assert sorted(reported) == pytest.approx(sorted(wanted), abs=1e-9)
+    for (_, mine), (_, value) in zip(sorted(reported.items()), sorted(wanted.items()), strict=True):
         assert mine == pytest.approx(value, rel=1e-12, abs=1e-9)
     (summary,) = [c for c in found.curves if (c.curve, c.over) == ("acceleration", "turn")]
     most = max(max(pair) for pair in wanted.values())
@@ -55,15 +55,15 @@ def test_an_analysis_tells_both_sides(kind: str, sample: int) -> None:
 
 @family
 def test_the_curvature_jumps_to_what_the_profile_is_just_beside(kind: str, sample: int) -> None:
-    asked = jumping(kind, sample)
-    cam, found = given_cam(asked), analyse(asked)
+    question = jumping(kind, sample)
+    cam, found = given_cam(question), analyse(question)
     name = "profile_radius" if "face" in kind else "pitch_curvature"
     jumps = [j for j in found.jumps if j.curve.startswith(name)]
-    flank = asked.follower.flanks[0]
+    flank = question.follower.flanks[0]
     assert {round(j.angle_deg, 9) for j in jumps} == set(JUMPS)
     for angle in JUMPS:
         theta = np.radians((np.array([angle - 1e-7, angle + 1e-7])) % 360.0)
-        p = cam_profile(cam.motion, asked.follower, cam.size, "ccw", theta, flank=flank)
+        p = cam_profile(cam.motion, question.follower, cam.size, "ccw", theta, flank=flank)
         beside = p.radius if "face" in kind else p.curvature
         pairs = [(j.before, j.after) for j in jumps if j.angle_deg == pytest.approx(angle)]
         assert any(np.allclose(np.abs(pair), np.abs(beside), rtol=1e-6) for pair in pairs), (
@@ -73,19 +73,19 @@ def test_the_curvature_jumps_to_what_the_profile_is_just_beside(kind: str, sampl
 
 @family
 def test_tables_have_a_row_for_either_side(kind: str, sample: int) -> None:
-    asked = jumping(kind, sample)
-    design, unit = synthesise(asked), asked.follower.travel.unit
+    question = jumping(kind, sample)
+    design, unit = synthesise(question), question.follower.travel.unit
     motion = MOTION_FORMATS["csv"].write(design, MotionOptions())
     profile = PROFILE_FORMATS["csv"].write(design, ProfileOptions())
     for content in (motion, profile):
         rows = list(csv.DictReader(io.StringIO(content.decode())))
-        told = {
+        reported = {
             (round(float(row["theta_deg"]), 9) % 360.0, row["side"]): float(row[f"a_{unit}_per_s2"])
             for row in rows
             if row["side"] != "0"
         }
-        for angle, (before, after) in accelerations(asked).items():
-            assert told[angle, "-1"] == pytest.approx(before, rel=1e-9, abs=1e-9)
-            assert told[angle, "1"] == pytest.approx(after, rel=1e-9, abs=1e-9)
+        for angle, (before, after) in accelerations(question).items():
+            assert reported[angle, "-1"] == pytest.approx(before, rel=1e-9, abs=1e-9)
+            assert reported[angle, "1"] == pytest.approx(after, rel=1e-9, abs=1e-9)
         largest = max(abs(float(row[f"a_{unit}_per_s2"])) for row in rows)
-        assert largest == pytest.approx(max(map(max, accelerations(asked).values())), rel=1e-9)
+        assert largest == pytest.approx(max(map(max, accelerations(question).values())), rel=1e-9)

@@ -82,9 +82,9 @@ def test_a_swing_is_refused_where_the_smallest_radius_has_no_room(
 ):
     arm = ArmGeometry(length, (1.0, 1.0), (-INF, INF), 0.0)
     prime = third_side(length, 1.0, angle), third_side(length, 1.0, angle) * (1.0 + wider)
-    told = refused(arm, prime, length * swing)
-    assert told == ("swing_too_large" if angle + swing >= np.pi else "")
-    if not told:
+    reported = refused(arm, prime, length * swing)
+    assert reported == ("swing_too_large" if angle + swing >= np.pi else "")
+    if not reported:
         low, high = arm.prime_radii_for(prime, length * swing)
         assert low == prime[0]
         largest = enclosed_angle(length, 1.0, high)

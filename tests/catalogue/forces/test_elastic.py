@@ -29,11 +29,11 @@ def test_the_simulation_of_a_stiff_train_agrees(idle: Design) -> None:
     }  # fmt: skip
     train = {"masses": [link], "preload_n": PRELOAD}
     onset = idle.forces.float_onset_rpm
-    asked = TrainSpec.model_validate(
+    question = TrainSpec.model_validate(
         {"cam": idle.spec.model_dump(mode="json"), "train": train,
          "speeds_rpm": [RPM, 0.9 * onset, 1.1 * onset]}
     )  # fmt: skip
-    found = report_response(asked, idle)
+    found = report_response(question, idle)
     machine = idle.completed_spec.machine()
     size, theta = tuple(idle.size), [k * 6.283185 / 7200 for k in range(7200)]
     rigid = history(machine.follower, machine.load, machine.omega, idle.curve, size, theta).drive

@@ -16,8 +16,8 @@ family = pytest.mark.parametrize(("kind", "sample"), CASES)
 THETA = np.radians([3.1, 17.3, 48.9, 93.0, 97.9, 120.4, 133.3, 141.7, 190.2, 231.1, 256.0, 301.3])
 
 
-def course_of_forces(asked, theta):
-    cam, machine = given_cam(asked), asked.machine()
+def course_of_forces(question, theta):
+    cam, machine = given_cam(question), question.machine()
     return history(
         machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta
     ), cam  # fmt: skip
@@ -26,9 +26,9 @@ def course_of_forces(asked, theta):
 @family
 def test_the_drive_is_newton_s(kind: str, sample: int) -> None:
     """Positions alone, differentiated in time, and the load as it is told on the wire."""
-    asked = loaded(kind, sample)
-    found, cam = course_of_forces(asked, THETA)
-    told, omega = load_of(kind, sample), asked.speed_rpm * 2.0 * np.pi / 60.0
+    question = loaded(kind, sample)
+    found, cam = course_of_forces(question, THETA)
+    reported, omega = load_of(kind, sample), question.speed_rpm * 2.0 * np.pi / 60.0
     unit = np.max(cam.motion.curve(np.linspace(0.0, 6.28, 4001))) / LIFTS[kind]
     swings = "oscillating" in kind
     per = np.pi / 180.0 if swings else 1e-3  # rad or m in a unit of the wire
@@ -41,19 +41,19 @@ def test_the_drive_is_newton_s(kind: str, sample: int) -> None:
     acceleration = (at(step) - 2.0 * at(0.0) + at(-step)) / step**2
     degrees = np.degrees(THETA)
     gap = 13.0 + 360.0 - 120.5
-    low, high, after = (p["moment_n_m" if swings else "force_n"] for p in told["process"])
+    low, high, after = (p["moment_n_m" if swings else "force_n"] for p in reported["process"])
     process = np.where(
         (degrees >= 13.0) & (degrees < 120.5),
         low + (high - low) * (degrees - 13.0) / 107.5,
         after + (low - after) * ((degrees - 120.5) % 360.0) / gap,
     )
-    rate, preload = told["spring"].values()
-    side = asked.machine().load.side
+    rate, preload = reported["spring"].values()
+    side = question.machine().load.side
     if swings:
-        inertia, damping = told["moment_of_inertia_kg_m2"], told["damping_n_m_s_per_rad"]
+        inertia, damping = reported["moment_of_inertia_kg_m2"], reported["damping_n_m_s_per_rad"]
         elastic, weight = rate * at(0.0), 0.0
     else:
-        inertia, damping = told["moving_mass_kg"], told["damping_n_s_per_m"]
+        inertia, damping = reported["moving_mass_kg"], reported["damping_n_s_per_m"]
         elastic = rate * at(0.0) * 1e3
         weight = inertia * 9.80665 * np.cos(np.radians(37.0))
     whole = (
@@ -66,9 +66,9 @@ def test_the_drive_is_newton_s(kind: str, sample: int) -> None:
 @family
 def test_the_contact_force_s_moment_is_the_torque(kind: str, sample: int) -> None:
     """The shaft bears the moment of what the follower presses with on the cam."""
-    asked = loaded(kind, sample)
-    found, cam = course_of_forces(asked, THETA)
-    follower, s = asked.follower, cam.motion.derivatives(THETA)
+    question = loaded(kind, sample)
+    found, cam = course_of_forces(question, THETA)
+    follower, s = question.follower, cam.motion.derivatives(THETA)
     for flank in follower.flanks:
         (px, py), (dx, dy), *_ = flank.trace.position(s, cam.size)
         nx, ny = flank.trace.normal((dx + py, dy - px), s, cam.size)
@@ -78,24 +78,24 @@ def test_the_contact_force_s_moment_is_the_torque(kind: str, sample: int) -> Non
         assert moment == pytest.approx(found.torque, rel=1e-9, abs=1e-9)
     work = np.trapezoid
     dense = np.linspace(0.0, 2.0 * np.pi, 20_001)
-    turn, _ = course_of_forces(asked, dense)
-    told = report_forces(cam.motion, asked.machine(), cam.size)
-    assert told.torque.work_j == pytest.approx(work(turn.torque, dense), abs=1e-3)
-    scale = abs(told.torque.process_work_j) + abs(told.torque.loss_j)
-    assert abs(told.torque.balance_error_j) <= 1e-12 * scale
+    turn, _ = course_of_forces(question, dense)
+    reported = report_forces(cam.motion, question.machine(), cam.size)
+    assert reported.torque.work_j == pytest.approx(work(turn.torque, dense), abs=1e-3)
+    scale = abs(reported.torque.process_work_j) + abs(reported.torque.loss_j)
+    assert abs(reported.torque.balance_error_j) <= 1e-12 * scale
     lost = turn.damping * turn.s[1] * 1e-3
-    assert told.torque.loss_j == pytest.approx(work(lost, dense), rel=1e-7)
+    assert reported.torque.loss_j == pytest.approx(work(lost, dense), rel=1e-7)
 
 
 @family
 def test_two_ways_to_the_geometry_agree(kind: str, sample: int) -> None:
     """The judge's path of the traced point, and the followers' closed forms."""
-    asked = loaded(kind, sample)
-    found, cam = course_of_forces(asked, THETA)
-    machine = asked.machine()
+    question = loaded(kind, sample)
+    found, cam = course_of_forces(question, THETA)
+    machine = question.machine()
     finished = MeasuredCam.of(cam.motion, machine, cam.size)
     piece = finished.motion.curve.piece_of(THETA)
-    for flank in asked.follower.flanks:
+    for flank in question.follower.flanks:
 
         def measured(name, flank=flank):
             mine = force_quantity(name, flank, finished)
@@ -113,12 +113,12 @@ def test_two_ways_to_the_geometry_agree(kind: str, sample: int) -> None:
 
 @family
 def test_extremes_and_arcs_are_those_of_a_dense_turn(kind: str, sample: int) -> None:
-    asked = loaded(kind, sample, speed_rpm=611.0)
+    question = loaded(kind, sample, speed_rpm=611.0)
     dense = np.radians(np.linspace(0.0, 360.0, 36_001))
-    turn, cam = course_of_forces(asked, dense)
-    machine = asked.machine()
-    told = report_forces(cam.motion, machine, cam.size)
-    for flank in told.flanks:
+    turn, cam = course_of_forces(question, dense)
+    machine = question.machine()
+    reported = report_forces(cam.motion, machine, cam.size)
+    for flank in reported.flanks:
         force = turn.contact[flank.flank]
         assert flank.largest_n.value == pytest.approx(force.max(), rel=2e-4)
         assert flank.smallest_n.value == pytest.approx(force.min(), rel=2e-4)
@@ -126,19 +126,21 @@ def test_extremes_and_arcs_are_those_of_a_dense_turn(kind: str, sample: int) -> 
             pressure = turn.pressure[flank.flank].max()
             assert flank.largest_pressure_mpa.value == pytest.approx(pressure, rel=2e-4)
             assert flank.largest_pressure_mpa.value >= pressure * (1.0 - 1e-9)
-    assert told.torque.largest_n_m.value == pytest.approx(turn.torque.max(), rel=2e-4)
-    assert told.torque.smallest_n_m.value == pytest.approx(turn.torque.min(), rel=2e-4)
+    assert reported.torque.largest_n_m.value == pytest.approx(turn.torque.max(), rel=2e-4)
+    assert reported.torque.smallest_n_m.value == pytest.approx(turn.torque.min(), rel=2e-4)
     pressed = machine.load.side * turn.drive
     if machine.load.pushed_both_ways:
         crossed = np.flatnonzero(np.sign(pressed[1:]) != np.sign(pressed[:-1]))
-        assert np.degrees(dense[crossed]) == pytest.approx(told.changes_flank_deg, abs=0.006)
-        assert not told.floats
+        assert np.degrees(dense[crossed]) == pytest.approx(reported.changes_flank_deg, abs=0.006)
+        assert not reported.floats
         return
-    away = sum((arc.end_deg - arc.start_deg) % 360.0 for arc in told.floats)
+    away = sum((arc.end_deg - arc.start_deg) % 360.0 for arc in reported.floats)
     assert away == pytest.approx(360.0 * np.mean(pressed <= 0.0), abs=0.02)
-    assert bool(told.floats) == (told.float_onset_rpm is not None and told.float_onset_rpm < 611.0)
-    slow = loaded(kind, sample, speed_rpm=0.999 * told.float_onset_rpm).machine()
-    fast = loaded(kind, sample, speed_rpm=1.001 * told.float_onset_rpm).machine()
+    assert bool(reported.floats) == (
+        reported.float_onset_rpm is not None and reported.float_onset_rpm < 611.0
+    )
+    slow = loaded(kind, sample, speed_rpm=0.999 * reported.float_onset_rpm).machine()
+    fast = loaded(kind, sample, speed_rpm=1.001 * reported.float_onset_rpm).machine()
     assert not report_forces(cam.motion, slow, cam.size).floats
     assert report_forces(cam.motion, fast, cam.size).floats
 
@@ -147,16 +149,16 @@ def test_extremes_and_arcs_are_those_of_a_dense_turn(kind: str, sample: int) -> 
 def test_the_pressure_is_hertz_s_on_the_profile(kind: str, sample: int) -> None:
     """Curvature of the profile's own points, by circles through three of them."""
     if edged(kind, sample):
-        asked = loaded(kind, sample)
-        cam = given_cam(asked)
-        forces = report_forces(cam.motion, asked.machine(), cam.size)
+        question = loaded(kind, sample)
+        cam = given_cam(question)
+        forces = report_forces(cam.motion, question.machine(), cam.size)
         assert forces.flanks[0].largest_pressure_mpa is None
         return
-    asked = loaded(kind, sample)
+    question = loaded(kind, sample)
     theta = THETA[np.abs(np.degrees(THETA) - 120.4) > 1.0]
-    turn, cam = course_of_forces(asked, theta)
+    turn, cam = course_of_forces(question, theta)
     compliance = (1.0 - 0.29**2) / 203e3 + (1.0 - 0.3**2) / 206e3
-    for flank in asked.follower.flanks:
+    for flank in question.follower.flanks:
         step = 1e-3
 
         def place(angle, flank=flank):

@@ -33,8 +33,8 @@ def test_the_contact_sheet_shows_them_with_their_limits(pressed: Design) -> None
     words = [text.text or "" for text in root.iter() if text.tag.endswith("text")]
     for title in ("Contact force N, N", "Hertz pressure p, MPa", "Camshaft torque T, N m"):
         assert title in words
-    (told,) = [word for word in words if "limit 700" in word]
-    assert any(f"max {most}" in told for most in ("699.8", "699.9", "700"))
+    (reported,) = [word for word in words if "limit 700" in word]
+    assert any(f"max {most}" in reported for most in ("699.8", "699.9", "700"))
 
 
 def test_without_a_load_nothing_is_told(pressed: Design) -> None:  # noqa: F811

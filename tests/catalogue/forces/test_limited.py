@@ -113,10 +113,10 @@ def inside(values: np.ndarray) -> np.ndarray:
 
 
 def test_a_hertz_limited_cam_keeps_its_limit_everywhere(free: Design, pressed: Design) -> None:
-    told = {extreme.limit: extreme for extreme in pressed.extremes}["hertz_pressure"]
+    reported = {extreme.limit: extreme for extreme in pressed.extremes}["hertz_pressure"]
     assert pressed.certificate.certified
-    assert told.holds
-    assert 699.0 < told.value <= 700.0
+    assert reported.holds
+    assert 699.0 < reported.value <= 700.0
     assert free.forces.flanks[0].largest_pressure_mpa.value > 750.0
     assert pressed.dimensions["base_radius_mm"] > free.dimensions["base_radius_mm"] + 1.0
     for design in (free, pressed):
@@ -155,9 +155,9 @@ def test_each_limit_bites(free: Design, limit: dict[str, Any], name: str, short:
     }[name]
     assert (was < short) == (name == "contact_force_min")
     design = limited(limit)
-    told = {extreme.limit: extreme for extreme in design.extremes}[name]
+    reported = {extreme.limit: extreme for extreme in design.extremes}[name]
     assert design.certificate.certified
-    assert told.value == pytest.approx(short, rel=2e-3)
+    assert reported.value == pytest.approx(short, rel=2e-3)
     assert design.dimensions["base_radius_mm"] > free.dimensions["base_radius_mm"]
 
 
@@ -185,11 +185,11 @@ def test_a_process_force_may_jump_in_the_middle_of_a_rise(
     points = [(0, 0), (33.3, 400), (33.3, -60), (117.7, -60), (117.7, 300), (140, 0)]
     process = [{"angle_deg": a, "force_n": f} for a, f in points]
     design = limited(limit, process=process)
-    told = {extreme.limit: extreme for extreme in design.extremes}[name]
+    reported = {extreme.limit: extreme for extreme in design.extremes}[name]
     assert design.certificate.certified
-    assert told.value == pytest.approx(short, rel=2e-3)
+    assert reported.value == pytest.approx(short, rel=2e-3)
     # held along an arc that ends at a jump
-    assert min(abs(told.angle_deg - jump) for jump in (33.3, 117.7)) < 4.0
+    assert min(abs(reported.angle_deg - jump) for jump in (33.3, 117.7)) < 4.0
 
 
 @pytest.mark.parametrize("tilt", [0.0, -8.3])

@@ -19,8 +19,8 @@ ROLLERS = [case for case in CASES if "roller" in case[0] and not edged(*case)]
 
 
 def test_friction_is_that_of_a_slide_held_at_two_places() -> None:
-    asked = spec("translating_roller", 0, load=RUBBED)
-    cam, machine = given_cam(asked), asked.machine()
+    question = spec("translating_roller", 0, load=RUBBED)
+    cam, machine = given_cam(question), question.machine()
     theta = np.radians([11.0, 48.3, 88.8, 113.0, 151.0, 203.7, 246.1, 300.0])
     found = history(machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta)
     e, s0 = cam.size
@@ -46,28 +46,28 @@ def test_friction_is_that_of_a_slide_held_at_two_places() -> None:
 
 
 def test_with_friction_extremes_and_energy_hold_too() -> None:
-    asked = spec("translating_roller", 0, load=RUBBED)
-    cam, machine = given_cam(asked), asked.machine()
-    told = report_forces(cam.motion, machine, cam.size)
+    question = spec("translating_roller", 0, load=RUBBED)
+    cam, machine = given_cam(question), question.machine()
+    reported = report_forces(cam.motion, machine, cam.size)
     theta = np.radians(np.linspace(0.0, 360.0, 36_001))
     turn = history(machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta)
-    assert told.flanks[0].largest_n.value == pytest.approx(turn.contact[""].max(), rel=2e-4)
-    assert told.flanks[0].smallest_n.value == pytest.approx(turn.contact[""].min(), rel=2e-4)
-    assert told.torque.largest_n_m.value == pytest.approx(turn.torque.max(), rel=2e-4)
+    assert reported.flanks[0].largest_n.value == pytest.approx(turn.contact[""].max(), rel=2e-4)
+    assert reported.flanks[0].smallest_n.value == pytest.approx(turn.contact[""].min(), rel=2e-4)
+    assert reported.torque.largest_n_m.value == pytest.approx(turn.torque.max(), rel=2e-4)
     plain = report_forces(cam.motion, loaded("translating_roller", 0).machine(), cam.size)
-    assert told.torque.loss_j > plain.torque.loss_j * 1.5
-    assert abs(told.torque.balance_error_j) <= 1e-9 * told.torque.loss_j
+    assert reported.torque.loss_j > plain.torque.loss_j * 1.5
+    assert abs(reported.torque.balance_error_j) <= 1e-9 * reported.torque.loss_j
 
 
 @pytest.mark.parametrize(("kind", "sample"), ROLLERS)
 def test_rollers_roll_without_slip(kind: str, sample: int) -> None:
     """Cam and roller have one velocity where they touch; the pin turns with the follower."""
-    asked = loaded(kind, sample)
-    cam, machine = given_cam(asked), asked.machine()
+    question = loaded(kind, sample)
+    cam, machine = given_cam(question), question.machine()
     theta = np.radians([5.7, 33.0, 71.2, 120.0, 160.3, 222.2, 288.8])
     found = history(machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta)
     step = 1e-5
-    for flank in asked.follower.flanks:
+    for flank in question.follower.flanks:
 
         def at(angle, flank=flank):
             s = cam.motion.derivatives(angle)
@@ -93,19 +93,19 @@ def test_rollers_roll_without_slip(kind: str, sample: int) -> None:
 
 
 def test_the_life_is_the_catalogue_s() -> None:
-    asked = loaded("translating_roller", 0)
-    cam, machine = given_cam(asked), asked.machine()
-    (told,) = report_forces(cam.motion, machine, cam.size).rollers
+    question = loaded("translating_roller", 0)
+    cam, machine = given_cam(question), question.machine()
+    (reported,) = report_forces(cam.motion, machine, cam.size).rollers
     theta = np.radians((np.arange(36_000) + 0.5) / 100.0)
     turn = history(machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta)
     borne, speed = turn.contact[""], turn.rolling[""] * 60.0 / (2.0 * np.pi)
     equal = (np.mean(borne ** (10 / 3) * speed) / np.mean(speed)) ** 0.3
-    assert told.mean_speed_rpm == pytest.approx(np.mean(speed), rel=1e-6)
-    assert told.largest_speed_rpm == pytest.approx(np.max(speed), rel=1e-3)
-    assert told.equivalent_load_n == pytest.approx(equal, rel=1e-4)
-    assert told.life_million_turns == pytest.approx((9_600.0 / equal) ** (10 / 3), rel=1e-3)
-    hours = told.life_million_turns * 1e6 / (np.mean(speed) * 60.0)
-    assert told.life_hours == pytest.approx(hours, rel=1e-6)
+    assert reported.mean_speed_rpm == pytest.approx(np.mean(speed), rel=1e-6)
+    assert reported.largest_speed_rpm == pytest.approx(np.max(speed), rel=1e-3)
+    assert reported.equivalent_load_n == pytest.approx(equal, rel=1e-4)
+    assert reported.life_million_turns == pytest.approx((9_600.0 / equal) ** (10 / 3), rel=1e-3)
+    hours = reported.life_million_turns * 1e6 / (np.mean(speed) * 60.0)
+    assert reported.life_hours == pytest.approx(hours, rel=1e-6)
     # on a dwell cam and roller are two wheels
     still = history(
         machine.follower, machine.load, machine.omega, cam.motion, cam.size, [np.radians(320.0)]
@@ -131,13 +131,13 @@ def test_the_model_of_an_absolute_value_holds_it() -> None:
 
 
 def test_in_a_groove_the_roller_turns_back_where_it_changes_flank() -> None:
-    asked = loaded("translating_roller", 3)
-    cam, machine = given_cam(asked), asked.machine()
-    (told,) = report_forces(cam.motion, machine, cam.size).rollers
+    question = loaded("translating_roller", 3)
+    cam, machine = given_cam(question), question.machine()
+    (reported,) = report_forces(cam.motion, machine, cam.size).rollers
     theta = np.radians((np.arange(36_000) + 0.5) / 100.0)
     turn = history(machine.follower, machine.load, machine.omega, cam.motion, cam.size, theta)
     inner = turn.drive > 0.0
     assert 0.0 < np.mean(inner) <= 1.0
     speed = np.where(inner, turn.rolling["inner"], turn.rolling["outer"])
-    assert told.mean_speed_rpm == pytest.approx(np.mean(speed) * 60.0 / (2.0 * np.pi), rel=1e-4)
+    assert reported.mean_speed_rpm == pytest.approx(np.mean(speed) * 60.0 / (2.0 * np.pi), rel=1e-4)
     assert np.all(turn.rolling["outer"] > turn.rolling["inner"])

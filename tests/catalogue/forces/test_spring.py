@@ -40,8 +40,8 @@ def dense_rows(
     kind: str, sample: int, load: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """N = (s k + F0 + rest)/grip by unit springs: s, smallest and largest rest, grip."""
-    asked = spec(kind, sample, load=load | SPEEDS)
-    cam, machine = given_cam(asked), asked.machine()
+    question = spec(kind, sample, load=load | SPEEDS)
+    cam, machine = given_cam(question), question.machine()
     theta = np.concatenate(
         [np.radians(np.linspace(0.0, 360.0, 3_601)[:-1]), np.radians([120.5 - 1e-9])]
     )
@@ -67,8 +67,8 @@ def dense_rows(
     ],
 )  # fmt: skip
 def test_it_is_the_best_of_all_springs(kind: str, sample: int, load: dict[str, Any]) -> None:
-    asked = spec(kind, sample, load=load | SPEEDS)
-    cam, machine = given_cam(asked), asked.machine()
+    question = spec(kind, sample, load=load | SPEEDS)
+    cam, machine = given_cam(question), question.machine()
     ends = (0.0, np.inf)
     found = SpringProgram(cam.motion, machine, machine.load, cam.size, ends, ends).chosen()
     s, low, high, grip = dense_rows(kind, sample, load)

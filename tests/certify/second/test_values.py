@@ -104,10 +104,10 @@ def test_a_profile_that_crosses_itself_is_seen() -> None:
     sharp = cases.CASES["jerk cap on a parabolic law"].spec
     design = synthesise(DesignSpec.model_validate(sharp))
     line = next(x for x in confirm(design).lines if x.limit == "self_crossing")
-    told = next(x for x in design.extremes if x.limit == "self_crossing")
-    assert not told.holds
+    reported = next(x for x in design.extremes if x.limit == "self_crossing")
+    assert not reported.holds
     assert (line.holds, line.agrees) == (False, True)
-    lie = [x.model_copy(update={"holds": True}) if x is told else x for x in design.extremes]
+    lie = [x.model_copy(update={"holds": True}) if x is reported else x for x in design.extremes]
     lines = confirm(design.model_copy(update={"extremes": lie})).lines
     assert next(x for x in lines if x.limit == "self_crossing").agrees is False
 

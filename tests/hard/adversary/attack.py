@@ -139,7 +139,7 @@ def _joins(cam: Cam) -> bool:
             left, right = cam.grids[number][0], cam.grids[(number + 1) % len(cam.grids)][0]
             free = [m.free for m in (left, right) if m.free is not None]
             promised = min((law.get("smoothness", 2) for law in free), default=0)
-            asked = max(promised, cam.spec.get("continuity") or 0)
-            if order <= asked and abs(after - before) > 1e-8 * scale + 10.0 * rounding:
+            question = max(promised, cam.spec.get("continuity") or 0)
+            if order <= question and abs(after - before) > 1e-8 * scale + 10.0 * rounding:
                 return False
     return True

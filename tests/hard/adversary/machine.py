@@ -105,9 +105,9 @@ class Machine:
         elif self.kind == "translating_flat_face":
             yield Number("base", 1e-12 * stroke, inf, 0.05 * stroke, 60.0 * stroke)
         else:
-            swing, asked = self.program.stroke, follower.get("initial_angle_deg")
+            swing, question = self.program.stroke, follower.get("initial_angle_deg")
             last = (pi if self.kind == "oscillating_roller" else 0.5 * pi) - swing - 1e-4
-            angle = _number("angle", _scaled(asked, radians(1.0)), 0.02, max(0.03, last))
+            angle = _number("angle", _scaled(question, radians(1.0)), 0.02, max(0.03, last))
             yield Number("angle", max(angle.least, 1e-4), min(angle.most, last), angle.low, last)
             reach = follower.get("arm_mm") or 100.0
             yield _number("centre", follower.get("centre_distance_mm"), 0.5 * reach, 3.0 * reach)
@@ -198,9 +198,9 @@ class Machine:
         yield from self._standing()
 
     def _standing(self) -> Iterator[Quantity]:
-        asked = self.spec.get("base_radius_mm")
-        least, most = (asked, asked) if isinstance(asked, (int, float)) else (
-            (asked or {}).get("min"), (asked or {}).get("max"))  # fmt: skip
+        question = self.spec.get("base_radius_mm")
+        least, most = (question, question) if isinstance(question, (int, float)) else (
+            (question or {}).get("min"), (question or {}).get("max"))  # fmt: skip
         one = lambda v, s: v + 0.0 * s[0]  # noqa: E731
         yield Quantity("base above 0", lambda s, z: one(-self.base(z) / self.length(z), s))
         met = MET if least == most else 0.0
@@ -359,17 +359,17 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float))
 
 
-def _scaled(asked: Any, factor: float) -> Any:
-    if isinstance(asked, dict):
-        return {key: None if value is None else value * factor for key, value in asked.items()}
-    return None if asked is None else asked * factor
+def _scaled(question: Any, factor: float) -> Any:
+    if isinstance(question, dict):
+        return {key: None if value is None else value * factor for key, value in question.items()}
+    return None if question is None else question * factor
 
 
-def _number(name: str, asked: Any, low: float, high: float, floor: float = 1e-9) -> Number:
+def _number(name: str, question: Any, low: float, high: float, floor: float = 1e-9) -> Number:
     """A size variable, given, in a range, or open."""
-    if _is_number(asked):
-        return Number(name, asked, asked, asked, asked)
-    least, most = (asked or {}).get("min"), (asked or {}).get("max")
+    if _is_number(question):
+        return Number(name, question, question, question, question)
+    least, most = (question or {}).get("min"), (question or {}).get("max")
     least, most = floor if least is None else least, inf if most is None else most
     low, high = max(low, least), min(high, most)
     return Number(name, least, most, *((low, high) if low <= high else (least, least)))

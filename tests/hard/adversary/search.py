@@ -50,8 +50,8 @@ class Attack:
         self.spec = spec = program.spec
         self.program = program
         self.machine = Machine(spec, self.program)
-        asked = spec.get("objective") or {"kind": "base_radius"}
-        self.aim: str = (asked[0] if isinstance(asked, list) else asked)["kind"]
+        question = spec.get("objective") or {"kind": "base_radius"}
+        self.aim: str = (question[0] if isinstance(question, list) else question)["kind"]
         self.equations, self.values = self.program.joined()
         self.quantities = [*self.machine.quantities(), *self._peaks()]
         self.own_size = len(self.machine.numbers)

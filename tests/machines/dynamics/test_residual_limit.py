@@ -67,8 +67,8 @@ def hertz(swings: float, angle: float = FIRST) -> float:
     return swings * TURNS * 360.0 / angle
 
 
-def rings(asked: DesignSpec) -> tuple[VibrationBound, ...]:
-    return asked.limits[-1].vibration_bounds(asked.placed_segments(), asked.machine())
+def rings(question: DesignSpec) -> tuple[VibrationBound, ...]:
+    return question.limits[-1].vibration_bounds(question.placed_segments(), question.machine())
 
 
 @pytest.mark.parametrize("swings", [0.37, 1.83, 4.41])
@@ -78,14 +78,14 @@ def test_closed_forms_of_a_cycloidal_and_a_parabolic_rise(swings: float) -> None
         "parabolic": 4.0 * np.sin(pi * swings / 2.0) ** 2 / (pi * swings) ** 2,
     }
     for law, expected in cases.items():
-        asked = spec(quiet(hertz(swings), 1.0), laws=(law, "polynomial_3_4_5"))
-        ring = rings(asked)[0]
-        judged = residual_amplitude(PiecewiseMotion(Motion.of(asked.placed_segments())), ring)
+        question = spec(quiet(hertz(swings), 1.0), laws=(law, "polynomial_3_4_5"))
+        ring = rings(question)[0]
+        judged = residual_amplitude(PiecewiseMotion(Motion.of(question.placed_segments())), ring)
         assert judged.value == pytest.approx(LIFT * expected, rel=1e-9, abs=1e-10)
         assert judged.lower <= LIFT * expected + 1e-12
         assert judged.upper >= LIFT * expected - 1e-12
         assert judged.width <= 1e-9
-        assert amplitude(ring, asked.placed_segments()) == pytest.approx(judged.value, abs=1e-11)
+        assert amplitude(ring, question.placed_segments()) == pytest.approx(judged.value, abs=1e-11)
 
 
 LAWS = [
@@ -100,9 +100,9 @@ LAWS = [
 def test_a_run_without_a_dwell_is_duhamels_integral(
     laws: tuple[str, str], swings: float, damping: float
 ) -> None:
-    asked = spec(quiet(hertz(swings), 1.0, damping), laws=laws, dwell=0.0)
-    (ring,) = rings(asked)
-    motion = Motion.of(asked.placed_segments())
+    question = spec(quiet(hertz(swings), 1.0, damping), laws=laws, dwell=0.0)
+    (ring,) = rings(question)
+    motion = Motion.of(question.placed_segments())
     nu, end = ring.frequency, (FIRST + SECOND) * DEGREE
     damped = nu * sqrt(1.0 - damping**2)
 
@@ -124,7 +124,7 @@ def test_a_run_without_a_dwell_is_duhamels_integral(
     expected = abs(total) / damped
     judged = residual_amplitude(PiecewiseMotion(motion), ring)
     assert judged.value == pytest.approx(expected, abs=1e-9)
-    assert amplitude(ring, asked.placed_segments()) == pytest.approx(expected, abs=1e-9)
+    assert amplitude(ring, question.placed_segments()) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -151,8 +151,8 @@ def test_what_multipliers_say_of_any_law(order: int, kappa: complex) -> None:
 
 def test_what_the_ledger_books_is_what_the_rows_say() -> None:
     """Of arbitrary splines in place of the solution, and of arbitrary multipliers."""
-    asked = spec(JERK, quiet(19.3, 0.3, 0.11), quiet(31.1, 0.0), dwell=0.0)
-    problem = formulate_problem(asked, asked.objectives()[0])
+    question = spec(JERK, quiet(19.3, 0.3, 0.11), quiet(31.1, 0.0), dwell=0.0)
+    problem = formulate_problem(question, question.objectives()[0])
     plan = formulate(problem, [uniform_grid(segment, 13) for segment in problem.free])
     rng = np.random.default_rng(71)
     x, z = (rng.normal(size=n) for n in plan.program.matrix.shape[::-1])

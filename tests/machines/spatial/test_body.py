@@ -193,7 +193,7 @@ def test_the_volume_is_that_of_its_slices() -> None:
 
 
 @pytest.mark.parametrize(
-    ("machine", "options", "told"),
+    ("machine", "options", "reported"),
     [
         ({"mesh_angle_deg": 40.0}, {"bore_mm": 150.0}, "Choose a diameter below 147.6"),
         ({"mesh_angle_deg": 40.0}, {"tip_clearance_mm": 41.0}, "The grooves are 35.5545 mm deep"),
@@ -201,10 +201,10 @@ def test_the_volume_is_that_of_its_slices() -> None:
     ],
 )
 def test_what_leaves_no_body_is_refused(
-    machine: dict[str, Any], options: dict[str, Any], told: str
+    machine: dict[str, Any], options: dict[str, Any], reported: str
 ) -> None:
     design = made(SpatialCamSpec(**body(**machine)))
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=reported):
         STL.write(design, MeshOptions(**options))
 
 
@@ -216,12 +216,12 @@ def test_a_wall_that_is_undercut_has_no_body() -> None:
 
 
 def test_a_wall_that_only_longer_rollers_would_undercut_goes_straight_down() -> None:
-    asked = body(
+    question = body(
         dwell_on="groove", roller_inner_mm=72.0, roller_radius_mm=30.0, roller_width_mm=30.0
     )
-    asked["machine"]["centre_distance_mm"] = 180.0
-    asked["program"][0]["law"] = {"kind": "cv50_half_sine"}
-    spec = SpatialCamSpec(**asked)
+    question["machine"]["centre_distance_mm"] = 180.0
+    question["program"][0]["law"] = {"kind": "cv50_half_sine"}
+    spec = SpatialCamSpec(**question)
     cuts = GrooveSections(cam_of(spec), spec.machine)
     turn, depth = np.linspace(0.0, 2.2, 60), np.array([90.0, 101.9, 104.5, 107.3])
     for walls in cuts.grooves(turn, depth)[0]:

@@ -65,19 +65,19 @@ def test_a_kernel_reads_one_sound_closed_solid(read: Read) -> None:
 
 
 def test_its_volume_is_that_of_ever_finer_meshes(read: Read) -> None:
-    asked = {key: value for key, value in ASKED[read.name].items() if key != "tolerance_um"}
+    question = {key: value for key, value in ASKED[read.name].items() if key != "tolerance_um"}
     cuts = GrooveSections(read.design.cam, read.design.spec.machine, straight=True)
     coarse, fine = (
         triangulate(
-            build_body(cuts, Blank.of(cuts, BlankOptions(**asked), 1 + 3 * k), 60 * k, 4 * k)
+            build_body(cuts, Blank.of(cuts, BlankOptions(**question), 1 + 3 * k), 60 * k, 4 * k)
         )
         for k in (1, 2)
     )
-    told = OCP.GProp.GProp_GProps()
-    OCP.BRepGProp.BRepGProp.VolumeProperties_s(read.shape, told, 1e-6)
+    reported = OCP.GProp.GProp_GProps()
+    OCP.BRepGProp.BRepGProp.VolumeProperties_s(read.shape, reported, 1e-6)
     meant = fine.volume + (fine.volume - coarse.volume) / 3.0
-    assert told.Mass() == pytest.approx(meant, rel=5e-4)
-    assert abs(told.Mass() - meant) < 0.2 * abs(told.Mass() - fine.volume)
+    assert reported.Mass() == pytest.approx(meant, rel=5e-4)
+    assert abs(reported.Mass() - meant) < 0.2 * abs(reported.Mass() - fine.volume)
 
 
 def _walls(shape: Any) -> list[Array]:
@@ -117,8 +117,8 @@ def test_its_walls_are_touched_and_not_cut_by_rollers(read: Read) -> None:
 def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
     """Kernels turn what looks inwards, and do not say so: the file's own faces are looked at."""
     design, bore = designed("slide in a groove"), 23.1
-    asked = FacetedOptions(form="smooth", bore_mm=bore)
-    shell = build_solid(design, asked, 1e-3)[0]
+    question = FacetedOptions(form="smooth", bore_mm=bore)
+    shell = build_solid(design, question, 1e-3)[0]
     middle = np.mean(list(shell.vertices.values()), axis=0)
     share, holes = np.linspace(0.0, 1.0, 40), 0
     for surface, loops, outwards in shell.faces:
@@ -147,7 +147,7 @@ def test_faces_look_outwards_and_their_loops_run_counter_clockwise() -> None:
         else:
             assert normal[2] * (place[2] - middle[2]) > 0.0
     assert holes == 2
-    lines = BODY.content(design, asked).data.splitlines()
+    lines = BODY.content(design, question).data.splitlines()
     senses = [line.endswith(b".T.);") for line in lines if b"=ADVANCED_FACE(" in line]
     assert senses == [outwards for _, _, outwards in shell.faces]
 
@@ -166,12 +166,12 @@ def test_what_has_no_smooth_solid_is_faceted_and_says_so(monkeypatch: pytest.Mon
     near = FacetedOptions(tolerance_um=0.1, points_per_degree=0.2)
     monkeypatch.setattr("synthesis.machines.spatial.solid.sheets.MAX_LINES", 20)
     assert BODY.content(design, near).metadata["Body"] == "faceted"
-    asked = FacetedOptions(form="smooth", tolerance_um=0.1)
+    question = FacetedOptions(form="smooth", tolerance_um=0.1)
     with pytest.raises(
         InputError, match=r"no smooth solid: a wall is approximated to .* mm"
-    ) as told:
-        BODY.content(design, asked)
-    assert told.value.field == "/form"
+    ) as reported:
+        BODY.content(design, question)
+    assert reported.value.field == "/form"
 
 
 def test_a_shell_that_is_open_is_none() -> None:

@@ -43,8 +43,8 @@ CAMS: dict[str, tuple[SpatialCamSpec, dict[str, Any]]] = {
 
 @pytest.fixture(scope="module", params=CAMS)
 def file(request: pytest.FixtureRequest) -> FileContent:
-    spec, asked = CAMS[request.param]
-    return BODY.content(synthesise_spatial(spec), FacetedOptions(**asked))
+    spec, question = CAMS[request.param]
+    return BODY.content(synthesise_spatial(spec), FacetedOptions(**question))
 
 
 def test_a_kernel_reads_one_sound_closed_solid(file: FileContent, tmp_path: Path) -> None:
@@ -55,9 +55,9 @@ def test_a_kernel_reads_one_sound_closed_solid(file: FileContent, tmp_path: Path
     assert OCP.BRep.BRep_Tool.IsClosed_s(shells.Current())
     shells.Next()
     assert not shells.More()
-    told = OCP.GProp.GProp_GProps()
-    OCP.BRepGProp.BRepGProp.VolumeProperties_s(read, told)
-    assert told.Mass() == pytest.approx(float(file.metadata["Volume-Mm3"]), rel=1e-9)
+    reported = OCP.GProp.GProp_GProps()
+    OCP.BRepGProp.BRepGProp.VolumeProperties_s(read, reported)
+    assert reported.Mass() == pytest.approx(float(file.metadata["Volume-Mm3"]), rel=1e-9)
 
 
 class Read:

@@ -54,10 +54,10 @@ def names(**changes: Any) -> set[str]:
 
 
 def test_a_turret_that_goes_back_meets_the_rollers_on_the_other_side() -> None:
-    asked = body(mesh_angle_deg=85.0)
-    assert names(**asked) == {"1", "2", "3"}
-    back = asked["program"][0] | {"kind": "return"}
-    assert names(**asked | {"program": [back, asked["program"][1]]}) == {"6", "1", "2"}
+    question = body(mesh_angle_deg=85.0)
+    assert names(**question) == {"1", "2", "3"}
+    back = question["program"][0] | {"kind": "return"}
+    assert names(**question | {"program": [back, question["program"][1]]}) == {"6", "1", "2"}
 
 
 def test_a_turret_of_three_meets_each_roller_though_it_goes_on_by_a_whole_turn() -> None:
@@ -104,10 +104,10 @@ def test_walls_are_met_when_rollers_are_there(rollers: int, steps: int, dwell_on
     kind = "rise" if steps > 0 else "return"
     move = {"kind": kind, "angle_deg": 217.0, "lift_deg": lift, "law": {"kind": "cycloidal"}}
     machine = body(rollers=rollers, roller_radius_mm=11.3, dwell_on=dwell_on, mesh_angle_deg=71.0)
-    asked = machine | {"program": [move, {"kind": "dwell", "angle_deg": 143.0}]}
-    cam = cam_of(SpatialCamSpec(**asked))
+    question = machine | {"program": [move, {"kind": "dwell", "angle_deg": 143.0}]}
+    cam = cam_of(SpatialCamSpec(**question))
     theta = np.linspace(0.0, 2.0 * math.pi, 811)[1:-1]
-    told = sum(
+    reported = sum(
         ((theta > a) & (theta < b)).astype(int)
         for wall in cam.walls if wall.letter == "L" for a, b in wall.spans
     )  # fmt: skip
@@ -115,7 +115,9 @@ def test_walls_are_met_when_rollers_are_there(rollers: int, steps: int, dwell_on
     q = lift * np.sign(steps) * np.interp(theta, *law_of(217.0))
     places = q[:, None] + 360.0 / rollers * (first - np.arange(rollers))
     near = np.abs((places + 180.0) % 360.0 - 180.0) < 71.0
-    assert np.mean(told != near.sum(axis=1)) < 0.01  # within a sample of where one comes or goes
+    assert (
+        np.mean(reported != near.sum(axis=1)) < 0.01
+    )  # within a sample of where one comes or goes
 
 
 def law_of(angle: float) -> tuple[Array, Array]:

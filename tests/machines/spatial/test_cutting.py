@@ -46,16 +46,16 @@ def lines(columns: dict[str, Array], here: Array) -> tuple[Array, Array]:
 def test_a_thin_cutter_leaves_the_wall_within_what_is_told(design: SpatialDesign) -> None:
     """By a fine sweep of the lines in the file: no wall's point nearer, or left, by more."""
     cam, options = design.cam, CutterOptions(cutter_diameter_mm=2 * THIN, points_per_degree=8.0)
-    columns, told = read(design, options)
-    assert told < 2e-3
+    columns, reported = read(design, options)
+    assert reported < 2e-3
     for wall in cam.walls[:2]:
         here = (columns["roller"] == wall.seat.number) & (columns["side"] == wall.side)
         at, along = lines(columns, here)
         angles = np.concatenate([np.linspace(a, b, 25)[1:-1] for a, b in wall.spans])
         found = cam_points(cam, wall, angles, np.linspace(INNER, OUTER, 5))
         gap = nearest(found.reshape(3, -1).T, at, along) - THIN
-        assert gap.min() > -1.05 * told - 2e-6
-        assert gap.max() < 1.05 * told + 4e-4  # between two of the lines
+        assert gap.min() > -1.05 * reported - 2e-6
+        assert gap.max() < 1.05 * reported + 4e-4  # between two of the lines
 
 
 def nearest(points: Array, at: Array, along: Array) -> Array:
@@ -104,8 +104,8 @@ def test_without_its_tilt_it_would_leave_forty_times_as_much() -> None:
 
 def test_one_of_the_roller_s_form_goes_where_the_roller_goes(design: SpatialDesign) -> None:
     sample = SAMPLES[design.name]
-    columns, told = read(design, CutterOptions(frame="machine"))
-    assert told == 0.0
+    columns, reported = read(design, CutterOptions(frame="machine"))
+    assert reported == 0.0
     assert set(columns["side"]) == {0.0}
     turns = design.cam.swept.hand
     assert columns["c_deg"] == pytest.approx(turns * columns["theta_deg"])

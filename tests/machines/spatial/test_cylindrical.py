@@ -124,12 +124,12 @@ def test_a_rib_has_one_wall_of_each_roller() -> None:
 def test_the_rib_s_thickness_is_the_least_distance_of_its_walls() -> None:
     design = designed("arm astride a rib")
     cam = design.cam
-    told = next(each for each in design.extremes if each.quantity == "rib_thickness")
+    reported = next(each for each in design.extremes if each.quantity == "rib_thickness")
     theta, rho = np.linspace(0.0, 2.0 * math.pi, 1501), np.linspace(INNER, OUTER, 9)
     one, other = (cam_points(cam, wall, theta, rho).reshape(3, -1).T for wall in cam.walls)
     away = KDTree(one).query(other)[0].min()
-    assert told.value == pytest.approx(away, abs=2e-3)
-    assert told.value < APART - 2.0 * RADIUS
+    assert reported.value == pytest.approx(away, abs=2e-3)
+    assert reported.value < APART - 2.0 * RADIUS
 
 
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
@@ -144,10 +144,12 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("kind", "changes", "told"), REFUSED)
-def test_what_no_machine_can_do_is_refused(kind: str, changes: dict[str, Any], told: str) -> None:
+@pytest.mark.parametrize(("kind", "changes", "reported"), REFUSED)
+def test_what_no_machine_can_do_is_refused(
+    kind: str, changes: dict[str, Any], reported: str
+) -> None:
     steps = program("mm", 33.7) if kind == SLIDE else program("deg", 21.3)
-    with pytest.raises(ValidationError, match=told):
+    with pytest.raises(ValidationError, match=reported):
         SpatialCamSpec(program=steps, machine={"kind": kind, **SIZES, **changes})
 
 

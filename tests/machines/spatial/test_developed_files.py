@@ -41,10 +41,10 @@ def test_the_table_holds_every_wall_and_its_roller_s_path(design: SpatialDesign)
 
 def test_the_json_says_the_same(design: SpatialDesign) -> None:
     rows = list(csv.DictReader(io.StringIO(CSV.make(design, DevelopedOptions()).data.decode())))
-    told = json.loads(JSON.make(design, DevelopedOptions()).data)
-    z = [value for curve in told["curves"] for value in curve["z_mm"]]
+    reported = json.loads(JSON.make(design, DevelopedOptions()).data)
+    z = [value for curve in reported["curves"] for value in curve["z_mm"]]
     assert z == [float(row["z_mm"]) for row in rows]
-    assert {curve["name"] for curve in told["curves"] if curve["side"]} == {
+    assert {curve["name"] for curve in reported["curves"] if curve["side"]} == {
         wall.name for wall in design.walls
     }
 

@@ -117,7 +117,7 @@ def test_the_error_of_a_spline_falls_with_the_fourth_power(design: SpatialDesign
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         ({"flank": "9L"}, "The flanks of this cam are 1L, 1R"),
         ({"points": 30_000}, "a file has at most 200000"),
@@ -125,12 +125,12 @@ def test_the_error_of_a_spline_falls_with_the_fourth_power(design: SpatialDesign
     ],
 )
 def test_what_cannot_be_had_is_told_with_what_can(
-    design: SpatialDesign, options: dict[str, Any], told: str
+    design: SpatialDesign, options: dict[str, Any], reported: str
 ) -> None:
-    with pytest.raises(InputError, match=told) as refused:
+    with pytest.raises(InputError, match=reported) as refused:
         CSV.write(design, CSV.options(**options))
     if "points" in options:
         most = int(refused.value.remedy.split()[3].rstrip(","))
         assert patches(design, CSV.options(points=most))
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=reported):
             patches(design, CSV.options(points=most + 1))

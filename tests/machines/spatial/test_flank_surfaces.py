@@ -52,11 +52,11 @@ def test_a_kernel_reads_surfaces_that_touch_the_rollers(cam: SpatialDesign, tmp_
 
 
 def test_a_finer_tolerance_brings_them_nearer(cam: SpatialDesign) -> None:
-    told = [
+    reported = [
         float(FLANKS.content(cam, SurfaceOptions(tolerance_um=each)).metadata["Surface-Error-Mm"])
         for each in (1.0, 0.01)
     ]
-    assert told[1] <= 1e-5 < told[0] <= 1e-3
+    assert reported[1] <= 1e-5 < reported[0] <= 1e-3
 
 
 def test_an_unknown_flank_is_refused(cam: SpatialDesign) -> None:

@@ -31,13 +31,13 @@ def indexer(rollers: int, steps: int, dwell_on: str, hand: str) -> SpatialCam:
         "kind": "rise" if steps > 0 else "return", "angle_deg": TURN,
         "lift_deg": abs(steps) * 360.0 / rollers, "law": {"kind": "cycloidal"},
     }  # fmt: skip
-    asked = body(
+    question = body(
         rollers=rollers, dwell_on=dwell_on, hand=hand, centre_distance_mm=DISTANCE,
         roller_radius_mm=RADIUS, roller_inner_mm=INNER, roller_width_mm=OUTER - INNER,
         cam_width_mm=WIDTH, mesh_angle_deg=80.0,
     )  # fmt: skip
     program = [move, {"kind": "dwell", "angle_deg": 360.0 - TURN}]
-    return cam_of(SpatialCamSpec(**asked | {"program": program}))
+    return cam_of(SpatialCamSpec(**question | {"program": program}))
 
 
 def gaps(points: Array, places: Array, turns: int) -> Array:

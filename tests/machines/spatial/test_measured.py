@@ -224,17 +224,17 @@ def test_radii_are_the_least_of_many(indexer: SpatialDesign) -> None:
 def test_no_smaller_radius_is_proven_and_no_larger_one(
     indexer: SpatialDesign, claim: Prover, name: str
 ) -> None:
-    told, cam = extreme(indexer, f"{name}_radius"), indexer.cam
-    assert told.value is not None
-    assert told.evidence == enclosure.EVIDENCE
-    assert told.width <= 1.01e-2 * told.value
+    reported, cam = extreme(indexer, f"{name}_radius"), indexer.cam
+    assert reported.value is not None
+    assert reported.evidence == enclosure.EVIDENCE
+    assert reported.width <= 1.01e-2 * reported.value
     models = enclosure.Models(cam, list(patches(cam)))
     for share, proven in ((0.999, True), (1.03, False)):
-        asked = Extremum(-1.0 / (share * told.value), 0.0, "asked")
-        found = claim(models, asked, None)
+        question = Extremum(-1.0 / (share * reported.value), 0.0, "asked")
+        found = claim(models, question, None)
         assert (found.evidence == enclosure.EVIDENCE) is proven
-    bound = 0.985 * told.value
-    bounded = claim(models, Extremum(-1.0 / told.value, 0.0, ""), -1.0 / bound)
+    bound = 0.985 * reported.value
+    bounded = claim(models, Extremum(-1.0 / reported.value, 0.0, ""), -1.0 / bound)
     assert -1.0 / bounded.limit > bound
 
 
@@ -299,9 +299,9 @@ def test_some_wall_holds_the_turret_on_either_side(indexer: SpatialDesign) -> No
 
 
 def test_a_law_with_jumps_has_no_largest_jerk() -> None:
-    asked = body()
-    asked["program"][0]["law"] = {"kind": "parabolic"}
-    spec = SpatialCamSpec(**asked)
+    question = body()
+    question["program"][0]["law"] = {"kind": "parabolic"}
+    spec = SpatialCamSpec(**question)
     *_, (kind, found) = follower_peaks(cam_of(spec), spec.machine.travel, spec.omega)
     jerk = to_wire(kind, found, {})
     assert (jerk.quantity, jerk.value) == ("jerk", None)
@@ -310,9 +310,9 @@ def test_a_law_with_jumps_has_no_largest_jerk() -> None:
 
 def test_ribs_that_rollers_cut_through_make_a_cam_infeasible() -> None:
     """Eight rollers of 25 mm on the same turret: 2 ρ sin(π/8) less two radii is 5 mm at most."""
-    asked = body(rollers=8, roller_radius_mm=29.0)
-    asked["program"][0] |= {"lift_deg": 45.0}
-    spec = SpatialCamSpec(**asked)
+    question = body(rollers=8, roller_radius_mm=29.0)
+    question["program"][0] |= {"lift_deg": 45.0}
+    spec = SpatialCamSpec(**question)
     cam = cam_of(spec)
     thinnest = thinnest_rib(cam, list(patches(cam)), spec.machine.seats())
     assert thinnest is not None
@@ -325,10 +325,10 @@ def test_ribs_that_rollers_cut_through_make_a_cam_infeasible() -> None:
 
 def test_undercut_is_a_result_with_its_place() -> None:
     """An index within 60° of the cam is too sudden for rollers of this radius."""
-    asked = body()
-    asked["program"][0] |= {"angle_deg": 60}
-    asked["program"][1] |= {"angle_deg": 300}
-    found = synthesise_spatial(SpatialCamSpec(**asked))
+    question = body()
+    question["program"][0] |= {"angle_deg": 60}
+    question["program"][1] |= {"angle_deg": 300}
+    found = synthesise_spatial(SpatialCamSpec(**question))
     undercut = extreme(found, "undercut")
     assert found.status == "infeasible"
     assert undercut.value is not None
@@ -338,9 +338,9 @@ def test_undercut_is_a_result_with_its_place() -> None:
 
 
 def test_a_jump_of_the_velocity_breaks_the_walls() -> None:
-    asked = body()
-    asked["program"][0]["law"] = {"kind": "constant_velocity"}
-    found = synthesise_spatial(SpatialCamSpec(**asked))
+    question = body()
+    question["program"][0]["law"] = {"kind": "constant_velocity"}
+    found = synthesise_spatial(SpatialCamSpec(**question))
     assert found.status == "infeasible"
     undercut = extreme(found, "undercut")
     assert (undercut.value, undercut.angle_deg, undercut.holds) == (None, 0.0, False)
@@ -357,13 +357,13 @@ def test_measuring_stops_where_nobody_waits() -> None:
 
 def test_windows_and_points_are_looked_at() -> None:
     """The cycloidal law is half way at the middle, and there at twice the mean speed."""
-    asked, speed = body(), SPEED * 6.0 / 120.0
-    asked["program"][0] |= {
+    question, speed = body(), SPEED * 6.0 / 120.0
+    question["program"][0] |= {
         "points": [{"angle_deg": 60.0, "travel_deg": 30.0}],
         "windows": [{"from_deg": 40.0, "to_deg": 70.0,
                      "velocity_deg_per_s": {"max": 119.0 * speed}}],
     }  # fmt: skip
-    spec = SpatialCamSpec(**asked, speed_rpm=SPEED)
+    spec = SpatialCamSpec(**question, speed_rpm=SPEED)
     found = {
         kind.name: to_wire(kind, each, {})
         for kind, each in segment_bound_extremes(spec, cam_of(spec))

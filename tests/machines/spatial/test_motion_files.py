@@ -44,11 +44,11 @@ def test_an_indexer_goes_on_to_the_end_of_the_turn() -> None:
 
 
 def test_json_and_diagrams_say_the_same(arm: SpatialDesign) -> None:
-    told = json.loads(JSON.write(arm, MotionOptions(1.0)))
-    columns = {column["name"]: column["values"] for column in told["columns"]}
+    reported = json.loads(JSON.write(arm, MotionOptions(1.0)))
+    columns = {column["name"]: column["values"] for column in reported["columns"]}
     table = read(arm, 1.0)
     assert {name: list(values) for name, values in table.items()} == columns
-    assert told["design"]["id"] == arm.id
+    assert reported["design"]["id"] == arm.id
     drawn = SVG.write(arm, DiagramOptions(1.0)).decode()
     max_speed = float(np.max(table["v_deg_per_s"]))
     assert f"max {max_speed:.4g} at" in drawn

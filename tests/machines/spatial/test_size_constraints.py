@@ -100,9 +100,9 @@ def test_what_walls_have_left_is_what_contacts_say(machine: dict[str, Any]) -> N
 def test_an_arm_s_least_cylinder_is_where_contacts_lean_as_far_as_they_may(
     machine: dict[str, Any], turns: int
 ) -> None:
-    asked = {"arm_mm": 97.3, "initial_angle_deg": -9.1, "cylinder_radius_mm": 80.0,
+    question = {"arm_mm": 97.3, "initial_angle_deg": -9.1, "cylinder_radius_mm": 80.0,
              "roller_radius_mm": 8.9, "roller_width_mm": 13.7} | machine  # fmt: skip
-    arm = CylindricalOscillating.model_validate(asked)
+    arm = CylindricalOscillating.model_validate(question)
     sizes = {"roller_radius_mm": 8.9}
     (curve,) = arm.pressure_angle_curves(sizes, math.tan(ALPHA), turns)
     state = states(24) * np.array([0.4, 0.6, 1.0, 1.0])[:, None]

@@ -115,10 +115,10 @@ def test_rollers_grow_only_as_far_as_ribs_in_motion_let_them() -> None:
 
 def test_what_cannot_be_says_what_is_in_the_way_and_what_would_do(sized: SpatialDesign) -> None:
     least = sized.dimensions["centre_distance_mm"]
-    asked = globoidal(
+    question = globoidal(
         pressure_angle(44.3), law=CYCLOIDAL, centre_distance_mm={"max": 0.9 * least},
     )  # fmt: skip
-    found = designed(asked)
+    found = designed(question)
     assert found.status == "infeasible"
     assert found.conflict is not None
     needed = {each.field: each.needed for each in found.conflict.relaxations}
@@ -126,7 +126,7 @@ def test_what_cannot_be_says_what_is_in_the_way_and_what_would_do(sized: Spatial
     assert enough is not None
     assert "centre distance" in " ".join(found.conflict.limits)
     again = designed(
-        asked | {"machine": asked["machine"] | {"centre_distance_mm": {"max": enough}}}
+        question | {"machine": question["machine"] | {"centre_distance_mm": {"max": enough}}}
     )
     assert again.status == "optimal"
     assert again.dimensions["centre_distance_mm"] > 0.995 * enough

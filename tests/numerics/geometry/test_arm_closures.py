@@ -136,8 +136,8 @@ def test_the_lever_is_rigid_and_its_forms_are_those_of_the_path(case: Case) -> N
         assert flank.trace.outer_radius_norm(most).value(z) == pytest.approx(
             np.max(radius), rel=1e-9
         )
-    told = follower.motion_dimensions(MOTION, z)["counter_prime_radius_mm"]
-    assert told == pytest.approx(np.min(radius), rel=1e-9)
+    reported = follower.motion_dimensions(MOTION, z)["counter_prime_radius_mm"]
+    assert reported == pytest.approx(np.min(radius), rel=1e-9)
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)

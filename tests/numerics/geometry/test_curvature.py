@@ -32,8 +32,8 @@ def test_it_matches_differences_of_the_reported_pitch_curve(cam: Cam, fraction: 
     # a ccw cam is passed clockwise: turning right is convex
     found = -sense_of(cam) * (dx * ay - dy * ax) / np.hypot(dx, dy) ** 3
     noise = 1e-12 / (reach**2 * np.hypot(dx, dy) / cam.length)
-    told = cam.profile(theta).curvature
-    agree("curvature", theta, told, found, 1e-11 * abs(found) + noise / cam.length)
+    answer = cam.profile(theta).curvature
+    agree("curvature", theta, answer, found, 1e-11 * abs(found) + noise / cam.length)
 
 
 @given(cams(), unspecial(0.02, 0.98))

@@ -29,11 +29,11 @@ def test_each_derivative_is_the_slope_of_the_one_before(order: int, cam: Cam, fr
 @given(cam=cams(), fraction=unspecial(0.2, 0.8))
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: Cam, fraction: float):
     theta, width = cam.inside(fraction)
-    told, reach = cam.traced(theta), 0.15 * width
+    reported, reach = cam.traced(theta), 0.15 * width
     for order in range(3):
         (dx, dy), _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, reach)
-        noise = 1e-13 * max(np.max(abs(told[order])), 1e-12 * cam.length) / reach
-        x, y = told[order + 1]
+        noise = 1e-13 * max(np.max(abs(reported[order])), 1e-12 * cam.length) / reach
+        x, y = reported[order + 1]
         agree(f"x, derivative {order + 1}", theta, x, dx, noise + 1e-12 * cam.length)
         agree(f"y, derivative {order + 1}", theta, y, dy, noise + 1e-12 * abs(y))
 

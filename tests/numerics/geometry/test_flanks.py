@@ -217,8 +217,8 @@ def test_every_flank_s_radius_is_that_of_its_points_as_the_material_sees_it(
         measured = flank.side / bend
         noise = 1e-11 * cam.length / reach**2 * (measured / cam.length) ** 2
         allowed = 1e-8 * abs(measured) + noise * (np.hypot(px, py) / speed) ** 2
-        told = np.where(clear, p.radius, measured)
-        agree(f"radius of {flank.name or 'ring'}", theta, told, measured, allowed)
+        reported = np.where(clear, p.radius, measured)
+        agree(f"radius of {flank.name or 'ring'}", theta, reported, measured, allowed)
 
 
 @given(cams(knife_edge=False), INSIDE)
@@ -247,7 +247,7 @@ def test_the_counter_roller_s_closed_forms_are_those_of_its_path(cam: Cam, fract
     agree("curvature", p.theta, p.curvature, N / W2**1.5, 1e-12 * scale)
     slope = 0.2 + fraction
     height = cam.follower.closure.distance_mm - cam.s0 - p.s[0]
-    told = np.max(
+    reported = np.max(
         [
             np.array(row.coefficients) @ p.s + np.dot(row.size, z) - row.upper
             for row in flank.trace.pressure_angle_rows(slope)
@@ -255,7 +255,7 @@ def test_the_counter_roller_s_closed_forms_are_those_of_its_path(cam: Cam, fract
         axis=0,
     )
     wanted = (abs(np.tan(p.pressure_angle)) - slope) * height
-    agree("rows", p.theta, told, wanted, 1e-12 * (cam.length + abs(p.s[1])) * (1.0 + slope))
+    agree("rows", p.theta, reported, wanted, 1e-12 * (cam.length + abs(p.s[1])) * (1.0 + slope))
 
 
 # --- invariants ---------------------------------------------------------------------------------
@@ -296,10 +296,10 @@ def test_radii_are_those_of_the_flanks(cam: Cam, share: float):
         largest = flank.trace.outer_radius_norm(highest).value(z)
         np.testing.assert_allclose(np.max(np.hypot(p.pitch_x, p.pitch_y)), largest, rtol=1e-9)
         if flank is closed_cam.follower.flanks[0]:
-            told = closed_cam.follower.dimensions(z)["base_radius_mm"]
-            np.testing.assert_allclose(np.min(np.hypot(p.x, p.y)), told, rtol=1e-9, atol=1e-12)
-    told = closed_cam.follower.motion_dimensions(cam.motion, z)["counter_base_radius_mm"]
-    np.testing.assert_allclose(np.min(np.hypot(p.x, p.y)), told, rtol=1e-9, atol=1e-12)
+            reported = closed_cam.follower.dimensions(z)["base_radius_mm"]
+            np.testing.assert_allclose(np.min(np.hypot(p.x, p.y)), reported, rtol=1e-9, atol=1e-12)
+    reported = closed_cam.follower.motion_dimensions(cam.motion, z)["counter_base_radius_mm"]
+    np.testing.assert_allclose(np.min(np.hypot(p.x, p.y)), reported, rtol=1e-9, atol=1e-12)
 
 
 # --- the instrument itself ----------------------------------------------------------------------

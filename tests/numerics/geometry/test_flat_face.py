@@ -116,11 +116,11 @@ def test_the_pressure_angle_is_that_between_push_and_slide(cam: FlatCam, fractio
 @given(flat_cams(), unspecial(0.2, 0.8))
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: FlatCam, fraction: float):
     theta, width = cam.inside(fraction)
-    told = cam.traced(theta)
+    reported = cam.traced(theta)
     for order in range(2):
         slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, 0.15 * width)
-        noise = 1e-12 * (np.max(abs(told[order])) + cam.length) / width
-        for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
+        noise = 1e-12 * (np.max(abs(reported[order])) + cam.length) / width
+        for name, mine, found in zip("xy", reported[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-11 * abs(mine))
 
 
@@ -194,8 +194,8 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FlatCam):
     out = cam.follower.outer_radius_norm(cam.length - cam.Rb).value((cam.Rb,))
     np.testing.assert_allclose(out, np.max(np.hypot(p.x, p.y)), rtol=1e-9)
     (row,) = cam.follower.profile_radius_rows(0.0)
-    told = -(np.array(row.coefficients) @ p.s + row.size[0] * cam.Rb - row.upper)
-    np.testing.assert_allclose(told, p.radius, rtol=1e-12, atol=1e-13 * cam.length)
+    reported = -(np.array(row.coefficients) @ p.s + row.size[0] * cam.Rb - row.upper)
+    np.testing.assert_allclose(reported, p.radius, rtol=1e-12, atol=1e-13 * cam.length)
     # the face that contact needs, from where the profile touches the line: seen from the point of
     # the slide's line that moves with it
     cos, sin = np.cos(cam.turns * theta), np.sin(cam.turns * theta)
@@ -211,5 +211,5 @@ def test_what_the_follower_tells_is_what_is_measured(cam: FlatCam):
     (left,), (right,) = (cam.follower.contact_rows(end, 0.0) for end in ("left", "right"))
     noise = 1e-12 * (cam.length + abs(c)) / np.cos(cam.tilt) ** 2
     for row, sign in ((left, -1.0), (right, 1.0)):
-        told = np.array(row.coefficients) @ p.s + sum(row.size) * cam.Rb - row.upper
-        np.testing.assert_allclose(told, sign * reach, atol=noise)
+        reported = np.array(row.coefficients) @ p.s + sum(row.size) * cam.Rb - row.upper
+        np.testing.assert_allclose(reported, sign * reach, atol=noise)

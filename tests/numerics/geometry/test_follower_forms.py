@@ -23,9 +23,11 @@ def test_the_rows_hold_where_the_pressure_angle_keeps_its_limit(
     # excess of the tangent, times the height X: both sides of the limit
     measured = np.tan(p.pressure_angle) * (cam.s0 + p.s[0])
     limit = slope * (cam.s0 + p.s[0])
-    told = np.max(excess, axis=0)
+    reported = np.max(excess, axis=0)
     scale = cam.length + abs(p.s[1])
-    np.testing.assert_allclose(told / scale, (abs(measured) - limit) / scale, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        reported / scale, (abs(measured) - limit) / scale, rtol=0, atol=1e-12
+    )
 
 
 @given(cams())
@@ -54,8 +56,8 @@ def test_the_follower_is_driven_along_the_path_of_its_roller(cam: Cam, fraction:
 
 @given(cams())
 def test_the_dimensions_follow_from_the_size(cam: Cam):
-    told = cam.follower.dimensions((cam.e, cam.s0))
+    reported = cam.follower.dimensions((cam.e, cam.s0))
     want = {"prime_radius_mm": cam.Rp, "base_radius_mm": cam.Rp - cam.Rr, "offset_mm": cam.e,
             "roller_radius_mm": cam.Rr, "s0_mm": cam.s0}  # fmt: skip
     for name, value in want.items():
-        np.testing.assert_allclose(told[name], value, rtol=1e-14, atol=1e-14 * cam.Rp)
+        np.testing.assert_allclose(reported[name], value, rtol=1e-14, atol=1e-14 * cam.Rp)

@@ -138,11 +138,11 @@ def test_the_contact_normal_is_perpendicular_to_the_traced_tangent(cam: FaceCam,
 @given(face_cams(), INSIDE)
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: FaceCam, fraction: float):
     theta, width = cam.inside(fraction)
-    told = cam.traced(theta)
+    reported = cam.traced(theta)
     for order in range(2):
         slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, 0.05 * width)
-        noise = 1e-10 * (np.max(abs(told[order])) + cam.length) / width
-        for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
+        noise = 1e-10 * (np.max(abs(reported[order])) + cam.length) / width
+        for name, mine, found in zip("xy", reported[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-10 * abs(mine))
 
     def driven(angle: np.ndarray) -> np.ndarray:
@@ -234,16 +234,16 @@ def test_the_other_sense_is_the_motion_run_backwards_in_a_mirror(cam: FaceCam, f
 @given(face_cams())
 def test_what_the_follower_tells_is_what_is_measured(cam: FaceCam):
     s, follower, size = all_along(cam.motion), cam.follower, cam.size
-    told = {**follower.dimensions(size), **follower.motion_dimensions(cam.motion, size)}
-    assert told["centre_distance_mm"] == pytest.approx(cam.d, rel=1e-12)
-    assert told["initial_angle_deg"] == pytest.approx(np.degrees(cam.psi), rel=1e-9)
+    reported = {**follower.dimensions(size), **follower.motion_dimensions(cam.motion, size)}
+    assert reported["centre_distance_mm"] == pytest.approx(cam.d, rel=1e-12)
+    assert reported["initial_angle_deg"] == pytest.approx(np.degrees(cam.psi), rel=1e-9)
     breaks = cam.motion.curve.breaks
     theta = np.unique(np.concatenate([TURN * np.arange(3600) / 3600, breaks[:-1]]))
     p = cam.profile(theta)
     touched = cam.in_machine(theta, p.x, p.y) - cam.pivot[:, None]
     reach = np.sqrt(np.sum(touched**2, axis=0) - cam.f**2)  # from the foot of the pivot
-    assert told["face_near_mm"] == pytest.approx(np.min(reach), abs=2e-3 * cam.d)
-    assert told["face_far_mm"] == pytest.approx(np.max(reach), abs=2e-3 * cam.d)
+    assert reported["face_near_mm"] == pytest.approx(np.min(reach), abs=2e-3 * cam.d)
+    assert reported["face_far_mm"] == pytest.approx(np.max(reach), abs=2e-3 * cam.d)
     # every limit, asked at what is measured, is met there and nowhere exceeded
     radius = cam.d * bracket(s, cam.reference, cam.sigma, cam.psi) - cam.f
     along = cam.d * np.cos(cam.psi + s[0] / cam.reference)
@@ -266,9 +266,9 @@ def test_the_certificate_s_quantities_are_those_of_the_closed_forms(cam: FaceCam
     radius = cam.d * bracket(s, cam.reference, cam.sigma, cam.psi) - cam.f
     reach = cam.d * np.cos(cam.psi + s[0] / cam.reference)
     reach = reach / (1.0 + cam.sigma * s[1] / cam.reference)
-    for name, told in (("face_radius", radius), ("contact", reach)):
+    for name, reported in (("face_radius", radius), ("contact", reach)):
         found = QUANTITIES[name].formula(TracedPoint(cam.follower, cam.size, tuple(s)))
-        np.testing.assert_allclose(found, told, rtol=1e-9, atol=1e-9 * cam.length, err_msg=name)
+        np.testing.assert_allclose(found, reported, rtol=1e-9, atol=1e-9 * cam.length, err_msg=name)
 
 
 @given(face_cams(), unspecial(0.5, 1.5), unspecial(0.3, 1.2))

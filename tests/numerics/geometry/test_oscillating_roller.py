@@ -118,11 +118,11 @@ def test_the_centre_hangs_on_its_arm_and_swings_by_the_law(cam: ArmCam, fraction
 @given(arm_cams(), INSIDE)
 def test_the_traced_point_s_derivatives_are_those_of_its_position(cam: ArmCam, fraction: float):
     theta, reach = cam.steps(fraction)
-    told = cam.traced(theta)
+    reported = cam.traced(theta)
     for order in range(3):
         slope, _ = slopes(lambda angle, k=order: cam.traced(angle)[k], theta, reach)
-        noise = 1e-13 * (np.max(abs(told[order])) + cam.length) / reach
-        for name, mine, found in zip("xy", told[order + 1], slope, strict=True):
+        noise = 1e-13 * (np.max(abs(reported[order])) + cam.length) / reach
+        for name, mine, found in zip("xy", reported[order + 1], slope, strict=True):
             agree(f"{name}, derivative {order + 1}", theta, mine, found, noise + 1e-11 * abs(mine))
 
 
@@ -205,8 +205,8 @@ def test_the_pressure_angle_is_that_of_normal_and_velocity(cam: ArmCam, fraction
     alpha = np.arctan2(gx * ny - gy * nx, gx * nx + gy * ny)
     agree("pressure angle", theta, p.pressure_angle, alpha, 1e-11 + 4e-15 / reach)
     psi = cam.psi + p.s[0] / cam.arm
-    told = abs(cam.arm * (1.0 + cam.sigma * p.s[1] / cam.arm) - cam.d * np.cos(psi))
-    formula = np.arctan2(told, cam.d * np.sin(psi))
+    reported = abs(cam.arm * (1.0 + cam.sigma * p.s[1] / cam.arm) - cam.d * np.cos(psi))
+    formula = np.arctan2(reported, cam.d * np.sin(psi))
     agree("its formula", theta, abs(p.pressure_angle), formula, 1e-12)
 
 
@@ -263,11 +263,11 @@ def test_both_charts_of_the_size_are_one_cam(cam: ArmCam, fraction: float):
     here, there = fixed.profile(theta), free.profile(theta)
     for name in ("x", "y", "pitch_x", "pitch_y"):
         agree(name, theta, getattr(there, name), getattr(here, name), 1e-12 * cam.length)
-    told, also = (c.follower.dimensions(c.size) for c in (fixed, free))
-    for name, value in told.items():
+    reported, also = (c.follower.dimensions(c.size) for c in (fixed, free))
+    for name, value in reported.items():
         assert also[name] == pytest.approx(value, rel=1e-12), name
-    told, also = (c.follower.motion_dimensions(c.motion, c.size) for c in (fixed, free))
-    for name, value in told.items():
+    reported, also = (c.follower.motion_dimensions(c.motion, c.size) for c in (fixed, free))
+    for name, value in reported.items():
         assert also[name] == pytest.approx(value, rel=1e-12, abs=1e-12 * cam.length), name
 
 
@@ -278,13 +278,15 @@ def test_both_charts_of_the_size_are_one_cam(cam: ArmCam, fraction: float):
 def test_what_the_follower_tells_is_what_is_measured(cam: ArmCam):
     breaks = cam.motion.curve.breaks
     p = cam.profile(np.unique(np.concatenate([TURN * np.arange(3600) / 3600, breaks[:-1]])))
-    told = cam.follower.dimensions(cam.size)
+    reported = cam.follower.dimensions(cam.size)
     radius = np.hypot(p.pitch_x, p.pitch_y)
     assert prime_radius(cam.follower, cam.size) == pytest.approx(np.min(radius), rel=1e-7)
-    assert told["prime_radius_mm"] == pytest.approx(np.min(radius), rel=1e-7)
-    assert told["base_radius_mm"] == pytest.approx(told["prime_radius_mm"] - cam.Rr, rel=1e-14)
-    assert told["centre_distance_mm"] == pytest.approx(cam.d, rel=1e-14)
-    assert told["initial_angle_deg"] == pytest.approx(np.degrees(cam.psi), rel=1e-14)
+    assert reported["prime_radius_mm"] == pytest.approx(np.min(radius), rel=1e-7)
+    assert reported["base_radius_mm"] == pytest.approx(
+        reported["prime_radius_mm"] - cam.Rr, rel=1e-14
+    )
+    assert reported["centre_distance_mm"] == pytest.approx(cam.d, rel=1e-14)
+    assert reported["initial_angle_deg"] == pytest.approx(np.degrees(cam.psi), rel=1e-14)
     more = cam.follower.motion_dimensions(cam.motion, cam.size)
     outer = np.max(np.hypot(p.pitch_x, p.pitch_y)) - cam.Rr
     assert more["outer_radius_mm"] == pytest.approx(outer, rel=1e-5)

@@ -28,19 +28,19 @@ def program() -> ConeProgram:
 
 
 def test_the_point_keeps_equalities_to_rounding() -> None:
-    asked = program()
-    found = solve(asked)
+    question = program()
+    found = solve(question)
     assert found.stopped is StopReason.SOLVED
-    assert np.max(np.abs(asked.matrix @ found.x - asked.rhs)) < 1e-13
-    least, *_ = np.linalg.lstsq(asked.matrix.toarray(), asked.rhs, rcond=1e-12)
+    assert np.max(np.abs(question.matrix @ found.x - question.rhs)) < 1e-13
+    least, *_ = np.linalg.lstsq(question.matrix.toarray(), question.rhs, rcond=1e-12)
     assert found.x == pytest.approx(least, abs=1e-9)
 
 
 def test_the_nearest_such_point_is_taken() -> None:
-    asked, away = program(), np.cos(np.arange(UNKNOWNS))
-    closed = clarabel.project_on_equalities(asked, away)
-    assert np.max(np.abs(asked.matrix @ closed - asked.rhs)) < 1e-13
+    question, away = program(), np.cos(np.arange(UNKNOWNS))
+    closed = clarabel.project_on_equalities(question, away)
+    assert np.max(np.abs(question.matrix @ closed - question.rhs)) < 1e-13
     # what was moved lies in the span of the rows alone
-    rows = asked.matrix.toarray()
+    rows = question.matrix.toarray()
     part, *_ = np.linalg.lstsq(rows.T, closed - away, rcond=1e-12)
     assert rows.T @ part == pytest.approx(closed - away, abs=1e-12)

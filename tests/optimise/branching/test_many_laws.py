@@ -62,13 +62,13 @@ def posed(laws: int, *, dwells: bool):
 def lair_of(found):
     """What is to be shown, and the lair of which nothing is known yet."""
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
+    task = BoundTask.of(found, found.incumbent, inf)
     parts = {k: each for k, each in parts.items() if each}
-    return quest, initial_region(quest.problem, quest.controls, parts)
+    return task, initial_region(task.problem, task.controls, parts)
 
 
-def plan_of(quest, intervals: int):
-    problem = with_value_cap(quest.problem, quest.incumbent.value * (1 + 1e-9))
+def plan_of(task, intervals: int):
+    problem = with_value_cap(task.problem, task.incumbent.value * (1 + 1e-9))
     spaces = (uniform_grid(s, intervals).space for s in problem.free)
     return formulate(problem, tuple(Grid(space, space.breaks) for space in spaces))
 
@@ -79,24 +79,26 @@ def found(request):
 
 
 def test_the_best_cam_lies_where_better_cams_are_said_to_lie(found):
-    quest, lair = lair_of(found)
-    model, best = plan_of(quest, 30), found.incumbent
+    task, domain = lair_of(found)
+    model, best = plan_of(task, 30), found.incumbent
     for _ in range(2):  # the second time with rows of curvature, the first one's planes known
-        lair, stuck = tighten_bounds(model, quest.controls, lair, range(6))
+        domain, stuck = tighten_bounds(model, task.controls, domain, range(6))
         assert not stuck
-        for (low, high), value in zip(lair.sizes, best.size, strict=True):
+        for (low, high), value in zip(domain.sizes, best.size, strict=True):
             assert low <= value <= high
-        assert np.all(lair.half_spaces.normals @ np.array(best.size) >= lair.half_spaces.offsets)
-        for (position, seen), hull in lair.point_bounds.items():
+        assert np.all(
+            domain.half_spaces.normals @ np.array(best.size) >= domain.half_spaces.offsets
+        )
+        for (position, seen), hull in domain.point_bounds.items():
             law, segment = best.laws[position].curve(), found.problem.free[position]
             x = hull.nodes
             s = segment.s_start + segment.lift * law(x), segment.lift / segment.angle * law(x, 1)
             at = np.stack(seen.evaluate(s, best.size)[:2])
             assert np.all(hull.low - 1e-7 <= at)
             assert np.all(at <= hull.high + 1e-7)
-        node = solve_relaxation(found, TracedNode(quest, lair, lower=found.lower))
-        lair = replace(lair, reference=node.region.reference)
-    assert all(high - low < 25.0 for low, high in lair.sizes)
+        node = solve_relaxation(found, TracedNode(task, domain, lower=found.lower))
+        domain = replace(domain, reference=node.region.reference)
+    assert all(high - low < 25.0 for low, high in domain.sizes)
 
 
 def test_a_proof_of_many_laws_comes_to_its_end():
@@ -134,21 +136,21 @@ def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
 
     totals = []
     for laws in (4, 8):
-        quest, _ = lair_of(posed(laws, dwells=True))
-        lair = initial_region(
-            quest.problem, quest.controls, dict.fromkeys(range(laws), ((0.1, 0.9),))
+        task, _ = lair_of(posed(laws, dwells=True))
+        domain = initial_region(
+            task.problem, task.controls, dict.fromkeys(range(laws), ((0.1, 0.9),))
         )
         monkeypatch.setattr(narrowing, "minimise_each", counted)
         work.clear()
-        tighten_bounds(plan_of(quest, 20), quest.controls, lair, range(laws))
+        tighten_bounds(plan_of(task, 20), task.controls, domain, range(laws))
         monkeypatch.undo()
         totals.append(sum(work))
     assert totals[1] < 2.3 * totals[0]
 
 
 def test_a_part_has_the_rows_of_its_laws_and_of_the_size(found):
-    quest, _ = lair_of(found)
-    model = plan_of(quest, 20)
+    task, _ = lair_of(found)
+    model = plan_of(task, 20)
     positions = coupled_laws(model, 2)
     part = submodel(model, positions)
     assert positions == ((2,) if not model.junctions else (1, 2, 3))

@@ -46,11 +46,11 @@ def optimum(problem: Problem, grids: Sequence[Grid], level: float = 0.0) -> Opti
     """
     statement = _Statement(problem, grids)
     value = statement.value(level)
-    asked = cp.Problem(cp.Minimize(value), list(statement.constraints(level)))
+    question = cp.Problem(cp.Minimize(value), list(statement.constraints(level)))
     # Of a badly scaled linear program Clarabel accepts points that break rows within its tolerance
     # and lie one part in 10,000 below the optimum (two laws of degree 5 on uneven knots). The
     # simplex method of HiGHS ends at a vertex, which solves its equations to rounding.
-    if asked.is_lp():
+    if question.is_lp():
         accurate = {f"{kind}_feasibility_tolerance": 1e-10 for kind in ("primal", "dual")}
         attempts = [{"solver": cp.HIGHS, **accurate}]
     else:  # the second accuracy where rounding does not allow the first
@@ -59,11 +59,11 @@ def optimum(problem: Problem, grids: Sequence[Grid], level: float = 0.0) -> Opti
     for attempt in attempts:
         with warnings.catch_warnings(), contextlib.suppress(cp.SolverError):
             warnings.simplefilter("ignore")  # of reduced accuracy: the status says so too
-            asked.solve(**attempt)
+            question.solve(**attempt)
             break
-    if asked.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
-        return Optimum(None, asked.status)
-    return Optimum(statement.in_core_units(float(asked.value)), asked.status)
+    if question.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        return Optimum(None, question.status)
+    return Optimum(statement.in_core_units(float(question.value)), question.status)
 
 
 class _Statement:

@@ -109,8 +109,8 @@ CASES: dict[str, DesignSpec] = {
 def agree(
     spec: DesignSpec, grids: list, level: float = 0.0, held: tuple[ObjectiveCap, ...] = ()
 ) -> float:
-    asked = problem(spec, held)
-    found, expected = direct(asked, grids, level), optimum(asked, grids, level)
+    question = problem(spec, held)
+    found, expected = direct(question, grids, level), optimum(question, grids, level)
     assert expected.value is not None, expected.status
     assert found.value == pytest.approx(expected.value, rel=SAME)
     return found.value
@@ -147,10 +147,10 @@ def test_laws_of_different_smoothness_share_what_both_have() -> None:
     program = (rise(131.7, smoothness=4), fall(97.3, smoothness=2), dwell(131.0))
     spec = scene(program, angles(23.0, 33.0), jerk(71.0, 97.3))
     agree(spec, even(problem(spec), 11))
-    asked = problem(spec)
-    found = direct(asked, even(asked, 11))
-    motion = moved(asked, found.model.recover(found.solution.x)[0])
-    joint = np.array([asked.segments[0].end])
+    question = problem(spec)
+    found = direct(question, even(question, 11))
+    motion = moved(question, found.model.recover(found.solution.x)[0])
+    joint = np.array([question.segments[0].end])
     left, right = (motion.derivatives(joint, 3, side)[:, 0] for side in ("left", "right"))
     assert left[:3] == pytest.approx(right[:3], rel=1e-9, abs=1e-7)
     assert abs(left[3] - right[3]) > 1.0  # free to jump: the return promises no more
@@ -169,8 +169,8 @@ def test_fractional_objective_at_a_trial_level(level: float) -> None:
         PLAIN, jerk(47.0, 71.7), base={"max": 41.3}, offset={"max": 9.3},
         objective="peak_pressure_angle",
     )  # fmt: skip
-    asked = problem(spec)
-    agree(spec, even(asked, 10), level)
+    question = problem(spec)
+    agree(spec, even(question, 10), level)
 
 
 @pytest.mark.parametrize("first", ["base_radius", "peak_acceleration", "rms_jerk"])
@@ -179,10 +179,10 @@ def test_objectives_held(first: str, then: str) -> None:
     if first == then:
         return
     limits = (angles(29.3, 41.7), jerk(61.0, 71.7))
-    asked = problem(scene(PLAIN, *limits, objective=first))
-    grids = even(asked, 9)
-    best = direct(asked, grids).value
-    held = (ObjectiveCap(asked.objective, best * 1.013),)
+    question = problem(scene(PLAIN, *limits, objective=first))
+    grids = even(question, 9)
+    best = direct(question, grids).value
+    held = (ObjectiveCap(question.objective, best * 1.013),)
     looser = agree(scene(PLAIN, *limits, objective=then), grids, held=held)
     free = direct(problem(scene(PLAIN, *limits, objective=then)), grids).value
     assert looser >= free * (1.0 - 1e-8)
@@ -205,10 +205,10 @@ def test_a_held_pressure_angle() -> None:
     ],
 )
 def test_both_find_nothing_where_nothing_is(spec: DesignSpec) -> None:
-    asked = problem(spec)
-    grids = even(asked, 10)
-    assert solve(formulate(asked, grids).program).stopped is StopReason.INFEASIBLE
-    assert optimum(asked, grids).value is None
+    question = problem(spec)
+    grids = even(question, 10)
+    assert solve(formulate(question, grids).program).stopped is StopReason.INFEASIBLE
+    assert optimum(question, grids).value is None
 
 
 @pytest.mark.parametrize("size", [1e-3, 1e3])
@@ -272,10 +272,10 @@ def scenes(draw: st.DrawFn) -> tuple[DesignSpec, int]:
 @given(scenes())
 def test_random_scenes(drawn: tuple[DesignSpec, int]) -> None:
     spec, intervals = drawn
-    asked = problem(spec)
-    for grids in (even(asked, intervals), uneven(asked, intervals)):
-        if solve(formulate(asked, grids).program).stopped is StopReason.INFEASIBLE:
-            assert optimum(asked, grids).value is None
+    question = problem(spec)
+    for grids in (even(question, intervals), uneven(question, intervals)):
+        if solve(formulate(question, grids).program).stopped is StopReason.INFEASIBLE:
+            assert optimum(question, grids).value is None
         else:
             agree(spec, grids)
 

@@ -67,9 +67,9 @@ class BentRoller(TranslatingRoller):
         return tuple(Bent("", row) for row in super().pressure_angle_rows(slope))
 
 
-def bent(asked: Problem) -> Problem:
-    follower = BentRoller.model_validate(asked.machine.follower.model_dump())
-    return replace(asked, machine=replace(asked.machine, follower=follower))
+def bent(question: Problem) -> Problem:
+    follower = BentRoller.model_validate(question.machine.follower.model_dump())
+    return replace(question, machine=replace(question.machine, follower=follower))
 
 
 PROGRAMS = {
@@ -82,9 +82,9 @@ LIMITS = (angles(31.3, 43.9), jerk(55.0, 60.0))
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_same_plan_and_the_same_bound(name: str) -> None:
-    asked = problem(scene(PROGRAMS[name], *LIMITS))
-    grids = [uniform_grid(segment, 17 + 4 * k) for k, segment in enumerate(asked.free)]
-    plans = [formulate(one, grids) for one in (asked, bent(asked))]
+    question = problem(scene(PROGRAMS[name], *LIMITS))
+    grids = [uniform_grid(segment, 17 + 4 * k) for k, segment in enumerate(question.free)]
+    plans = [formulate(one, grids) for one in (question, bent(question))]
     answers = [solve(model.program) for model in plans]
     values = [answer.x[model.epigraph] for model, answer in zip(plans, answers, strict=True)]
     # of a given law only sampled half-planes are written: less than its worst angle by a little
@@ -100,13 +100,13 @@ def test_half_planes_at_every_angle_come_to_the_worst_angle_of_a_row() -> None:
         (rise(71.7, law="modified_sine"), dwell(23.9), fall(67.1, law="cycloidal"), dwell(197.3)),
         angles(31.3, 43.9, dwell_deg=40.0),
     )
-    asked = problem(given)
-    assert closed_form_size(bent(asked)) == pytest.approx(closed_form_size(asked), rel=1e-11)
+    question = problem(given)
+    assert closed_form_size(bent(question)) == pytest.approx(closed_form_size(question), rel=1e-11)
 
 
 def test_a_search_ends_at_the_same_cam() -> None:
-    asked = problem(scene(PROGRAMS["free"], *LIMITS))
-    one, other = optimise(asked, 2e-3), optimise(bent(asked), 2e-3)
+    question = problem(scene(PROGRAMS["free"], *LIMITS))
+    one, other = optimise(question, 2e-3), optimise(bent(question), 2e-3)
     assert one.incumbent is not None
     assert other.incumbent is not None
     assert other.relaxation_gap <= 2e-3

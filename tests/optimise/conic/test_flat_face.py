@@ -40,7 +40,7 @@ SCENES = {
 }
 
 
-def asked(*limits: dict[str, Any], law: str | None = None, **more: Any) -> DesignSpec:
+def question(*limits: dict[str, Any], law: str | None = None, **more: Any) -> DesignSpec:
     return DesignSpec.model_validate(
         {
             "speed_rpm": RPM,
@@ -114,7 +114,7 @@ def second_statement(scene: Problem, grids: list[Grid], limits: list[dict[str, A
 @pytest.mark.parametrize("seed", [None, 5])
 def test_the_optimum_is_that_of_another_statement(name: str, seed: int | None) -> None:
     limits = SCENES[name]
-    scene = problem(asked(*limits))
+    scene = problem(question(*limits))
     grids = even(scene, 14) if seed is None else uneven(scene, seed, 11)
     found = direct(scene, grids)
     assert found.value == pytest.approx(second_statement(scene, grids, limits), rel=1e-7)
@@ -123,25 +123,25 @@ def test_the_optimum_is_that_of_another_statement(name: str, seed: int | None) -
 
 
 def test_the_bound_over_all_laws_closes_in_and_is_never_above_a_finer_cam() -> None:
-    scene = problem(asked(*SCENES["jerk and face"]))
+    scene = problem(question(*SCENES["jerk and face"]))
     coarse, fine = (direct(scene, even(scene, n)) for n in (24, 96))
-    told = [dual_bound(each.model, each.solution) for each in (coarse, fine)]
-    assert all(each.valid_for == "all motion laws with a bounded jerk" for each in told)
-    assert max(each.value for each in told) <= fine.value <= coarse.value * (1.0 + 1e-9)
-    assert told[0].value < told[1].value
-    assert told[1].value > 0.98 * fine.value
+    reported = [dual_bound(each.model, each.solution) for each in (coarse, fine)]
+    assert all(each.valid_for == "all motion laws with a bounded jerk" for each in reported)
+    assert max(each.value for each in reported) <= fine.value <= coarse.value * (1.0 + 1e-9)
+    assert reported[0].value < reported[1].value
+    assert reported[1].value > 0.98 * fine.value
 
 
 def test_where_the_size_caps_the_steering_the_bound_speaks_of_splines_only() -> None:
-    scene = problem(asked(*SCENES["acceleration"]))
+    scene = problem(question(*SCENES["acceleration"]))
     found = direct(scene, even(scene, 20))
-    told = dual_bound(found.model, found.solution)
-    assert told.valid_for.startswith("splines of degree 3")
-    assert told.value == pytest.approx(found.value, rel=1e-6)
+    reported = dual_bound(found.model, found.solution)
+    assert reported.valid_for.startswith("splines of degree 3")
+    assert reported.value == pytest.approx(found.value, rel=1e-6)
 
 
 def test_the_rows_are_linear_so_nothing_is_left_to_ipopt() -> None:
-    scene = problem(asked(*SCENES["jerk and face"]))
+    scene = problem(question(*SCENES["jerk and face"]))
     s = [np.zeros(3)] * 4
     for limit in scene.limits:
         assert (

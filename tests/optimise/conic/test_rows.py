@@ -41,8 +41,8 @@ SCENES: dict[str, tuple[DesignSpec, int]] = {
 
 
 def plan_of(spec: DesignSpec) -> ConicModel:
-    asked = problem(spec)
-    return formulate(asked, even(asked, 14))
+    question = problem(spec)
+    return formulate(question, even(question, 14))
 
 
 @pytest.mark.parametrize("name", SCENES)

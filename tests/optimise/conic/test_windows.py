@@ -131,8 +131,8 @@ ALL_LAWS = "all motion laws"
 
 
 def found(spec: DesignSpec, intervals: int) -> tuple[float, Bound]:
-    asked = problem(spec)
-    answer = direct(asked, [uniform_grid(segment, intervals) for segment in asked.free])
+    question = problem(spec)
+    answer = direct(question, [uniform_grid(segment, intervals) for segment in question.free])
     return answer.value, dual_bound(answer.model, answer.solution)
 
 
@@ -150,11 +150,11 @@ def test_the_scenes_bite() -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_same_optimum_as_stated_in_cvxpy(name: str) -> None:
-    asked = problem(CASES[name])
-    grids = even(asked, 13)
-    expected = optimum(asked, grids)
+    question = problem(CASES[name])
+    grids = even(question, 13)
+    expected = optimum(question, grids)
     assert expected.value is not None, expected.status
-    assert direct(asked, grids).value == pytest.approx(expected.value, rel=1e-6)
+    assert direct(question, grids).value == pytest.approx(expected.value, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -183,8 +183,8 @@ def test_the_gap_closes_with_knots(name: str) -> None:
 )  # fmt: skip
 def test_garbage_gives_a_bound_too(name: str, seed: int, magnitude: float) -> None:
     fine, _ = found(CASES[name], 64)
-    asked = problem(CASES[name])
-    answer = direct(asked, [uniform_grid(segment, 10) for segment in asked.free])
+    question = problem(CASES[name])
+    answer = direct(question, [uniform_grid(segment, 10) for segment in question.free])
     rng = np.random.default_rng(seed)
     z = answer.solution.multipliers
     noise = rng.standard_normal(len(z)) * 10.0**magnitude
@@ -264,8 +264,8 @@ SCENES: dict[str, tuple[dict[str, Any], list[tuple[float, int, float, float]]]] 
 @pytest.mark.parametrize("name", SCENES)
 def test_against_an_independent_linear_program(name: str) -> None:
     """Both sides of the truth: the spline's optimum and the bound enclose it."""
-    asked, rows = SCENES[name]
-    spec = cam(objective="peak_jerk", base=51.3, **asked)
+    question, rows = SCENES[name]
+    spec = cam(objective="peak_jerk", base=51.3, **question)
     # the return's own optimum lies below the rise's: its peak does not decide
     value, lower = found(spec, 200)
     unit = LIFT / (UP * pi / 180.0) ** 3
@@ -312,7 +312,7 @@ def test_needed_knots_come_first_and_push_none_away_that_were_there() -> None:
     ],
 )
 def test_nothing_is_found_where_nothing_is(spec: DesignSpec) -> None:
-    asked = problem(spec)
-    grids = even(asked, 20)
-    assert solve(formulate(asked, grids).program).stopped is StopReason.INFEASIBLE
-    assert optimum(asked, grids).value is None
+    question = problem(spec)
+    grids = even(question, 20)
+    assert solve(formulate(question, grids).program).stopped is StopReason.INFEASIBLE
+    assert optimum(question, grids).value is None

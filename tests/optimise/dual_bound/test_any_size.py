@@ -48,10 +48,10 @@ def value_and_bound(problem: Problem) -> tuple[float, float]:
 def test_the_largest_size_searched_is_not_in_the_bound(
     follower: dict, limit: dict, largest: float, objective: str
 ) -> None:
-    asked = spec(follower, limit, objective)
-    problem = formulate_problem(asked, asked.objectives()[0])
+    question = spec(follower, limit, objective)
+    problem = formulate_problem(question, question.objectives()[0])
     least, _ = value_and_bound(problem)
-    sizing = asked.follower.size_domain((0.0, largest - asked.follower.roller_radius_mm))
+    sizing = question.follower.size_domain((0.0, largest - question.follower.roller_radius_mm))
     value, bound = value_and_bound(replace(problem, sizing=sizing))
     assert value > 1.02 * least  # so small an end would bind
     assert bound <= least * (1.0 + 1e-9)

@@ -64,33 +64,33 @@ FAMILY = {
 }  # fmt: skip
 
 
-def found(asked: Problem, intervals: int) -> tuple[float, Bound]:
+def found(question: Problem, intervals: int) -> tuple[float, Bound]:
     """The optimum on equal intervals, and the bound from its multipliers."""
-    grids = [uniform_grid(segment, intervals) for segment in asked.free]
-    answer = direct(asked, grids)
+    grids = [uniform_grid(segment, intervals) for segment in question.free]
+    answer = direct(question, grids)
     return answer.value, dual_bound(answer.model, answer.solution)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_below_the_optimum_on_much_finer_knots(name: str) -> None:
-    asked = problem(CASES[name])
-    _, coarse = found(asked, 12)
-    fine, lower = found(asked, 160)
+    question = problem(CASES[name])
+    _, coarse = found(question, 12)
+    fine, lower = found(question, 160)
     assert lower.value <= fine * (1.0 + 1e-9)
     assert coarse.valid_for.startswith(ALL_LAWS) == (name not in FAMILY)
     if name not in FAMILY:
         assert coarse.value <= fine * (1.0 + 1e-9)
         assert coarse.value > 0.0
-        assert len(coarse.switching) == len(asked.free)
+        assert len(coarse.switching) == len(question.free)
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if name not in FAMILY])
 def test_the_gap_closes_with_knots(name: str) -> None:
     """As the knots' distance squared; only as the distance where no jerk is capped."""
-    asked = problem(CASES[name])
+    question = problem(CASES[name])
     gaps, lower = [], None
     for intervals in (16, 144):
-        value, lower = found(asked, intervals)
+        value, lower = found(question, intervals)
         gaps.append((value - lower.value) / value)
     assert lower is not None
     slow = lower.order == 2 or "acceleration" in name
@@ -126,9 +126,9 @@ def test_smoother_laws_have_the_same_bound(name: str, smoothness: int) -> None:
 )
 def test_garbage_gives_a_bound_too(name: str, seed: int, magnitude: float) -> None:
     """Weak duality: perturbed multipliers may be useless, but their bound is never wrong."""
-    asked = problem(CASES[name])
-    fine, _ = found(asked, 64)
-    answer = direct(asked, [uniform_grid(segment, 10) for segment in asked.free])
+    question = problem(CASES[name])
+    fine, _ = found(question, 64)
+    answer = direct(question, [uniform_grid(segment, 10) for segment in question.free])
     rng = np.random.default_rng(seed)
     z = answer.solution.multipliers
     noise = rng.standard_normal(len(z)) * 10.0**magnitude
@@ -139,10 +139,10 @@ def test_garbage_gives_a_bound_too(name: str, seed: int, magnitude: float) -> No
 
 def test_a_held_objective_counts_as_a_limit() -> None:
     limits = (angles(29.3, 41.7), jerk(61.0, 71.7))
-    asked = problem(scene(SYMMETRIC, *limits, objective="peak_acceleration"))
-    best, _ = found(asked, 64)
+    question = problem(scene(SYMMETRIC, *limits, objective="peak_acceleration"))
+    best, _ = found(question, 64)
     then = scene(SYMMETRIC, *limits)
-    held = problem(then, (ObjectiveCap(asked.objective, best * 1.05),))
+    held = problem(then, (ObjectiveCap(question.objective, best * 1.05),))
     _, lower = found(held, 32)
     fine, _ = found(held, 160)
     free, _ = found(problem(then), 160)
@@ -153,11 +153,11 @@ def test_a_trial_level_is_proven_too_low_or_not_at_all() -> None:
     """Pressure angle: a positive bound of the excess says that the trial slope cannot be had."""
     spec = scene(SYMMETRIC, jerk(47.0, 71.7), base=31.0, offset=6.0,
                  objective="peak_pressure_angle")  # fmt: skip
-    asked = problem(spec)
-    grids = [uniform_grid(segment, 64) for segment in asked.free]
+    question = problem(spec)
+    grids = [uniform_grid(segment, 64) for segment in question.free]
     values = []
     for slope in np.linspace(0.4, 0.8, 9):
-        answer = direct(asked, grids, float(slope))
+        answer = direct(question, grids, float(slope))
         lower = dual_bound(answer.model, answer.solution).value
         assert lower <= answer.value + 1e-9
         values.append((answer.value, lower))
@@ -180,12 +180,12 @@ def test_least_peak_jerk_of_quintics() -> None:
     """Their jerk has to start and to end at zero: above 32, and slowly coming down to it."""
     free = {"smoothness": 4}
     program = (rise(71.7, **free), dwell(23.9), fall(71.7, **free), dwell(192.7))
-    asked = problem(scene(program, objective="peak_jerk"))
+    question = problem(scene(program, objective="peak_jerk"))
     unit = LIFT / BETA**3
-    peaks = [found(asked, n)[0] / unit for n in (16, 32, 64, 128)]
+    peaks = [found(question, n)[0] / unit for n in (16, 32, 64, 128)]
     assert peaks[0] > 48.0 > peaks[1] > peaks[2] > peaks[3] > 32.0
     assert peaks[3] < 33.7
-    _, lower = found(asked, 128)
+    _, lower = found(question, 128)
     assert 31.0 < lower.value / unit <= 32.0 * (1.0 + 1e-12)
 
 
@@ -281,9 +281,9 @@ def test_the_least_velocity_limit_that_can_be_met(a: float, j: float) -> None:
         limits: list[Any] = [velocity(least * share, 71.7)]
         limits += [acceleration(a, 71.7)] if a < 1e6 else []
         limits += [jerk(j, 71.7)] if j < 1e6 else []
-        asked = problem(scene(SYMMETRIC, *limits, objective="peak_jerk"))
-        grids = [uniform_grid(segment, 200) for segment in asked.free]
-        stopped = solve(formulate(asked, grids).program).stopped
+        question = problem(scene(SYMMETRIC, *limits, objective="peak_jerk"))
+        grids = [uniform_grid(segment, 200) for segment in question.free]
+        stopped = solve(formulate(question, grids).program).stopped
         assert (stopped is StopReason.SOLVED) == feasible, stopped
 
 

@@ -105,9 +105,9 @@ def test_the_least_integral_of_high_degrees(seed: int, order: int) -> None:
 )
 def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> None:
     """Weak duality of densities: any masses, on any rows; the bound is never wrong."""
-    asked = problem(CASES[name])
-    fine, _ = solved_on(asked, 64)
-    answer = direct(asked, [uniform_grid(segment, 9) for segment in asked.free])
+    question = problem(CASES[name])
+    fine, _ = solved_on(question, 64)
+    answer = direct(question, [uniform_grid(segment, 9) for segment in question.free])
     model, solution = answer.model, answer.solution
     steering = law_controls(model)
     assert steering
@@ -132,9 +132,9 @@ def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> No
 
 def test_a_tangent_is_below_the_square_wherever_it_is_taken() -> None:
     """The bound of a mean square under a jerk cap, its tangent taken at another law."""
-    asked = problem(CASES["rms acceleration"])
-    fine, best = solved_on(asked, 64)
-    answer = direct(asked, [uniform_grid(segment, 24) for segment in asked.free])
+    question = problem(CASES["rms acceleration"])
+    fine, best = solved_on(question, 64)
+    answer = direct(question, [uniform_grid(segment, 24) for segment in question.free])
     steering = law_controls(answer.model)
     assert steering
     values = []

@@ -60,12 +60,12 @@ def model(request):
     )
     first = formulate(problem, grids)
     value = np.hypot(*first.recover(solve(first.program).x)[1])
-    asked = replace(
+    question = replace(
         problem,
         objective=NoObjective(),
         objective_caps=(ObjectiveCap(problem.objective, 1.03 * value),),
     )
-    return formulate(asked, grids)
+    return formulate(question, grids)
 
 
 def some(model, seed: int, count: int = 12) -> Quantities:
@@ -91,8 +91,8 @@ def single(model, wanted: Quantities, k: int):
     row = LinearBlock(
         kind, *motion, x, np.append(alpha, 0.0), wanted.size[k], -1.0, np.zeros(1), "quantity"
     )
-    asked = with_rows(model, [row])
-    return asked, solve(asked.program)
+    question = with_rows(model, [row])
+    return question, solve(question.program)
 
 
 def test_each_is_what_the_bound_of_a_program_of_its_own_says(model):
@@ -101,8 +101,8 @@ def test_each_is_what_the_bound_of_a_program_of_its_own_says(model):
     for k in range(len(wanted.x)):
         if wanted.alpha[k, 2]:
             continue  # there the single one spreads the quantity itself
-        asked, solution = single(model, wanted, k)
-        alone = dual_bound(asked, solution)
+        question, solution = single(model, wanted, k)
+        alone = dual_bound(question, solution)
         one = Quantities(wanted.law[k : k + 1], wanted.x[k : k + 1], wanted.alpha[k : k + 1],
                      wanted.size[k : k + 1])  # fmt: skip
         z = np.delete(solution.multipliers / solution.multipliers[rows], rows)

@@ -22,8 +22,8 @@ SCENE = scene(TURN, acceleration(7.0, 97.3), jerk(80.0, 97.3), angles(30.0, 30.0
 @pytest.mark.parametrize("seed", range(3))
 def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
     """Those of the last point of a law too: its interval to the next point ran backwards."""
-    asked = problem(SCENE)
-    answer = direct(asked, uneven(asked, seed))
+    question = problem(SCENE)
+    answer = direct(question, uneven(question, seed))
     between = MultiplierDensity.of(answer.model, [], EACH)
     ends = boundary_multipliers(answer.model, answer.solution, 3)
     own = between.distribute_single(answer.solution.multipliers, ends)
@@ -32,14 +32,14 @@ def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
         dual_bound(between.model, replace(answer.solution, multipliers=z), ends).value
         for z in (own, shaken)
     ]
-    fine = direct(asked, even(asked, 100)).value
+    fine = direct(question, even(question, 100)).value
     assert max(values) <= fine * (1.0 + 1e-9)
     assert values[0] > dual_bound(answer.model, answer.solution).value - 0.01 * fine
 
 
 def test_densities_lie_between_points_that_ascend() -> None:
-    asked = problem(SCENE)
-    model = MultiplierDensity.of(direct(asked, uneven(asked, 0)).model, [], EACH).model
+    question = problem(SCENE)
+    model = MultiplierDensity.of(direct(question, uneven(question, 0)).model, [], EACH).model
     steered = [one for one in row_functionals(model, 3) if one.block.kind == "point"]
     assert any(one.uniform and one.jumps for one in steered)
     assert all(np.all(np.diff(one.block.x) > 0.0) for one in steered)

@@ -52,14 +52,14 @@ def test_a_bound_that_is_known_is_never_given_up() -> None:
     assert state.relaxation is not None
     model, solution, lower = state.relaxation
     known = Bound(2.0 * lower.value, "told", lower.switching, lower.controls)
-    asked: list[Any] = []
+    question: list[Any] = []
 
     def enough(found: Bound) -> bool:
-        asked.append(found)
+        question.append(found)
         return False
 
     assert improve_multipliers(model, solution, known, enough, 10.0) is known
-    assert len(asked) > 0
+    assert len(question) > 0
     # and a better one is found, below the optimum
     better = improve_multipliers(model, solution, lower, lambda _: False, 10.0)
     assert lower.value < better.value <= EXACT["peak jerk"][1] * (1.0 + 1e-10)

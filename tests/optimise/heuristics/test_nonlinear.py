@@ -55,11 +55,11 @@ def cutter(largest: float) -> dict[str, Any]:
 
 def planned(spec: DesignSpec, intervals: int = 14) -> tuple[ConicModel, np.ndarray, float]:
     """The relaxation, the cam it becomes when raised out of the smooth limits, and its value."""
-    asked = problem(spec)
-    model = formulate(asked, [uniform_grid(segment, intervals) for segment in asked.free])
+    question = problem(spec)
+    model = formulate(question, [uniform_grid(segment, intervals) for segment in question.free])
     relaxed = solve(model.program)
     laws, size = model.recover(relaxed.x)
-    raised = enlarge_until_feasible(recover_cam(asked, laws, size))
+    raised = enlarge_until_feasible(recover_cam(question, laws, size))
     start = relaxed.x if raised is None else model.point(raised.laws, raised.size)
     return model, start, float(np.hypot(*size))
 
@@ -299,8 +299,8 @@ def test_the_least_prime_radius_holds_with_the_offset_free():
 def test_the_objective_is_told_in_the_plans_own_unknown():
     found = solved("unequal angles")
     assert found.model.epigraph is not None
-    told = found.found.x[found.model.epigraph] * found.model.scales.size
-    assert told == pytest.approx(found.prime, rel=1e-12)
+    reported = found.found.x[found.model.epigraph] * found.model.scales.size
+    assert reported == pytest.approx(found.prime, rel=1e-12)
 
 
 def test_an_impossible_scene_is_not_called_solved():

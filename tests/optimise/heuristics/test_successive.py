@@ -40,11 +40,11 @@ SCENES: dict[str, DesignSpec] = {
 
 def tangents(spec: DesignSpec, close: float = CLOSE, intervals: int = 14) -> tuple[ScpResult, Any]:
     """From the law of least mean square jerk, on the size that the relaxation likes."""
-    asked = problem(spec)
-    grids = [uniform_grid(segment, intervals) for segment in asked.free]
-    quiet = formulate(replace(asked, objective=RmsJerk()), grids)
-    model = formulate(asked, grids, region=Region())
-    start = recover_cam(asked, *quiet.recover(solve(quiet.program).x))
+    question = problem(spec)
+    grids = [uniform_grid(segment, intervals) for segment in question.free]
+    quiet = formulate(replace(question, objective=RmsJerk()), grids)
+    model = formulate(question, grids, region=Region())
+    start = recover_cam(question, *quiet.recover(solve(quiet.program).x))
     return solve_scp(model, start.laws, start.size, inf, ScpTarget(close, 1e-6)), model
 
 

@@ -17,7 +17,7 @@ WINDOW = {"from_deg": 21.7, "to_deg": 36.3, "velocity_mm_per_s": 130.0}
 POINT = {"angle_deg": 51.9, "travel_mm": 17.3}
 
 
-def asked(up: float, objective: str = "peak_jerk", **more: Any) -> Problem:
+def question(up: float, objective: str = "peak_jerk", **more: Any) -> Problem:
     body = {
         "speed_rpm": 88.8,
         "program": [
@@ -36,7 +36,7 @@ def asked(up: float, objective: str = "peak_jerk", **more: Any) -> Problem:
 
 
 def test_knots_follow_the_windows() -> None:
-    here, there = asked(83.0), asked(101.0)
+    here, there = question(83.0), question(101.0)
     mesh = mesh_like(here, [uniform_grid(segment, 17) for segment in here.free])
     first, second = mesh(there)
     for degrees in (21.7, 36.3, 51.9):
@@ -52,11 +52,11 @@ def test_the_estimate_is_smooth_in_the_angles(objective: str) -> None:
     more: dict[str, Any] = {}
     if objective == "peak_pressure_angle":
         more["limits"] = [{"kind": "jerk", "max_mm_per_s3": 2.0e6}]
-    here = asked(97.1, objective, **more)
+    here = question(97.1, objective, **more)
     mesh = mesh_like(here, [uniform_grid(segment, 17) for segment in here.free])
 
     def value(up: float) -> float:
-        problem = asked(up, objective, **more)
+        problem = question(up, objective, **more)
         found = estimate(problem, mesh(problem))
         assert found is not None
         return found
@@ -69,6 +69,6 @@ def test_the_estimate_is_smooth_in_the_angles(objective: str) -> None:
 def test_the_estimate_is_the_optimum_on_the_grid_where_all_is_convex() -> None:
     from tests.optimise.scenes import direct
 
-    here = asked(97.1)
+    here = question(97.1)
     grids = [uniform_grid(segment, 17) for segment in here.free]
     assert estimate(here, grids) == pytest.approx(direct(here, grids).value, rel=1e-5)

@@ -184,11 +184,11 @@ def test_no_start_of_a_local_search_ends_below_the_bound(thorough, found):
     assert min(values) > thorough.certificate.lower_bound + 9.7
 
 
-def keeps(lair, problem, cam) -> None:
+def keeps(domain, problem, cam) -> None:
     """A cam's size and what draws its curves are where the lair says."""
-    for (low, high), value in zip(lair.sizes, cam.size, strict=True):
+    for (low, high), value in zip(domain.sizes, cam.size, strict=True):
         assert low <= value <= high
-    for (position, seen), hull in lair.point_bounds.items():
+    for (position, seen), hull in domain.point_bounds.items():
         law, segment = cam.laws[position].curve(), problem.free[position]
         for first, last in hull.parts:
             x = np.linspace(first, last, 200)
@@ -202,68 +202,68 @@ def keeps(lair, problem, cam) -> None:
 
 def test_a_better_cam_lies_where_better_cams_are_said_to_lie(found, finer):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
-    lair = initial_region(quest.problem, quest.controls, parts)
+    task = BoundTask.of(found, found.incumbent, inf)
+    domain = initial_region(task.problem, task.controls, parts)
     better = with_value_cap(
-        quest.problem, found.incumbent.value * (1 + 1e-9)
+        task.problem, found.incumbent.value * (1 + 1e-9)
     )  # than the best, not than the target
     grids = tuple(Grid(g.space, g.space.breaks) for g in (uniform_grid(s, 45) for s in better.free))
     model = formulate(better, grids)
     for _ in range(2):  # the second time with the rows that the first one gave
-        lair, stuck = tighten_bounds(model, quest.controls, lair, range(len(grids)))
+        domain, stuck = tighten_bounds(model, task.controls, domain, range(len(grids)))
         assert not stuck
-        assert not lair.is_empty
-        keeps(lair, found.problem, finer)
-    assert all(high - low < 3.0 for low, high in lair.sizes)
-    assert len(lair.point_bounds) == 2
+        assert not domain.is_empty
+        keeps(domain, found.problem, finer)
+    assert all(high - low < 3.0 for low, high in domain.sizes)
+    assert len(domain.point_bounds) == 2
 
 
 def test_half_a_box_without_the_best_offset_has_no_better_cam(found):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
-    region = initial_region(quest.problem, quest.controls, parts)
-    start = TracedNode(quest, region, lower=found.lower, valid_for=found.valid_for)
+    task = BoundTask.of(found, found.incumbent, inf)
+    region = initial_region(task.problem, task.controls, parts)
+    start = TracedNode(task, region, lower=found.lower, valid_for=found.valid_for)
     _, (left, right) = solve_relaxation(found, start).branch(found)
     (_, middle), _ = left.region.sizes
     e, _ = found.incumbent.size
     other = left if e > middle else right
     _, processed = other.process(found)
-    assert processed.lower >= quest.target
+    assert processed.lower >= task.target
 
 
 def test_a_box_is_not_split_across_the_size_in_which_a_cam_grows(found):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
-    lair = initial_region(quest.problem, quest.controls, parts)
-    flat = replace(lair, sizes=((1.3, 2.9), (31.0, 58.0)))
-    _, (left, right) = TracedNode(quest, flat, lower=quest.target).branch(found)
+    task = BoundTask.of(found, found.incumbent, inf)
+    domain = initial_region(task.problem, task.controls, parts)
+    flat = replace(domain, sizes=((1.3, 2.9), (31.0, 58.0)))
+    _, (left, right) = TracedNode(task, flat, lower=task.target).branch(found)
     assert left.region.sizes == ((1.3, 2.1), (31.0, 58.0))
     assert right.region.sizes == ((2.1, 2.9), (31.0, 58.0))
-    given = replace(lair, sizes=((2.9, 2.9), (31.0, 58.0)))
-    _, (left, right) = TracedNode(quest, given, lower=quest.target).branch(found)
+    given = replace(domain, sizes=((2.9, 2.9), (31.0, 58.0)))
+    _, (left, right) = TracedNode(task, given, lower=task.target).branch(found)
     assert (left.region.sizes[1], right.region.sizes[1]) == ((31.0, 44.5), (44.5, 58.0))
 
 
 def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
+    task = BoundTask.of(found, found.incumbent, inf)
     grids = tuple(
-        Grid(g.space, g.space.breaks) for g in (uniform_grid(s, 45) for s in quest.problem.free)
+        Grid(g.space, g.space.breaks) for g in (uniform_grid(s, 45) for s in task.problem.free)
     )
-    model = formulate(with_value_cap(quest.problem, found.incumbent.value * (1 + 1e-9)), grids)
-    open_ = initial_region(quest.problem, quest.controls, parts)
-    lair, stuck = tighten_bounds(model, quest.controls, open_, range(len(grids)))
+    model = formulate(with_value_cap(task.problem, found.incumbent.value * (1 + 1e-9)), grids)
+    open_ = initial_region(task.problem, task.controls, parts)
+    domain, stuck = tighten_bounds(model, task.controls, open_, range(len(grids)))
     assert not stuck
     best = found.incumbent
     point = TangentPoint(tuple(law.curve() for law in best.laws), best.size)
-    guessed = replace(lair, reference=point)
+    guessed = replace(domain, reference=point)
     without, all_rows, sparing = (
-        lair.rows(model),
+        domain.rows(model),
         guessed.rows(model),
         guessed.rows(model, sparing=True),
     )
     assert len(sparing) == len(without) == len(all_rows) // 2
-    assert len(lair.rows(model, sparing=True)) == len(without)
+    assert len(domain.rows(model, sparing=True)) == len(without)
     for block in sparing:
         law = found.incumbent.laws[block.segment].curve()
         said = sum(block.alpha[k] * law(block.x, k) for k in range(3))
@@ -287,11 +287,11 @@ def test_hollow_flanks_that_a_cutter_must_fit():
 def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
     scene = deepcopy(SCENE)
     scene["limits"][1] = {"kind": "acceleration", "max_mm_per_s2": 2.5e4}
-    told = synthesise(DesignSpec.model_validate({**scene, "proof": "thorough"})).certificate
-    assert told.gap > 0.1
+    reported = synthesise(DesignSpec.model_validate({**scene, "proof": "thorough"})).certificate
+    assert reported.gap > 0.1
     start = "all motion laws with a bounded acceleration; not wholly in it: profile_radius, which"
-    assert told.bound_valid_for.startswith(start)
-    assert "jerk limit" in told.bound_valid_for
+    assert reported.bound_valid_for.startswith(start)
+    assert "jerk limit" in reported.bound_valid_for
 
 
 def test_a_ring_s_outer_flank_too():
@@ -313,11 +313,9 @@ def test_thorough_changes_nothing_where_curvature_does_not_bind(spec: DesignSpec
 
 def test_the_bound_is_never_above_the_target(found):
     parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
-    quest = BoundTask.of(found, found.incumbent, inf)
-    lair = initial_region(quest.problem, quest.controls, parts)
+    task = BoundTask.of(found, found.incumbent, inf)
+    domain = initial_region(task.problem, task.controls, parts)
     # far on the wrong side: no better cam has its offset there
-    (_, high), *rest = lair.sizes
-    there = replace(lair, sizes=((high - 4.0, high), *rest))
-    assert (
-        solve_relaxation(found, TracedNode(quest, there, lower=found.lower)).lower >= quest.target
-    )
+    (_, high), *rest = domain.sizes
+    there = replace(domain, sizes=((high - 4.0, high), *rest))
+    assert solve_relaxation(found, TracedNode(task, there, lower=found.lower)).lower >= task.target

@@ -39,23 +39,23 @@ SCENES: dict[str, tuple[tuple[Mapping[str, Any], ...], Mapping[str, Any]]] = {
 def cam(name: str) -> tuple[Problem, Candidate]:
     """The question, and the relaxation's cam."""
     program, steering = SCENES[name]
-    asked = problem(scene(program, angles(31.0, 39.0), steering, RADIUS, CUTTER))
-    model = formulate(asked, [uniform_grid(segment, 37) for segment in asked.free])
-    return asked, recover_cam(asked, *model.recover(solve(model.program).x))
+    question = problem(scene(program, angles(31.0, 39.0), steering, RADIUS, CUTTER))
+    model = formulate(question, [uniform_grid(segment, 37) for segment in question.free])
+    return question, recover_cam(question, *model.recover(solve(model.program).x))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_far_is_far_everywhere(name: str) -> None:
     _, found = cam(name)
-    asked, (e, s0) = found.problem, found.size
-    dense, seen = sample(asked), set()
+    question, (e, s0) = found.problem, found.size
+    dense, seen = sample(question), set()
 
     def worst(raised: float) -> float:
         size = (e, raised)
-        return violation(asked, [*dense, *peaks(asked, dense, size)], size)
+        return violation(question, [*dense, *peaks(question, dense, size)], size)
 
     for raised in np.geomspace(0.02, 6.0, 31) * s0:
-        far, value = _is_far_from_binding(asked, (e, raised)), worst(raised)
+        far, value = _is_far_from_binding(question, (e, raised)), worst(raised)
         assert not far or value <= NEAR
         seen.add((far, value <= NEAR))
         if far:
@@ -65,7 +65,7 @@ def test_what_is_far_is_far_everywhere(name: str) -> None:
             )
     assert {(True, True), (False, False)} <= seen
     just_near = brentq(lambda raised: worst(raised) - NEAR - 1e-6, 0.02 * s0, 6.0 * s0, xtol=1e-9)
-    assert not _is_far_from_binding(asked, (e, just_near))
+    assert not _is_far_from_binding(question, (e, just_near))
 
 
 def test_a_law_of_few_pieces_is_sampled() -> None:
@@ -77,14 +77,14 @@ def test_a_law_of_few_pieces_is_sampled() -> None:
 
 
 def test_once_a_cam_was_refused_they_are_sampled(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, found = cam("turns")
+    question, found = cam("turns")
     found = replace(found, size=(found.size[0], 0.3 * found.size[1]))
     monkeypatch.setattr(
         "synthesis.optimise.recovery.smooth_limits._is_far_from_binding", lambda *_: True
     )
     sizes = []
     for tighten in (1e-7, 1e-6):
-        state = SolveState(asked, 1e-2, inf, tighten).with_incumbent(found)
+        state = SolveState(question, 1e-2, inf, tighten).with_incumbent(found)
         assert state.incumbent is not None
         sizes.append(state.incumbent.size)
     assert sizes[0] == found.size

@@ -162,9 +162,9 @@ def test_planes_of_a_free_pivot_close_in_on_the_limit_with_the_square_of_the_reg
 
 def test_a_least_centre_distance_implies_a_row_over_a_box() -> None:
     """At its corners it is the distance itself; no size that is far enough is cut off."""
-    asked = scene(angles(), jerk(1.9), distance={"min": 97.3})
+    question = scene(angles(), jerk(1.9), distance={"min": 97.3})
     sizes, scales = ((83.1, 97.9), (12.3, 31.7)), Scales(29.3, 1.0)
-    problem = formulate_problem(asked, asked.objectives()[0])
+    problem = formulate_problem(question, question.objectives()[0])
     (row, *_) = reverse_convex_rows(problem, sizes, scales)
 
     def left(p: float, q: float) -> float:

@@ -190,7 +190,7 @@ def smallest(limit: float, e: np.ndarray, draw, near: Design) -> np.ndarray:
 
     Their laws lie between a design's and random ones: there jerk and sense of motion are kept, too.
     """
-    cap, told = JERK / OMEGA**3 / LIFT, []
+    cap, reported = JERK / OMEGA**3 / LIFT, []
     for start, angle, way, steep in ((0.0, RISE, 1.0, 30.0), (97.0, 83.1, -1.0, 45.0)):
         width = np.radians(angle)
         g, x = laws(draw, len(e), cap * width**3)
@@ -199,11 +199,11 @@ def smallest(limit: float, e: np.ndarray, draw, near: Design) -> np.ndarray:
         theta = np.radians(start) + width * x
         own, share = near.curve.derivatives(theta, 2), draw.random((len(e), 1)) ** 3
         s = (1.0 - share) * own[:, None] + share * s
-        told.append((theta, s, np.tan(np.radians(steep))))
+        reported.append((theta, s, np.tan(np.radians(steep))))
     low, high = np.full(len(e), 5.0), np.full(len(e), 300.0)
     for _ in range(45):
         middle, good = 0.5 * (low + high), np.ones(len(e), dtype=bool)
-        for theta, s, steep in told:
+        for theta, s, steep in reported:
             square, slope, left = pressed(theta, *s, e[:, None], middle[:, None])
             kept = (np.abs(slope) <= steep) & (left > 0.0) & (square <= limit**2)
             good &= np.all(kept, axis=1)
@@ -220,8 +220,8 @@ def proven():
 def test_the_gap_is_closed_where_hertz_pressure_binds(proven):
     quick, thorough = proven
     without = synthesise(spec_of(limits=BODY["limits"][:2])).certificate
-    told = {extreme.limit: extreme for extreme in thorough.extremes}["hertz_pressure"]
-    assert told.value == pytest.approx(690.0, rel=2e-3)
+    reported = {extreme.limit: extreme for extreme in thorough.extremes}["hertz_pressure"]
+    assert reported.value == pytest.approx(690.0, rel=2e-3)
     assert thorough.status == "optimal"
     assert thorough.certificate.gap <= 5e-3
     assert thorough.certificate.bound_valid_for == "all motion laws with a bounded jerk"
@@ -265,9 +265,9 @@ def test_a_dwell_alone_needs_a_size():
 def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
     limits = deepcopy(BODY["limits"])
     limits[1] = {"kind": "acceleration", "max_mm_per_s2": 1.3e5}
-    told = synthesise(spec_of(limits=limits, proof="thorough")).certificate
-    assert told.gap > 5e-3
-    assert told.bound_valid_for == (
+    reported = synthesise(spec_of(limits=limits, proof="thorough")).certificate
+    assert reported.gap > 5e-3
+    assert reported.bound_valid_for == (
         "all motion laws with a bounded acceleration; not wholly in it: hertz_pressure, which a "
         "thorough proof takes in where every free law has a jerk limit"
     )

@@ -34,12 +34,12 @@ def waiting(call: str, *given: Any, **settings: Any) -> Any:
 
 
 def awaiting(call: str, *given: Any, **settings: Any) -> Any:
-    async def asked() -> Any:
+    async def question() -> Any:
         url = settings.pop("url", "http://test")
         async with AsyncClient(url, retries=QUICK, **settings) as client:
             return await getattr(client, call)(*given)
 
-    return asyncio.run(asked())
+    return asyncio.run(question())
 
 
 @pytest.fixture(params=[waiting, awaiting])
@@ -52,11 +52,11 @@ class Scripted:
     """A service that answers as it is told, and remembers what it was asked."""
 
     def __init__(self, *answers: httpx2.Response | Exception) -> None:
-        self._answers, self.asked = list(answers), list[httpx2.Request]()
+        self._answers, self.question = list(answers), list[httpx2.Request]()
         self.transport = httpx2.MockTransport(self._answer)
 
     def _answer(self, request: httpx2.Request) -> httpx2.Response:
-        self.asked.append(request)
+        self.question.append(request)
         answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
         if isinstance(answer, Exception):
             raise answer
@@ -92,7 +92,7 @@ def test_busy_is_waited_for_as_long_as_the_service_says(ask: Asking) -> None:
     started = time()
     assert ask("design", {}, transport=script.transport) == {"id": "x"}
     assert time() - started >= 1.0
-    first, second = script.asked
+    first, second = script.question
     assert first.headers["idempotency-key"] == second.headers["idempotency-key"]
     assert first.content == second.content
 
@@ -104,17 +104,17 @@ def test_a_wait_beyond_patience_is_left_to_the_caller(ask: Asking, as_date: bool
     script = Scripted(busy)
     with pytest.raises(Refused, match="later") as caught:
         ask("design", {}, transport=script.transport)
-    assert len(script.asked) == 1
+    assert len(script.question) == 1
     assert caught.value.retry_after_s == pytest.approx(3600, abs=10)
 
 
 def test_tries_are_counted(ask: Asking) -> None:
     busy = httpx2.Response(503, headers={**PROBLEM, "retry-after": "0"}, json={"detail": "no"})
-    for told, error in ((busy, Refused), (httpx2.ConnectError("nobody there"), Unreachable)):
-        script = Scripted(told)
+    for reported, error in ((busy, Refused), (httpx2.ConnectError("nobody there"), Unreachable)):
+        script = Scripted(reported)
         with pytest.raises(error, match="no"):
             ask("design", {}, transport=script.transport)
-        assert len(script.asked) == QUICK.tries
+        assert len(script.question) == QUICK.tries
 
 
 def test_what_the_service_does_not_want_again_is_not_sent_again(ask: Asking) -> None:
@@ -122,7 +122,7 @@ def test_what_the_service_does_not_want_again_is_not_sent_again(ask: Asking) -> 
     script = Scripted(httpx2.Response(503, headers=PROBLEM, json=lost))
     with pytest.raises(Refused) as caught:
         ask("design", {}, transport=script.transport)
-    assert (len(script.asked), caught.value.kind) == (1, "worker-lost")
+    assert (len(script.question), caught.value.kind) == (1, "worker-lost")
 
 
 def test_a_proxy_that_has_lost_its_service_is_tried_again(ask: Asking) -> None:
@@ -137,7 +137,7 @@ def test_a_deletion_whose_answer_was_lost_is_not_sent_again(ask: Asking) -> None
     script = Scripted(httpx2.ReadError("broken"))
     with pytest.raises(Unreachable, match="was not sent again"):
         ask("delete", "/v1/sweeps/x", transport=script.transport)
-    assert len(script.asked) == 1
+    assert len(script.question) == 1
 
 
 def test_what_is_under_way_is_asked_for_until_it_is_there(ask: Asking) -> None:
@@ -148,7 +148,7 @@ def test_what_is_under_way_is_asked_for_until_it_is_there(ask: Asking) -> None:
         httpx2.Response(200, json={"id": "abc"}),
     )
     assert ask("design", {}, transport=script.transport) == {"id": "abc"}
-    assert [request.url.path for request in script.asked[1:]] == ["/v1/designs/abc"] * 2
+    assert [request.url.path for request in script.question[1:]] == ["/v1/designs/abc"] * 2
 
 
 def test_a_sweep_from_start_to_files(service: Running, ask: Asking, tmp_path: Path) -> None:
@@ -205,12 +205,12 @@ def test_watching_goes_on_when_the_connection_breaks(service: Running) -> None:
     plain = {"Accept-Encoding": "identity"}
     with Cutting(service.url, [3000, 1500, 0]) as between:
         with Client(between.url, retries=QUICK, headers=plain) as client:
-            told = list(client.watch(sweep))
-        asked = [request.lower() for request in between.requests]
-    assert [event.data["number"] for event in told if event.kind == "item"] == whole
-    assert [event.kind for event in told].count("end") == 1
-    assert len(asked) == 4
-    assert [b"last-event-id" in each for each in asked] == [False, True, True, True]
+            reported = list(client.watch(sweep))
+        question = [request.lower() for request in between.requests]
+    assert [event.data["number"] for event in reported if event.kind == "item"] == whole
+    assert [event.kind for event in reported].count("end") == 1
+    assert len(question) == 4
+    assert [b"last-event-id" in each for each in question] == [False, True, True, True]
 
 
 def test_watching_by_an_event_loop(service: Running) -> None:
@@ -247,9 +247,9 @@ def test_models_of_the_core_are_taken_as_they_are(service: Running) -> None:
 def test_a_store_that_is_away_for_a_moment_is_waited_for(ask: Asking) -> None:
     """The service says when, so that a restart of the database stops no client."""
     scope = {"type": "http", "method": "GET", "path": "/v1/designs", "headers": []}
-    told = error_response(Request(scope), OperationalError("select", None, Exception("gone")))
-    assert (told.status_code, told.headers["retry-after"]) == (503, "2")
+    reported = error_response(Request(scope), OperationalError("select", None, Exception("gone")))
+    assert (reported.status_code, reported.headers["retry-after"]) == (503, "2")
     headers = {**PROBLEM, "retry-after": "0"}  # how long it waits is another test's
-    away = httpx2.Response(told.status_code, headers=headers, content=bytes(told.body))
+    away = httpx2.Response(reported.status_code, headers=headers, content=bytes(reported.body))
     script = Scripted(away, httpx2.Response(200, json={"items": []}))
     assert ask("get", "/v1/designs", transport=script.transport) == {"items": []}

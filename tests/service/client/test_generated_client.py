@@ -70,9 +70,9 @@ def test_every_operation_has_a_function(made: Path) -> None:
 
 def test_a_design_and_its_files(found: Found, client: Any) -> None:
     models, spec = found("models"), spec_for_design()
-    asked = models.DesignSpec.from_dict(spec)
-    assert asked.to_dict()["program"] == spec["program"]
-    design = found("api.designs.create_design").sync(client=client, body=asked)
+    question = models.DesignSpec.from_dict(spec)
+    assert question.to_dict()["program"] == spec["program"]
+    design = found("api.designs.create_design").sync(client=client, body=question)
     assert type(design).__name__ == "Design"
     assert design.certificate.certified
     again = found("api.designs.get_design").sync(design.id, client=client)
@@ -87,16 +87,16 @@ def test_a_design_and_its_files(found: Found, client: Any) -> None:
 
 def test_an_analysis(found: Found, client: Any) -> None:
     body = next(iter(examples("analyses").values()))["value"]
-    asked = found("models").DesignSpec.from_dict(body)
-    analysis = found("api.analyses.create_analysis").sync(client=client, body=asked)
+    question = found("models").DesignSpec.from_dict(body)
+    analysis = found("api.analyses.create_analysis").sync(client=client, body=question)
     assert type(analysis).__name__ == "Analysis"
     assert analysis.holds in (True, False)
 
 
 def test_a_problem_is_a_problem(found: Found, client: Any) -> None:
     spec = spec_for_design() | {"speed_rpm": -3.0}
-    asked = found("models").DesignSpec.from_dict(spec)
-    answer = found("api.designs.create_design").sync_detailed(client=client, body=asked)
+    question = found("models").DesignSpec.from_dict(spec)
+    answer = found("api.designs.create_design").sync_detailed(client=client, body=question)
     assert answer.status_code == 422
     assert type(answer.parsed).__name__ == "Problem"
     assert answer.parsed.errors[0].pointer == "/speed_rpm"
@@ -105,8 +105,8 @@ def test_a_problem_is_a_problem(found: Found, client: Any) -> None:
 def test_a_sweep_its_items_and_its_tables(found: Found, client: Any) -> None:
     axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 24, "stop": 34, "count": 5}
     body = {"name": "generated", "base": spec_for_design(), "axes": [axis]}
-    sweeps, asked = "api.sweeps", found("models").SweepSpec.from_dict(body)
-    sweep = found(f"{sweeps}.create_sweep").sync(client=client, body=asked)
+    sweeps, question = "api.sweeps", found("models").SweepSpec.from_dict(body)
+    sweep = found(f"{sweeps}.create_sweep").sync(client=client, body=question)
     while sweep.state in ("accepted", "running"):
         time.sleep(0.1)
         sweep = found(f"{sweeps}.get_sweep").sync(sweep.id, client=client)

@@ -111,11 +111,11 @@ def test_an_answer_of_another_version_is_said(
 
 def test_what_limits_cost_is_told(real_service: Running, tmp_path: Path) -> None:
     assert run("design", EXAMPLES / "p2-sized.json", "--out", tmp_path).exit_code == 0
-    told = run("costs", tmp_path / "design.json")
-    assert told.exit_code == 0, told.output
-    assert "1 deg more in /limits/0/rise_deg makes base_radius 2.253 mm smaller" in told.stdout
-    assert "/limits/0/return_deg has no influence" in told.stdout
+    reported = run("costs", tmp_path / "design.json")
+    assert reported.exit_code == 0, reported.output
+    assert "1 deg more in /limits/0/rise_deg makes base_radius 2.253 mm smaller" in reported.stdout
+    assert "/limits/0/return_deg has no influence" in reported.stdout
     run("design", EXAMPLES / "infeasible-on-purpose.json", "--out", tmp_path)
-    told = run("costs", tmp_path / "design.json", "--json")
-    assert told.exit_code == 3
-    assert json.loads(told.stdout)["sensitivities"] == []
+    reported = run("costs", tmp_path / "design.json", "--json")
+    assert reported.exit_code == 3
+    assert json.loads(reported.stdout)["sensitivities"] == []

@@ -57,7 +57,7 @@ def test_the_manual_is_of_the_commands_that_there_are() -> None:
 
 def test_the_package_takes_the_options_of_serve() -> None:
     """`python -m service --port x` once was heard by nobody."""
-    asked = [sys.executable, "-m", "service", "--port", "x"]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    question = [sys.executable, "-m", "service", "--port", "x"]
+    done = subprocess.run(question, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "'x' is not a valid" in done.stderr

@@ -104,8 +104,8 @@ def test_a_sweep_here_that_is_killed_goes_on_when_called_again(tmp_path: Path) -
     axis = {"kind": "range", "pointer": "/limits/0/rise_deg", "start": 26, "stop": 34}
     base = examples()[SELF_CHECK]["value"]
     body = {"name": "killed", "base": base, "axes": [axis | {"count": count}]}
-    asked = ["sweep", written(tmp_path, "asked.json", body), "--out", str(folder)]
-    command = Process("-m", "service.cli", *asked, CAMWRIGHT_WORKERS="1")
+    question = ["sweep", written(tmp_path, "asked.json", body), "--out", str(folder)]
+    command = Process("-m", "service.cli", *question, CAMWRIGHT_WORKERS="1")
     try:
         until(lambda: (folder / "sweeps.db").exists() and len(kept(folder)) > 3)
         workers = children(command.running.pid)
@@ -127,9 +127,9 @@ def kept(folder: Path) -> list[tuple[int, float]]:
     """Finished items in the order in which they were: number, and seconds in the core."""
     with sqlite3.connect(folder / "sweeps.db") as database:
         there = "select count(*) from sqlite_master where name = 'sweep_items'"
-        asked = "select number, seconds from sweep_items order by sequence"
+        question = "select number, seconds from sweep_items order by sequence"
         made = database.execute(there).fetchone()[0]
-        found: list[tuple[int, float]] = database.execute(asked).fetchall() if made else []
+        found: list[tuple[int, float]] = database.execute(question).fetchall() if made else []
     database.close()
     return found
 
@@ -139,20 +139,20 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     body = json.loads(fixed.model_dump_json()) if kept else examples()["fixed-laws"]
     file = written(tmp_path, "cam.json", body)
     options = ["--points-per-degree", "3", "--curve", "pitch", "--turn-deg", "17.5"]
-    asked = ["export", file, "--format", "csv", "--format", "txt", *options]
-    run = runner.invoke(cli.app, [*asked, "--out", str(tmp_path / "files")])
+    question = ["export", file, "--format", "csv", "--format", "txt", *options]
+    run = runner.invoke(cli.app, [*question, "--out", str(tmp_path / "files")])
     assert run.exit_code == 0, run.output
     expected = ProfileOptions(points_per_degree=3.0, curve="pitch", turn_deg=17.5)
     for name in ("csv", "txt"):
         known = PROFILE_FORMATS[name]
         content = (tmp_path / "files" / f"pitch.{name}").read_bytes()
         assert content == known.write(fixed, known.options_like(expected))
-    asked = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
-    assert runner.invoke(cli.app, asked).exit_code == 0
+    question = ["export", file, "--part", "motion", "--format", "svg", "--out", str(tmp_path)]
+    assert runner.invoke(cli.app, question).exit_code == 0
     drawn = MOTION_FORMATS["svg"].write(fixed, DiagramOptions())
     assert (tmp_path / "motion.svg").read_bytes() == drawn
-    asked = ["export", file, "--part", "picture", "--format", "contact.svg", "--theme", "print"]
-    assert runner.invoke(cli.app, [*asked, "--out", str(tmp_path)]).exit_code == 0
+    question = ["export", file, "--part", "picture", "--format", "contact.svg", "--theme", "print"]
+    assert runner.invoke(cli.app, [*question, "--out", str(tmp_path)]).exit_code == 0
     drawn = PICTURES["contact.svg"].write(fixed, PictureOptions(theme="print"))
     assert (tmp_path / "contact.svg").read_bytes() == drawn
 

@@ -73,13 +73,13 @@ def test_small_changes_are_noticed() -> None:
 
 
 def test_every_id_depends_on_the_engine_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[Any, Any]] = []
+    question: list[tuple[Any, Any]] = []
     for resource in RESOURCES.values():
         example = next(iter(examples(resource.examples).values()))["value"]
-        asked.append((resource.id_of, resource.spec.model_validate(example)))
+        question.append((resource.id_of, resource.spec.model_validate(example)))
     sweep = next(iter(examples("sweeps").values()))["value"]
-    asked.append((sweep_id, SweepSpec.model_validate(sweep)))
-    before = [id_of(spec) for id_of, spec in asked]
+    question.append((sweep_id, SweepSpec.model_validate(sweep)))
+    before = [id_of(spec) for id_of, spec in question]
     assert len(set(before)) == len(before)
     monkeypatch.setattr(identity, "ENGINE_NUMBER", ENGINE_NUMBER + 1)
-    assert not {id_of(spec) for id_of, spec in asked} & set(before)
+    assert not {id_of(spec) for id_of, spec in question} & set(before)

@@ -101,8 +101,8 @@ def test_fields_of_answers_are_described() -> None:
     ours = ("DesignSummary", "DesignPage", "Problem", "Violation", "ServerLimits", "Formats")
     for name in ours:
         for field, schema in schemas[name]["properties"].items():
-            told = "description" in schema or "$ref" in schema or field in ("name", "items")
-            assert told or "anyOf" in schema or "discriminator" in schema, (name, field)
+            reported = "description" in schema or "$ref" in schema or field in ("name", "items")
+            assert reported or "anyOf" in schema or "discriminator" in schema, (name, field)
 
 
 @pytest.mark.parametrize("name", examples())

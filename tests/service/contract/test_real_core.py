@@ -105,8 +105,8 @@ def test_what_each_limit_costs(client: httpx2.Client, links: dict[str, str]) -> 
     known = {"If-None-Match": answer.headers["etag"]}
     assert client.get(f"{links['self']}/sensitivities", headers=known).status_code == 304
     nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
-    told = client.get(f"{nothing['links']['self']}/sensitivities").json()
-    assert told["sensitivities"] == []
+    reported = client.get(f"{nothing['links']['self']}/sensitivities").json()
+    assert reported["sensitivities"] == []
 
 
 def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
@@ -152,9 +152,9 @@ def test_reports(client: httpx2.Client, links: dict[str, str]) -> None:
     assert hashlib.sha256(csv).hexdigest() in plain.text
     nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
     assert set(nothing["links"]) == {"self", "report.html"}
-    told = client.get(nothing["links"]["report.html"])
-    assert told.status_code == 200
-    assert "Why nothing fits" in told.text
+    reported = client.get(nothing["links"]["report.html"])
+    assert reported.status_code == 200
+    assert "Why nothing fits" in reported.text
     drawing = client.get(f"{nothing['links']['self']}/animation.svg")
     assert (drawing.status_code, drawing.json()["type"]) == (409, "/problems/nothing-fits")
 
@@ -172,9 +172,9 @@ def test_options_choose_the_points(client: httpx2.Client, links: dict[str, str])
     assert pitch.text != profile.text
     missing = client.get(f"{path}?curve=counter")
     assert (missing.status_code, missing.json()["type"]) == (422, "/problems/invalid-parameter")
-    (told,) = missing.json()["errors"]
-    assert (told["parameter"], told["value"]) == ("curve", "counter")
-    assert "pitch" in told["rule"]
+    (reported,) = missing.json()["errors"]
+    assert (reported["parameter"], reported["value"]) == ("curve", "counter")
+    assert "pitch" in reported["rule"]
 
 
 def test_point_files_tell_what_their_readers_make_of_them(
@@ -182,10 +182,10 @@ def test_point_files_tell_what_their_readers_make_of_them(
 ) -> None:
     answer = client.get(f"{links['profile.sldcrv']}?points=180&decimals=4")
     block = client.get(f"{links['profile.fidelity.json']}?points=180&decimals=4").json()
-    told = dict(each.split(": ") for each in answer.headers["camwright-fidelity"].split("; "))
-    assert list(told) == [each["reader"] for each in block["readers"]]
+    reported = dict(each.split(": ") for each in answer.headers["camwright-fidelity"].split("; "))
+    assert list(reported) == [each["reader"] for each in block["readers"]]
     for each in block["readers"]:
-        assert told[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
+        assert reported[each["reader"]].startswith(f"form {each['form_um']:.3g} um, acceleration ")
     table = client.get(f"{links['profile.csv']}?points=180").headers["camwright-fidelity"]
     (periodic,) = (each for each in block["readers"] if each["reader"] == "periodic")
     unrounded = float(re.findall(r"periodic: form [^ ]+ um, acceleration ([^ ]+) %", table)[0])
@@ -201,8 +201,8 @@ def test_point_files_tell_what_their_readers_make_of_them(
 def test_exact_curves_tell_how_true_they_are(client: httpx2.Client, links: dict[str, str]) -> None:
     answer = client.get(f"{links['profile.nurbs.json']}?tolerance_um=0.01&curve=pitch")
     assert answer.json()["error_mm"] <= 1e-5
-    told = answer.headers["camwright-curve-error-mm"]
-    assert float(told) == pytest.approx(answer.json()["error_mm"], rel=5e-3)
+    reported = answer.headers["camwright-curve-error-mm"]
+    assert float(reported) == pytest.approx(answer.json()["error_mm"], rel=5e-3)
     count = answer.headers["camwright-curve-control-points"]
     assert int(count) == len(answer.json()["control_points_mm"])
     for wrong, parameter in (

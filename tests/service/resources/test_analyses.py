@@ -63,9 +63,9 @@ def test_an_analysis_has_the_pictures_of_a_design(client: httpx2.Client) -> None
     for name in ("motion.svg", "contact.svg", "report.html"):
         drawn = client.get(links[name], params={"theme": "print"})
         assert drawn.content == DRAWINGS[name].write(design, DRAWINGS[name].options(theme="print"))
-        told = drawn.headers["content-disposition"]
-        assert told.endswith(f'-not-certified-{name}"')
-        assert told.startswith("inline")
+        reported = drawn.headers["content-disposition"]
+        assert reported.endswith(f'-not-certified-{name}"')
+        assert reported.startswith("inline")
         same = {"If-None-Match": drawn.headers["etag"]}
         assert client.get(links[name], params={"theme": "print"}, headers=same).status_code == 304
     assert 'class="hatch"' in client.get(links["contact.svg"]).text

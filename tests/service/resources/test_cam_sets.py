@@ -60,13 +60,13 @@ def named(name: str, **changes: Any) -> dict[str, Any]:
     return body(name=name, **changes)
 
 
-def post(client: httpx2.Client, asked: dict[str, Any], **headers: str) -> httpx2.Response:
+def post(client: httpx2.Client, question: dict[str, Any], **headers: str) -> httpx2.Response:
     given = {name.replace("_", "-"): value for name, value in headers.items()}
-    return client.post("/v1/cam-sets", json=asked, headers=given)
+    return client.post("/v1/cam-sets", json=question, headers=given)
 
 
-def wrong(client: httpx2.Client, asked: dict[str, Any]) -> list[dict[str, Any]]:
-    answer = post(client, asked)
+def wrong(client: httpx2.Client, question: dict[str, Any]) -> list[dict[str, Any]]:
+    answer = post(client, question)
     assert answer.status_code == 422, answer.text
     assert answer.headers["content-type"] == "application/problem+json"
     errors: list[dict[str, Any]] = answer.json()["errors"]
@@ -77,35 +77,35 @@ def wrong(client: httpx2.Client, asked: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def test_a_set_comes_back_and_stays(client: httpx2.Client) -> None:
-    asked = named("first set")
-    answer = post(client, asked)
+    question = named("first set")
+    answer = post(client, question)
     assert answer.status_code == 200, answer.text
     found = CamSet.model_validate_json(answer.content)
-    assert found.id == set_id(CamSetSpec.model_validate(asked))
+    assert found.id == set_id(CamSetSpec.model_validate(question))
     assert found.status == "optimal"
     assert answer.headers["content-location"] == found.links["self"] == f"/v1/cam-sets/{found.id}"
     again = client.get(found.links["self"])
     assert (again.status_code, again.content) == (200, answer.content)
-    assert post(client, asked).content == answer.content
+    assert post(client, question).content == answer.content
     known = {"If-None-Match": answer.headers["etag"]}
     assert client.get(found.links["self"], headers=known).status_code == 304
 
 
 def test_the_same_question_said_otherwise(client: httpx2.Client) -> None:
     """What the shaft gives may be said once more, in any order of names."""
-    asked = named("said twice")
-    first = post(client, asked)
-    for cam in asked["cams"]:
+    question = named("said twice")
+    first = post(client, question)
+    for cam in question["cams"]:
         cam["spec"] = {"rotation": "ccw", "speed_rpm": 143.7} | cam["spec"]
-    second = post(client, dict(reversed(asked.items())))
+    second = post(client, dict(reversed(question.items())))
     assert second.headers["content-location"] == first.headers["content-location"]
     assert second.content == first.content
 
 
 def test_an_idempotency_key_replays_and_is_one_for_all(client: httpx2.Client) -> None:
-    asked = named("keyed set")
-    first = post(client, asked, Idempotency_Key="set-1")
-    assert post(client, asked, Idempotency_Key="set-1").content == first.content
+    question = named("keyed set")
+    first = post(client, question, Idempotency_Key="set-1")
+    assert post(client, question, Idempotency_Key="set-1").content == first.content
     other = post(client, named("keyed set 2"), Idempotency_Key="set-1")
     assert other.json()["type"] == "/problems/idempotency-key-reused"
     headers = {"Idempotency-Key": "set-1"}
@@ -114,8 +114,8 @@ def test_an_idempotency_key_replays_and_is_one_for_all(client: httpx2.Client) ->
 
 
 def test_asynchronously(client: httpx2.Client) -> None:
-    asked = named("later", cams=[*[{"name": "free", "spec": FREE}] * 4, *body()["cams"]])
-    answer = post(client, asked, Prefer="respond-async")
+    question = named("later", cams=[*[{"name": "free", "spec": FREE}] * 4, *body()["cams"]])
+    answer = post(client, question, Prefer="respond-async")
     assert answer.status_code == 202, answer.text
     assert answer.headers["preference-applied"] == "respond-async"
     where = answer.headers["location"]
@@ -134,8 +134,8 @@ def test_asynchronously(client: httpx2.Client) -> None:
 
 
 def test_a_set_under_way_is_dismissed(client: httpx2.Client) -> None:
-    asked = named("never", cams=[{"name": f"slow {i}", "spec": SLOW} for i in range(40)])
-    where = post(client, asked, Prefer="respond-async").headers["location"]
+    question = named("never", cams=[{"name": f"slow {i}", "spec": SLOW} for i in range(40)])
+    where = post(client, question, Prefer="respond-async").headers["location"]
     wait_until(client, running=1)
     assert client.delete(where).status_code == 204
     assert client.get(where).status_code == 404
@@ -144,9 +144,9 @@ def test_a_set_under_way_is_dismissed(client: httpx2.Client) -> None:
 
 def test_what_was_accepted_outlives_the_process(tmp_path: Path) -> None:
     settings = settings_for(tmp_path, workers=1)
-    asked = named("kept", cams=[{"name": f"free {i}", "spec": FREE} for i in range(2)])
+    question = named("kept", cams=[{"name": f"free {i}", "spec": FREE} for i in range(2)])
     with Running(settings, real=False) as service:
-        where = post(service.client, asked, Prefer="respond-async").headers["location"]
+        where = post(service.client, question, Prefer="respond-async").headers["location"]
     with Running(settings, real=False) as service:
         assert wait_for(service.client, where).json()["name"] == "kept"
 
@@ -261,13 +261,13 @@ def test_where_nothing_fits_there_are_no_files(client: httpx2.Client) -> None:
 
 def with_second(**changes: Any) -> dict[str, Any]:
     """The set with its second cam's spec changed."""
-    asked = named("wrong")
-    asked["cams"][1] = asked["cams"][1] | {"spec": PRESS | changes}
-    return asked
+    question = named("wrong")
+    question["cams"][1] = question["cams"][1] | {"spec": PRESS | changes}
+    return question
 
 
 @pytest.mark.parametrize(
-    ("asked", "pointer", "value", "words"),
+    ("question", "pointer", "value", "words"),
     [
         (with_second(speed_rpm=60), "/cams/1/spec/speed_rpm", 60.0, "143.7 of the shaft"),
         (with_second(rotation="cw"), "/cams/1/spec/rotation", "cw", "ccw of the shaft"),
@@ -295,9 +295,9 @@ def with_second(**changes: Any) -> dict[str, Any]:
     ],
 )  # fmt: skip
 def test_sets_that_make_no_sense(
-    client: httpx2.Client, asked: dict[str, Any], pointer: str, value: Any, words: str
+    client: httpx2.Client, question: dict[str, Any], pointer: str, value: Any, words: str
 ) -> None:
-    errors = wrong(client, asked)
+    errors = wrong(client, question)
     assert [error["pointer"] for error in errors] == [pointer], errors
     if value is not ...:
         assert errors[0]["value"] == value
@@ -309,8 +309,8 @@ def test_rules_over_several_fields_are_placed_in_the_spec_that_broke_them() -> N
     error = {"type": "program_angles", "input": {}, "msg": "Wrong. Mend it.", "ctx": {}}
     for inside in ((), ("program",), ("program", 0)):
         places = [
-            describe_errors([error | {"loc": (*spec, *inside)}], asked, model)[0][0]["pointer"]
-            for spec, asked, model in (
+            describe_errors([error | {"loc": (*spec, *inside)}], question, model)[0][0]["pointer"]
+            for spec, question, model in (
                 ((), INLET, DesignSpec),
                 (("cams", 1, "spec"), body(), CamSetSpec),
             )
@@ -329,8 +329,8 @@ def test_the_server_says_how_many_cams(client: httpx2.Client) -> None:
 def test_worked_examples(client: httpx2.Client, name: str) -> None:
     example = examples("cam-sets")[name]
     assert set(example) == {"summary", "description", "value"}
-    asked = document()["paths"]["/v1/cam-sets"]["post"]["requestBody"]
-    shown = asked["content"]["application/json"]
+    question = document()["paths"]["/v1/cam-sets"]["post"]["requestBody"]
+    shown = question["content"]["application/json"]
     assert shown["examples"][name] == example
     assert shown["schema"] == {"$ref": "#/components/schemas/CamSetSpec"}
     answer = post(client, example["value"])

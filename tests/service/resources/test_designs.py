@@ -147,8 +147,8 @@ def test_the_list_pages_from_the_newest_on(client: httpx2.Client) -> None:
     listed: list[str] = []
     cursor: str | None = None
     for _ in range(3):
-        asked = {"limit": "2"} | ({"cursor": cursor} if cursor else {})
-        page = client.get("/v1/designs", params=asked).json()
+        question = {"limit": "2"} | ({"cursor": cursor} if cursor else {})
+        page = client.get("/v1/designs", params=question).json()
         listed += [item["id"] for item in page["items"]]
         cursor = page["next"]
     assert listed[:5] == made[::-1]

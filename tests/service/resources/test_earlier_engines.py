@@ -123,8 +123,8 @@ def test_sweeps_are_records_of_their_engine(client: httpx2.Client, folder: Path)
     """Their table stays; a design out of it is answered anew."""
     old, item = "5" * 32, "6" * 32
     axis = {"kind": "range", "pointer": "/speed_rpm", "start": 50, "stop": 60, "count": 2}
-    asked = {"base": spec("swept"), "axes": [axis]}
-    id = client.post("/v1/sweeps", json=asked).json()["id"]
+    question = {"base": spec("swept"), "axes": [axis]}
+    id = client.post("/v1/sweeps", json=question).json()["id"]
     while client.get(f"/v1/sweeps/{id}").json()["state"] in ("accepted", "running"):
         time.sleep(0.05)
     assert client.get(f"/v1/sweeps/{id}").json()["engine"] == ENGINE_NUMBER
@@ -136,16 +136,16 @@ def test_sweeps_are_records_of_their_engine(client: httpx2.Client, folder: Path)
     assert answer.status_code == 200
     assert answer.json()["id"] != item
     assert client.get(f"/v1/designs/{item}").content == answer.content
-    assert client.post("/v1/sweeps", json=asked).json()["id"] == id
+    assert client.post("/v1/sweeps", json=question).json()["id"] == id
     assert client.get(f"/v1/sweeps/{id}").json()["engine"] == ENGINE_NUMBER
 
 
 def test_what_was_under_way_begins_anew(tmp_path: Path) -> None:
     axis = {"kind": "range", "pointer": "/speed_rpm", "start": 50, "stop": 60, "count": 2}
-    asked = {"base": spec("begun"), "axes": [axis]}
+    question = {"base": spec("begun"), "axes": [axis]}
     with Running(settings_for(tmp_path), real=False) as running:
         id = running.client.post("/v1/designs", json=spec("under way")).json()["id"]
-        sweep = running.client.post("/v1/sweeps", json=asked).json()["id"]
+        sweep = running.client.post("/v1/sweeps", json=question).json()["id"]
         while running.client.get(f"/v1/sweeps/{sweep}").json()["state"] in ("accepted", "running"):
             time.sleep(0.05)
     made_by_an_earlier_engine(tmp_path, id, OLD)

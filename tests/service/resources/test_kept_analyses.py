@@ -22,7 +22,7 @@ class Kind:
     pointer: str
     shown: dict[str, Any]
 
-    def asked(self, name: str) -> dict[str, Any]:
+    def spec(self, name: str) -> dict[str, Any]:
         return self.question | {"name": name}
 
 
@@ -42,19 +42,19 @@ def kind(request: pytest.FixtureRequest) -> Kind:
     return found
 
 
-def post(client: httpx2.Client, kind: Kind, asked: dict[str, Any], **given: str) -> httpx2.Response:
+def post(client: httpx2.Client, kind: Kind, spec: dict[str, Any], **given: str) -> httpx2.Response:
     headers = {name.replace("_", "-"): value for name, value in given.items()}
-    return client.post(kind.path, json=asked, headers=headers)
+    return client.post(kind.path, json=spec, headers=headers)
 
 
 def test_asked_for_now_and_later_it_is_the_same(client: httpx2.Client, kind: Kind) -> None:
-    asked = kind.asked("looked at twice")
-    later = post(client, kind, asked, Prefer="respond-async")
+    spec = kind.spec("looked at twice")
+    later = post(client, kind, spec, Prefer="respond-async")
     assert later.status_code == 202, later.text
     assert later.headers["preference-applied"] == "respond-async"
     where = later.headers["location"]
     assert where == f"{kind.path}/{later.json()['id']}" == later.json()["links"]["self"]
-    found, now = wait_for(client, where), post(client, kind, asked)
+    found, now = wait_for(client, where), post(client, kind, spec)
     assert found.status_code == now.status_code == 200, found.text
     assert found.content == now.content
     assert now.headers["content-location"] == where
@@ -64,17 +64,17 @@ def test_asked_for_now_and_later_it_is_the_same(client: httpx2.Client, kind: Kin
 
 def test_a_key_stands_for_one_body(client: httpx2.Client, kind: Kind) -> None:
     key = f"key of {kind.path}"
-    first = post(client, kind, kind.asked("keyed"), Idempotency_Key=key)
-    again = post(client, kind, kind.asked("keyed"), Idempotency_Key=key)
+    first = post(client, kind, kind.spec("keyed"), Idempotency_Key=key)
+    again = post(client, kind, kind.spec("keyed"), Idempotency_Key=key)
     assert first.status_code == again.status_code == 200
     assert again.content == first.content
-    other = post(client, kind, kind.asked("keyed otherwise"), Idempotency_Key=key)
+    other = post(client, kind, kind.spec("keyed otherwise"), Idempotency_Key=key)
     assert other.status_code == 422
     assert other.json()["type"] == "/problems/idempotency-key-reused"
 
 
 def test_it_is_listed_and_forgotten(client: httpx2.Client, kind: Kind) -> None:
-    made = post(client, kind, kind.asked("listed")).headers["content-location"]
+    made = post(client, kind, kind.spec("listed")).headers["content-location"]
     line = client.get(kind.path, params={"limit": 1}).json()["items"][0]
     assert (line["name"], line["state"], line["links"]["self"]) == ("listed", "done", made)
     assert line | kind.shown == line
@@ -89,10 +89,10 @@ def test_it_is_listed_and_forgotten(client: httpx2.Client, kind: Kind) -> None:
 def test_what_cannot_be_answered_later_is_told_where_one_asks(
     client: httpx2.Client, kind: Kind
 ) -> None:
-    asked = kind.asked("refused") | kind.refused
-    now = post(client, kind, asked)
+    spec = kind.spec("refused") | kind.refused
+    now = post(client, kind, spec)
     assert now.status_code == 422, now.text
-    later = post(client, kind, asked, Prefer="respond-async")
+    later = post(client, kind, spec, Prefer="respond-async")
     assert later.status_code == 202
     found = wait_for(client, later.headers["location"])
     assert found.status_code == 422
@@ -103,7 +103,7 @@ def test_what_cannot_be_answered_later_is_told_where_one_asks(
 
 def test_only_those_with_a_result(client: httpx2.Client) -> None:
     kind = KINDS[0]
-    post(client, kind, kind.asked("breaks its limit"))
+    post(client, kind, kind.spec("breaks its limit"))
     for status in ("holds", "violated"):
         lines = client.get(kind.path, params={"status": status}).json()["items"]
         assert {line["status"] for line in lines} <= {status}

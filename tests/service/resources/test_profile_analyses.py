@@ -106,8 +106,8 @@ def files(tmp_path: Path) -> tuple[Path, Path]:
     from synthesis import synthesise
     from synthesis.exporters import PROFILE_FORMATS, ProfileOptions
 
-    asked: DesignSpec = spec(ROLLER)
-    table = PROFILE_FORMATS["csv"].write(synthesise(asked), ProfileOptions(points_per_degree=2))
+    question: DesignSpec = spec(ROLLER)
+    table = PROFILE_FORMATS["csv"].write(synthesise(question), ProfileOptions(points_per_degree=2))
     points, request = tmp_path / "profile.csv", tmp_path / "request.json"
     points.write_bytes(table)
     given = {"speed_rpm": 97, "follower": ROLLER, "tolerance_mm": 2e-3}

@@ -37,8 +37,8 @@ def test_worked_examples(service: Running, name: str) -> None:
     assert found.status != "infeasible"
     assert answer["links"]["self"] == f"{WHERE}/{found.id}"
     document = service.client.get("/openapi.json").json()
-    asked = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
-    assert asked["examples"][name] == examples("spatial-cams")[name]
+    question = document["paths"][WHERE]["post"]["requestBody"]["content"]["application/json"]
+    assert question["examples"][name] == examples("spatial-cams")[name]
 
 
 def test_the_library_says_the_same_and_files_have_the_same_cam(client: httpx2.Client) -> None:
@@ -52,11 +52,11 @@ def test_the_library_says_the_same_and_files_have_the_same_cam(client: httpx2.Cl
 
 
 def test_asked_for_now_and_later_it_is_the_same(client: httpx2.Client) -> None:
-    asked = changed() | {"name": "later"}
-    later = client.post(WHERE, json=asked, headers={"Prefer": "respond-async"})
+    question = changed() | {"name": "later"}
+    later = client.post(WHERE, json=question, headers={"Prefer": "respond-async"})
     assert later.status_code == 202
     where = later.headers["location"]
-    found, now = wait_for(client, where), client.post(WHERE, json=asked)
+    found, now = wait_for(client, where), client.post(WHERE, json=question)
     assert found.status_code == now.status_code == 200, found.text
     assert found.content == now.content
     assert client.get(where, headers={"If-None-Match": now.headers["etag"]}).status_code == 304
@@ -117,17 +117,17 @@ def test_what_does_not_unroll_says_so(client: httpx2.Client) -> None:
 def test_machines_that_cannot_be_are_refused(
     client: httpx2.Client, machine: dict[str, Any], pointer: str
 ) -> None:
-    asked = deepcopy(examples("spatial-cams")["cylindrical-rib"]["value"])
-    asked["machine"].update(machine)
-    answer = client.post(WHERE, json=asked)
+    question = deepcopy(examples("spatial-cams")["cylindrical-rib"]["value"])
+    question["machine"].update(machine)
+    answer = client.post(WHERE, json=question)
     assert answer.status_code == 422
     assert [wrong["pointer"] for wrong in answer.json()["errors"]] == [pointer]
 
 
 def test_the_command_says_where_and_writes_files(tmp_path: Path) -> None:
-    asked = tmp_path / "cam.json"
-    asked.write_text(json.dumps(P4), encoding="utf-8")
-    said = CliRunner().invoke(cli.app, ["spatial", str(asked), "--out", str(tmp_path / "out")])
+    question = tmp_path / "cam.json"
+    question.write_text(json.dumps(P4), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(question), "--out", str(tmp_path / "out")])
     assert said.exit_code == 0, said.stderr
     assert "feasible; centre_distance_mm 180.0000" in said.stdout
     assert "41.0818" in said.stdout
@@ -137,15 +137,15 @@ def test_the_command_says_where_and_writes_files(tmp_path: Path) -> None:
 
 
 def test_the_command_names_what_is_broken(service: Running, tmp_path: Path) -> None:
-    asked = tmp_path / "cam.json"
-    asked.write_text(json.dumps(changed(cam_width_mm=31.0)), encoding="utf-8")
-    said = CliRunner().invoke(cli.app, ["spatial", str(asked), "--url", service.url])
+    question = tmp_path / "cam.json"
+    question.write_text(json.dumps(changed(cam_width_mm=31.0)), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(question), "--url", service.url])
     assert said.exit_code == 3
     assert "infeasible, violated: contacts_left, contacts_right" in said.stdout
     assert "BROKEN" in said.stdout
     refused = changed(centre_distance_mm=101.5)
-    asked.write_text(json.dumps(refused), encoding="utf-8")
-    said = CliRunner().invoke(cli.app, ["spatial", str(asked)])
+    question.write_text(json.dumps(refused), encoding="utf-8")
+    said = CliRunner().invoke(cli.app, ["spatial", str(question)])
     assert said.exit_code == 2
     assert "/machine/centre_distance_mm = 101.5" in said.stderr
     assert "Increase centre_distance_mm, or make the rollers shorter" in said.stderr
@@ -159,13 +159,13 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("machine", "pointer", "told"), WRONG)
+@pytest.mark.parametrize(("machine", "pointer", "reported"), WRONG)
 def test_nonsense_is_refused_at_its_place(
-    client: httpx2.Client, machine: dict[str, Any], pointer: str, told: str
+    client: httpx2.Client, machine: dict[str, Any], pointer: str, reported: str
 ) -> None:
     answer = client.post(WHERE, json=changed(**machine))
     assert answer.status_code == 422, answer.text
     (wrong,) = answer.json()["errors"]
     assert wrong["pointer"] == pointer
-    assert told in wrong["rule"]
+    assert reported in wrong["rule"]
     assert wrong["remedy"]

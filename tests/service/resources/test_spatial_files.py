@@ -34,18 +34,18 @@ def test_a_file_is_what_the_library_writes(
     client: httpx2.Client, answer: dict[str, Any], name: str
 ) -> None:
     exporter = FORMATS[name]
-    asked = SMALL.get(name, FLANKS)
-    got = client.get(answer["links"][name], params=asked)
+    question = SMALL.get(name, FLANKS)
+    got = client.get(answer["links"][name], params=question)
     assert got.status_code == 200, got.text
     assert got.headers["content-type"] == exporter.media_type
     part = name.removesuffix(exporter.extension)
     assert f'filename="P4-{part}{exporter.extension}"' in got.headers["content-disposition"]
-    made = exporter.content(SpatialDesign.model_validate(answer), exporter.options(**asked))
+    made = exporter.content(SpatialDesign.model_validate(answer), exporter.options(**question))
     assert got.content == made.data
-    told = {key: got.headers[f"camwright-{key}"] for key in made.metadata}
-    assert told == dict(made.metadata)
+    reported = {key: got.headers[f"camwright-{key}"] for key in made.metadata}
+    assert reported == dict(made.metadata)
     known = {"If-None-Match": got.headers["etag"]}
-    assert client.get(answer["links"][name], params=asked, headers=known).status_code == 304
+    assert client.get(answer["links"][name], params=question, headers=known).status_code == 304
 
 
 def test_the_catalogue_has_them(client: httpx2.Client) -> None:
@@ -62,6 +62,8 @@ def test_what_makes_no_sense_is_refused_at_its_field(
     for file, name, value in wrong:
         refused = client.get(answer["links"][file], params={name: value})
         assert refused.status_code == 422
-        told = refused.json()["errors"][0]
-        assert (told.get("parameter") or told["pointer"]).removeprefix("/") == name, told
+        reported = refused.json()["errors"][0]
+        assert (reported.get("parameter") or reported["pointer"]).removeprefix("/") == name, (
+            reported
+        )
     is_problem(client.get(f"{WHERE}/{'0' * 32}/flanks.csv"), 404, "unknown-spatial-cam")

@@ -55,10 +55,10 @@ def alike(one: Any, other: Any) -> None:
 
 
 def test_the_library_says_the_same(service: Running, quick: dict[str, Any]) -> None:
-    asked = {**quick, "turns": 0}
+    request = {**quick, "turns": 0}
     with Client(service.url) as client:
-        answer = client.train_response(asked)
-    mine = json.loads(respond(TrainSpec.model_validate(asked)).model_dump_json())
+        answer = client.train_response(request)
+    mine = json.loads(respond(TrainSpec.model_validate(request)).model_dump_json())
     assert answer["id"] == mine["id"]
     for same in ("modes", "speeds", "float_onset_rpm"):
         alike(answer[same], mine[same])
@@ -76,8 +76,8 @@ def test_now_and_later_with_files(client: httpx2.Client, quick: dict[str, Any]) 
     answer = now.json()
     line = client.get(WHERE, params={"limit": 1}).json()["items"][0]
     assert line["modes_hz"] == [mode["natural_frequency_hz"] for mode in answer["modes"]]
-    asked = {"points_per_degree": 1.0, "speed_rpm": 231.0}
-    table = client.get(answer["links"]["response.csv"], params=asked)
+    request = {"points_per_degree": 1.0, "speed_rpm": 231.0}
+    table = client.get(answer["links"]["response.csv"], params=request)
     rows = list(csv.DictReader(io.StringIO(table.text)))
     least = min(float(row["contact_force_n"]) for row in rows)
     assert least == pytest.approx(answer["speeds"][0]["contact_force_min_n"]["value"], rel=0.02)
@@ -87,7 +87,7 @@ def test_now_and_later_with_files(client: httpx2.Client, quick: dict[str, Any]) 
         words = " ".join(ElementTree.fromstring(picture.content).itertext())
         assert {"response.svg": "Contact force", "spectrum.svg": "after segment 2"}[name] in words
     tag = {"If-None-Match": table.headers["etag"]}
-    again = client.get(answer["links"]["response.csv"], params=asked,
+    again = client.get(answer["links"]["response.csv"], params=request,
                        headers=tag)  # fmt: skip
     assert again.status_code == 304
     refused = client.get(answer["links"]["polydyne.csv"])

@@ -82,15 +82,15 @@ def test_other_origins_only_where_allowed(client: httpx2.Client, tmp_path: Path)
     assert "access-control-allow-origin" not in client.get("/livez", headers=origin).headers
     app = create_app(settings_for(tmp_path, cors_origins=["https://cad.example"]))
 
-    async def told() -> None:  # without workers: none is needed for that
+    async def reported() -> None:  # without workers: none is needed for that
         transport = httpx2.ASGITransport(app=app)
         async with httpx2.AsyncClient(transport=transport, base_url="http://127.0.0.1") as other:
             answer = await other.get("/livez", headers=origin)
             assert answer.headers["access-control-allow-origin"] == "https://cad.example"
-            asked = {**origin, "Access-Control-Request-Method": "POST"}
-            assert (await other.options("/v1/designs", headers=asked)).status_code == 200
+            question = {**origin, "Access-Control-Request-Method": "POST"}
+            assert (await other.options("/v1/designs", headers=question)).status_code == 200
 
-    asyncio.run(told())
+    asyncio.run(reported())
 
 
 def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -101,13 +101,13 @@ def test_the_drawing_moves_by_itself(closed: Closed, real_service: Running, desi
     page = closed.page
     page.goto(f"{real_service.url}{design['links']['animation.svg']}")
     cam = f".cw{design['id'][:8]}-cam"
-    told = f"getComputedStyle(document.querySelector('{cam}')).transform"
-    was = page.evaluate(told)
-    page.wait_for_function(f"was => {told} != was", arg=was)
+    reported = f"getComputedStyle(document.querySelector('{cam}')).transform"
+    was = page.evaluate(reported)
+    page.wait_for_function(f"was => {reported} != was", arg=was)
     closed.page.evaluate(
         "document.getAnimations().forEach(a => { a.pause(); a.currentTime = 2000 })"
     )
-    turned = [float(n) for n in re.findall(r"-?[\d.e-]+", page.evaluate(told))]
+    turned = [float(n) for n in re.findall(r"-?[\d.e-]+", page.evaluate(reported))]
     assert turned[:2] == pytest.approx([0.0, 1.0], abs=1e-6)  # a quarter of 8 s, ccw with y upwards
 
 

@@ -35,7 +35,7 @@ LEASE_S = 4.0  # renewed every half second: long enough for an owner on a busy m
 def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
     """Two processes' leases on one store: what the second may do, and what the first may not."""
 
-    async def told(store: Store) -> None:
+    async def reported(store: Store) -> None:
         one, other = SweepStore(store, 60.0), SweepStore(store, 60.0)
         row = await one.accept(a_sweep())
         number = row.sequence
@@ -64,7 +64,7 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
 
     store = Store(settings_for(tmp_path))
     try:
-        asyncio.run(told(store))
+        asyncio.run(reported(store))
     finally:
         store.dispose()
 
@@ -134,14 +134,14 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
 
 def leaves_in_order(process: Process, client: httpx2.Client, database: Any) -> None:
     """SIGTERM while somebody watches a sweep: the stream ends, the lease is given back."""
-    asked = "select state, owner is null from sweeps order by sequence desc limit 1"
+    question = "select state, owner is null from sweeps order by sequence desc limit 1"
     where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
     with client.stream("GET", f"{where}/events") as watched:
         assert next(watched.iter_lines())
-        until(lambda: database.execute(asked).fetchone() == ("running", False))
+        until(lambda: database.execute(question).fetchone() == ("running", False))
         process.running.terminate()
         process.running.wait(180.0)
-    assert database.execute(asked).fetchone() == ("running", True)
+    assert database.execute(question).fetchone() == ("running", True)
 
 
 def folders(folder: Path) -> list[Path]:

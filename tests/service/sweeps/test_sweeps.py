@@ -181,14 +181,14 @@ def test_what_is_too_large_is_refused_before_any_work(client: httpx2.Client) -> 
 def test_watching_goes_on_where_it_was_left(client: httpx2.Client) -> None:
     where = posted(client, sweep_of([f"sleep 0.0{i % 7}" + " " * i for i in range(40)]))
     live = events(client, where)
-    told = [event for event in live if event["event"] == "item"]
-    assert sorted(event["data"]["number"] for event in told) == list(range(40))
+    reported = [event for event in live if event["event"] == "item"]
+    assert sorted(event["data"]["number"] for event in reported) == list(range(40))
     assert live[-1]["event"] == "end"
     assert live[-1]["data"]["counts"]["done"] == 40
     shares = [event["data"]["progress"] for event in live if event["event"] == "progress"]
     assert shares == sorted(shares)
-    later = events(client, where, **{"Last-Event-ID": told[24]["id"]})
-    assert [event["id"] for event in later[:-1]] == [event["id"] for event in told[25:]]
+    later = events(client, where, **{"Last-Event-ID": reported[24]["id"]})
+    assert [event["id"] for event in later[:-1]] == [event["id"] for event in reported[25:]]
 
 
 @pytest.mark.parametrize("long", ["look", "sleep"])
@@ -241,9 +241,9 @@ def test_a_sweep_that_is_over_is_discarded_with_its_items(client: httpx2.Client)
     where = posted(client, sweep_of(["one", "two"]))
     over(client, where)
     design = client.get(f"{where}/items/0").json()["links"]["design"]
-    told = is_problem(client.delete(design), 409, "part-of-sweep")["detail"]
-    assert f"item 0 of sweep {where.rpartition('/')[2]}" in told
-    assert f"DELETE {where} " in told
+    reported = is_problem(client.delete(design), 409, "part-of-sweep")["detail"]
+    assert f"item 0 of sweep {where.rpartition('/')[2]}" in reported
+    assert f"DELETE {where} " in reported
     assert client.get(design).status_code == 200
     assert client.delete(where).status_code == 204
     for gone in (where, f"{where}/items", f"{where}/items/0", f"{where}/events"):

@@ -140,12 +140,14 @@ def test_given_laws_have_their_own_displacements_from_a_neighbour() -> None:
     """The return is given, and 5 % longer at the neighbour: its laws begin another motion here."""
     body = SCENE.spec().model_dump(mode="json")
     body["program"][2]["law"] = {"kind": "cycloidal"}
-    asked = DesignSpec.model_validate(body)
+    question = DesignSpec.model_validate(body)
     for segment in (body["program"][0], body["program"][2]):
         segment["lift_mm"] *= 1.05
     neighbours: list[Neighbour] = []
     synthesise(DesignSpec.model_validate(body), neighbours=neighbours)
     near = neighbours[-1]
-    found = synthesise(asked, neighbours=neighbours)
+    found = synthesise(question, neighbours=neighbours)
     assert found.started_from == near.id
-    assert found.certificate.value == pytest.approx(synthesise(asked).certificate.value, rel=5e-4)
+    assert found.certificate.value == pytest.approx(
+        synthesise(question).certificate.value, rel=5e-4
+    )

@@ -33,18 +33,18 @@ def whole(service: Running, table: str) -> httpx2.Response:
 
 
 @pytest.mark.parametrize(
-    ("asked", "first", "last"),
+    ("question", "first", "last"),
     [("0-0", 0, 0), ("7-1234", 7, 1234), ("20001-", 20001, None), ("-77", -77, None),
      ("5-99999999", 5, None)],
 )  # fmt: skip
 def test_a_part_is_what_the_whole_has_there(
-    client: httpx2.Client, table: str, whole: httpx2.Response, asked: str, first: int,
+    client: httpx2.Client, table: str, whole: httpx2.Response, question: str, first: int,
     last: int | None,
 ) -> None:  # fmt: skip
     for suffix in ("csv", "parquet"):
         path = table.replace("csv", suffix)
         all_of_it = client.get(path, headers={"Accept-Encoding": "identity"}).content
-        part = client.get(path, headers={"Range": f"bytes={asked}"})
+        part = client.get(path, headers={"Range": f"bytes={question}"})
         assert part.status_code == 206
         expected = all_of_it[first : None if last is None else last + 1]
         assert part.content == expected
@@ -107,10 +107,10 @@ def test_a_download_survives_broken_connections(
         client.download(table, target, progress=lambda *now: reports.append(now))
     assert target.read_bytes() == whole.content
     assert [entry.name for entry in tmp_path.iterdir()] == ["items.csv"]
-    asked = [request.lower() for request in between.requests]
-    assert len(asked) == 5
-    assert b"range:" not in asked[0]
-    assert all(b"if-range:" in request for request in asked[1:])
+    question = [request.lower() for request in between.requests]
+    assert len(question) == 5
+    assert b"range:" not in question[0]
+    assert all(b"if-range:" in request for request in question[1:])
     have = [now for now, _ in reports]
     assert have == sorted(have)
     assert reports[-1] == (len(whole.content), len(whole.content))

@@ -25,7 +25,7 @@ HASTY = {"distributed.deploy.lost-worker-timeout": "10ms"}  # shorter than any r
 def with_one_worker(folder: Path, story: Callable[[Any, Any], Awaitable[None]]) -> None:
     """Tell a story on a cluster of one worker."""
 
-    async def told() -> None:
+    async def reported() -> None:
         connect: Any = Client
         with dask.config.set({**CONFIGURATION, **HASTY}):
             async with (
@@ -35,7 +35,7 @@ def with_one_worker(folder: Path, story: Callable[[Any, Any], Awaitable[None]]) 
                 await client.wait_for_workers(1)
                 await story(cluster, client)
 
-    asyncio.run(told())
+    asyncio.run(reported())
 
 
 async def process_of(client: Any) -> int:
@@ -116,8 +116,8 @@ def test_workers_are_forks_of_one_process_without_threads(tmp_path: Path) -> Non
 
 def test_forks_have_the_environment_that_dask_gives_to_workers() -> None:
     """And their number of threads by it, which NumPy reads where it is imported."""
-    asked = dask.config.get("distributed.nanny.pre-spawn-environ")
-    assert {name: str(value) for name, value in asked.items()}.items() <= ENVIRONMENT.items()
+    question = dask.config.get("distributed.nanny.pre-spawn-environ")
+    assert {name: str(value) for name, value in question.items()}.items() <= ENVIRONMENT.items()
     start_fork_server()
     assert os.environ.keys() >= ENVIRONMENT.keys()
 

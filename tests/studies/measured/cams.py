@@ -46,16 +46,18 @@ def spec(follower: dict[str, Any], **changes: Any) -> DesignSpec:
     return DesignSpec.model_validate(body | changes)
 
 
-def profile(asked: DesignSpec, count: int = 900, uneven: float = 0.0) -> np.ndarray:
+def profile(question: DesignSpec, count: int = 900, uneven: float = 0.0) -> np.ndarray:
     """Profile points (count, 2); ``uneven`` shakes their cam angles by that part of a step."""
-    cam = given_cam(asked)
+    cam = given_cam(question)
     steps = np.arange(count) + uneven * np.random.default_rng(11).uniform(-0.5, 0.5, count)
-    at = cam_profile(cam.motion, asked.follower, cam.size, asked.rotation, TURN * steps / count)
+    at = cam_profile(
+        cam.motion, question.follower, cam.size, question.rotation, TURN * steps / count
+    )
     return np.stack([at.x, at.y], axis=1)
 
 
-def motion_of(asked: DesignSpec) -> Motion:
-    return given_cam(asked).motion
+def motion_of(question: DesignSpec) -> Motion:
+    return given_cam(question).motion
 
 
 def read(points: np.ndarray, follower: dict[str, Any], **more: Any) -> ProfileAnalysis:

@@ -115,14 +115,14 @@ def test_an_arm_spans_a_hollow_too(valley: np.ndarray) -> None:
 
 
 def test_contact_that_leaves_the_face_is_named() -> None:
-    asked = spec(FACE)
+    question = spec(FACE)
     found = read(
-        profile(asked), FACE, tolerance_mm=1e-3,
+        profile(question), FACE, tolerance_mm=1e-3,
         face_width={"kind": "face_width", "left_mm": 60.0, "right_mm": 21.0},
     )  # fmt: skip
     (off,) = found.contact_off_face
     theta = np.linspace(0.0, 2.0 * np.pi, 200_001)
-    contact = motion_of(asked).derivatives(theta)[1]
+    contact = motion_of(question).derivatives(theta)[1]
     beyond = np.degrees(theta[contact > 21.0])
     assert off.side == "right"
     assert (off.from_deg, off.to_deg) == pytest.approx((beyond[0], beyond[-1]), abs=0.2)

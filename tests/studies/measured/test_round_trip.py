@@ -21,21 +21,21 @@ FOLLOWERS = [ROLLER, EDGE, FACE, TILTED, ARM, ARM | {"sense": "same"}]
 
 
 def names(follower: dict[str, Any]) -> str:
-    told = (follower.get(name, "") for name in ("roller_radius_mm", "sense", "tilt_deg"))
-    return "-".join(str(each) for each in (follower["kind"], *told))
+    reported = (follower.get(name, "") for name in ("roller_radius_mm", "sense", "tilt_deg"))
+    return "-".join(str(each) for each in (follower["kind"], *reported))
 
 
-def exported(asked: DesignSpec) -> np.ndarray:
+def exported(question: DesignSpec) -> np.ndarray:
     """What the point file holds, rounded to 1 µm, with 1 µm of noise in each coordinate."""
-    text = PROFILE_FORMATS["txt"].write(synthesise(asked), PointOptions(points_per_degree=2.5))
+    text = PROFILE_FORMATS["txt"].write(synthesise(question), PointOptions(points_per_degree=2.5))
     points = np.array([[float(cell) for cell in row.split()[:2]] for row in text.splitlines()])
     return np.round(points, 3) + 1e-3 * np.random.default_rng(5).standard_normal(points.shape)
 
 
-def table(asked: DesignSpec, found: ProfileAnalysis) -> list[tuple[np.ndarray, np.ndarray]]:
+def table(question: DesignSpec, found: ProfileAnalysis) -> list[tuple[np.ndarray, np.ndarray]]:
     """Displacement to jerk as read, and as the law has them, in the wire's units."""
-    travel, omega = asked.follower.travel, asked.machine().omega
-    true = motion_of(asked).derivatives(np.radians(found.table["angle_deg"]))
+    travel, omega = question.follower.travel, question.machine().omega
+    true = motion_of(question).derivatives(np.radians(found.table["angle_deg"]))
     read_ = [np.array(c) for name, c in found.table.items() if name[1] == "_"]
     return [
         (r, t * travel.wire_factor(k, omega))
@@ -46,10 +46,10 @@ def table(asked: DesignSpec, found: ProfileAnalysis) -> list[tuple[np.ndarray, n
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
 @pytest.mark.parametrize("follower", FOLLOWERS, ids=names)
 def test_the_motion_comes_back(follower: dict[str, Any], rotation: str) -> None:
-    asked = spec(follower, rotation=rotation)
-    found = read(exported(asked), follower, rotation=rotation, tolerance_mm=TOLERANCE)
-    pairs = table(asked, found)
-    within = TOLERANCE / asked.follower.travel.per_unit
+    question = spec(follower, rotation=rotation)
+    found = read(exported(question), follower, rotation=rotation, tolerance_mm=TOLERANCE)
+    pairs = table(question, found)
+    within = TOLERANCE / question.follower.travel.per_unit
     assert np.max(np.abs(pairs[0][0] - pairs[0][1])) < within
     # within what is told to be hidden by the tolerance, and far better than that says nothing
     for (read_, true), peak in zip(pairs, found.peaks, strict=False):
@@ -60,7 +60,9 @@ def test_the_motion_comes_back(follower: dict[str, Any], rotation: str) -> None:
     for order, share in ((1, 0.01), (2, 0.11)):
         read_, true = pairs[order]
         assert np.max(np.abs(read_ - true)) < share * np.ptp(true)
-    assert found.dimensions["base_radius_mm"] == pytest.approx(asked.base_radius_mm, abs=TOLERANCE)
+    assert found.dimensions["base_radius_mm"] == pytest.approx(
+        question.base_radius_mm, abs=TOLERANCE
+    )
     assert not found.unreached_hollows
     assert 0.8e-3 < found.fit.rms_mm < 2e-3
     assert found.fit.largest_mm <= TOLERANCE
@@ -68,11 +70,11 @@ def test_the_motion_comes_back(follower: dict[str, Any], rotation: str) -> None:
 
 @pytest.mark.parametrize("follower", FOLLOWERS, ids=names)
 def test_pressure_angles_and_dwells_come_back(follower: dict[str, Any]) -> None:
-    asked = spec(follower)
-    found = read(exported(asked), follower, tolerance_mm=TOLERANCE)
-    cam = given_cam(asked)
+    question = spec(follower)
+    found = read(exported(question), follower, tolerance_mm=TOLERANCE)
+    cam = given_cam(question)
     theta = np.radians(found.table["angle_deg"])
-    true = cam_profile(cam.motion, asked.follower, cam.size, "ccw", theta).pressure_angle
+    true = cam_profile(cam.motion, question.follower, cam.size, "ccw", theta).pressure_angle
     assert np.allclose(found.table["pressure_angle_deg"], np.degrees(true), atol=0.15)
     upper, lower = found.dwells
     for dwell, (start, angle) in ((upper, (73.3, 41.2)), (lower, (203.4, 156.6))):
@@ -83,9 +85,9 @@ def test_pressure_angles_and_dwells_come_back(follower: dict[str, Any]) -> None:
 
 
 def test_start_direction_and_spacing_do_not_matter() -> None:
-    asked = spec(ROLLER)
-    even = read(profile(asked), ROLLER, tolerance_mm=1e-3)
-    ring = np.roll(profile(asked, 1100, uneven=0.9), 417, axis=0)
+    question = spec(ROLLER)
+    even = read(profile(question), ROLLER, tolerance_mm=1e-3)
+    ring = np.roll(profile(question, 1100, uneven=0.9), 417, axis=0)
     closed = np.vstack([ring, ring[:1]])
     for points in (ring, ring[::-1], closed):
         found = read(points, ROLLER, tolerance_mm=1e-3)
@@ -106,8 +108,8 @@ def test_the_spline_is_the_table() -> None:
 
 
 def test_mirroring_mirrors() -> None:
-    asked = spec(ROLLER)
-    points = profile(asked)
+    question = spec(ROLLER)
+    points = profile(question)
     here = read(points, ROLLER, tolerance_mm=1e-3)
     there = read(points * [-1.0, 1.0], ROLLER, rotation="cw", tolerance_mm=1e-3)
     assert np.allclose(here.table["s_mm"], there.table["s_mm"], atol=1e-9)
@@ -115,13 +117,13 @@ def test_mirroring_mirrors() -> None:
 
 
 def test_better_points_give_better_derivatives() -> None:
-    asked = spec(ROLLER)
-    clean = profile(asked, 1440)
+    question = spec(ROLLER)
+    clean = profile(question, 1440)
     noise = np.random.default_rng(2).standard_normal(clean.shape)
     worst = []
     for scatter in (3e-3, 3e-4, 3e-5):
         found = read(clean + scatter * noise, ROLLER, tolerance_mm=6.0 * scatter)
-        read_, true = table(asked, found)[2]
+        read_, true = table(question, found)[2]
         worst.append(np.max(np.abs(read_ - true)))
     assert worst[0] > 1.5 * worst[1] > 2.0 * worst[2]
 

@@ -104,21 +104,23 @@ def test_a_follower_that_does_not_reach(points: np.ndarray, follower: dict[str, 
 
 @pytest.mark.parametrize("rotation", ["ccw", "cw"])
 def test_an_arm_that_reaches_only_the_nose_is_told_from_which_cam_angle_on(rotation: str) -> None:
-    asked = spec(ARM, rotation=rotation)
-    distance, cam = 140.0, given_cam(asked)
-    error = refused(profile(asked, 1800), ARM | {"centre_distance_mm": distance}, rotation=rotation)
+    question = spec(ARM, rotation=rotation)
+    distance, cam = 140.0, given_cam(question)
+    error = refused(
+        profile(question, 1800), ARM | {"centre_distance_mm": distance}, rotation=rotation
+    )
     # stretched along the line of centres it just reaches; there the roller stands before its pivot
     theta = np.linspace(0.0, 2.0 * np.pi, 200_001)
-    p = cam_profile(cam.motion, asked.follower, cam.size, "ccw", theta)
+    p = cam_profile(cam.motion, question.follower, cam.size, "ccw", theta)
     near = np.hypot(p.pitch_x, p.pitch_y) < distance - ARM["arm_mm"]
     edges = np.flatnonzero(near[1:] != near[:-1])
     assert len(edges) == 2
     heading = np.degrees(np.arctan2(p.pitch_y, p.pitch_x))[edges]
-    told = [
+    reported = [
         float(cell)
         for cell in re.findall(r"cam angles? (-?[\d.]+)° and (-?[\d.]+)°", error.rule)[0]
     ]
-    assert sorted(told) == pytest.approx(sorted((31.0 - heading) % 360.0), abs=1.5)
+    assert sorted(reported) == pytest.approx(sorted((31.0 - heading) % 360.0), abs=1.5)
     x, y = (float(cell) for cell in re.findall(r"[xy] = (-?[\d.]+)", error.rule))
     assert np.hypot(x, y) < 45.0  # on the base circle
 
@@ -129,7 +131,7 @@ def test_an_arm_that_reaches_nothing_is_told_so(points: np.ndarray) -> None:
 
 def test_crossings_against_every_pair_of_sides() -> None:
     rng = np.random.default_rng(8)
-    told = []
+    reported = []
     for _ in range(60):
         count = int(rng.integers(5, 130))
         angle = 2.0 * np.pi * np.arange(count) / count
@@ -138,12 +140,12 @@ def test_crossings_against_every_pair_of_sides() -> None:
         if rng.uniform() < 0.5:
             i, j = rng.integers(0, count, 2)
             ring[[i, j]] = ring[[j, i]]
-        told.append(first_crossing(ring) is not None)
-        assert told[-1] == any(
+        reported.append(first_crossing(ring) is not None)
+        assert reported[-1] == any(
             meets(ring[i], ring[i + 1 - count], ring[j], ring[j + 1 - count])
             for i in range(count) for j in range(i + 2, count) if (i, j) != (0, count - 1)
         )  # fmt: skip
-    assert 10 < sum(told) < 50
+    assert 10 < sum(reported) < 50
 
 
 def meets(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> bool:

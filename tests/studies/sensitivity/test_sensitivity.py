@@ -81,14 +81,14 @@ def test_they_are_the_slopes_of_what_is_best(name: str) -> None:
     method, fields = (SCENES | PARTLY)[name]
     assert method in found.evidence
     assert found.unconfirmed == []
-    told = {each.field: each for each in found.sensitivities}
+    reported = {each.field: each for each in found.sensitivities}
     for field, share in fields.items():
         more, less = (value(body, field, move, tolerance(name)) for move in (share, -share))
         rise = more - less
-        assert told[field].per_unit == pytest.approx(
-            rise / (2.0 * share * told[field].requested), rel=0.05
+        assert reported[field].per_unit == pytest.approx(
+            rise / (2.0 * share * reported[field].requested), rel=0.05
         )
-    for field, each in told.items():
+    for field, each in reported.items():
         if name in SCENES and field not in fields:
             assert each.per_unit == 0.0, each.sentence
 
@@ -97,16 +97,16 @@ def test_they_are_told_in_words() -> None:
     words = {
         each.field: (each, each.sentence) for each in known("example-13-6-sized").sensitivities
     }
-    rise, told = words["/limits/0/rise_deg"]
+    rise, reported = words["/limits/0/rise_deg"]
     assert rise.per_unit is not None
-    assert told == (
+    assert reported == (
         f"1 deg more in /limits/0/rise_deg makes base_radius {abs(rise.per_unit):.4g} mm smaller"
     )
-    jerk, told = words["/limits/1/max_mm_per_s3"]
+    jerk, reported = words["/limits/1/max_mm_per_s3"]
     assert jerk.per_unit is not None
     one_per_cent = 0.01 * jerk.per_unit * jerk.requested
-    assert told.startswith("1 % more in")
-    assert f"{abs(one_per_cent):.4g} mm smaller" in told
+    assert reported.startswith("1 % more in")
+    assert f"{abs(one_per_cent):.4g} mm smaller" in reported
     assert words["/follower/offset_mm/max"][1].endswith("has no influence")
     assert isinstance(rise, Sensitivity)
 
@@ -143,9 +143,9 @@ def test_a_radius_that_is_given_is_itself_whatever_else_may_move() -> None:
     """No cone program knows that it may not be smaller: the offset would seem to decide."""
     body = {**examples()["fixed-laws"]["value"], "base_radius_mm": 493.0}
     found = sensitivities(synthesise(DesignSpec.model_validate(body)))
-    told = {each.field: each.per_unit for each in found.sensitivities}
-    assert told.pop("/base_radius_mm") == pytest.approx(1.0, rel=1e-6)
-    assert set(told.values()) == {0.0}
+    reported = {each.field: each.per_unit for each in found.sensitivities}
+    assert reported.pop("/base_radius_mm") == pytest.approx(1.0, rel=1e-6)
+    assert set(reported.values()) == {0.0}
     assert found.unconfirmed == []
 
 

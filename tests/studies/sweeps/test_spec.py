@@ -58,8 +58,8 @@ def test_a_base_that_leaves_its_proof_out_is_proven_quickly() -> None:
     again = SweepSpec.model_validate_json(spec.model_dump_json())
     assert again.document == spec.document
     for proof in ("auto", "quick", "thorough"):
-        told = SweepSpec.model_validate({"base": BASE | {"proof": proof}, "axes": [ANGLE]})
-        assert told.document["proof"] == proof
+        reported = SweepSpec.model_validate({"base": BASE | {"proof": proof}, "axes": [ANGLE]})
+        assert reported.document["proof"] == proof
     single = DesignSpec.model_validate(BASE)
     assert SweepSpec.model_validate({"base": single, "axes": [ANGLE]}).base.proof == "quick"
 
