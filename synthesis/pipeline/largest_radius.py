@@ -132,6 +132,8 @@ def complete(
         attempt = solve_spec(spec, goal, stages)
     # 3. A cam of the gentlest law, where none was found.
     attempt = _with_gentle_law(spec, attempt, goal, stages)
+    if limited and minimised:  # a bound without the maximum covers the fewer cams with it
+        attempt = _with_bound_of(first, attempt)
     if not limited or minimised or attempt.certified:
         return attempt, smallest
     if infeasibility_proof(attempt) or clock.now() >= goal.stop:
@@ -169,6 +171,17 @@ def _decided(
         built = found.built.model_copy(update=asked)
         smallest = _smallest(spec, replace(found, built=built)) or smallest
     return smallest
+
+
+def _with_bound_of(wider: Attempt, attempt: Attempt) -> Attempt:
+    """A cam with the first objective's lower bound of a question that has all of its cams."""
+    if not attempt.certified or not wider.bounds or wider.numbers:
+        return attempt
+    own, *later = attempt.bounds
+    other = wider.bounds[0]
+    if other.lower <= own.lower:
+        return attempt
+    return replace(attempt, bounds=[replace(own, lower=other.lower, over=other.over), *later])
 
 
 def _minimises_radius(spec: DesignSpec) -> bool:

@@ -23,6 +23,7 @@ def test_it_stays_mended(found: dict[str, Any]) -> None:
     judged = outcome(0, found["spec"])
     assert judged.complaints == ()
     assert not judged.status.startswith(("crash", "missed", "spec error", "late, without"))
+    assert (1.0 if judged.gap is None else judged.gap) <= found.get("gap", 1.0)
 
 
 def test_every_objective_has_a_proof_even_if_it_was_not_reached() -> None:

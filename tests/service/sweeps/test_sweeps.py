@@ -103,7 +103,7 @@ def test_the_design_of_an_item_is_that_of_its_spec_alone(client: httpx2.Client) 
     where = posted(client, body)
     over(client, where)
     link = client.get(f"{where}/items/1").json()["links"]["design"]
-    answer = client.post("/v1/designs", json={**body["base"], "name": "beside"})
+    answer = client.post("/v1/designs", json={**body["base"], "proof": "quick", "name": "beside"})
     assert answer.headers["content-location"] == link
     kept = client.get(link)
     assert (kept.content, kept.headers["etag"]) == (answer.content, answer.headers["etag"])
@@ -111,7 +111,9 @@ def test_the_design_of_an_item_is_that_of_its_spec_alone(client: httpx2.Client) 
 
 def test_a_design_that_was_there_before_its_sweep_is_forgotten_alone(client: httpx2.Client) -> None:
     body = sweep_of(["there before"])
-    answer = client.post("/v1/designs", json={**body["base"], "name": "there before"})
+    answer = client.post(
+        "/v1/designs", json={**body["base"], "proof": "quick", "name": "there before"}
+    )
     where = answer.headers["content-location"]
     over(client, posted(client, body))
     assert client.delete(where).status_code == 204
