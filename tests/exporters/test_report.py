@@ -179,10 +179,11 @@ def test_where_nothing_fits_it_says_what_would(build) -> None:
     reported = page(none)
     assert reported.headings == ["Why nothing fits", "What was asked"]
     _, first, second = reported.tables["Why nothing fits"]
-    assert first[:4] == [
+    assert first[:5] == [
         "jerk",
         "600\u202f000 mm/s³",
         "835\u202f960 mm/s³",
+        "–",
         "limits/1/max_mm_per_s3",
     ]
     assert second[2] == "–"

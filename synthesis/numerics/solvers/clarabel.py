@@ -76,7 +76,8 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
     # dense: even of a hundred laws there are only hundreds of equalities, and most have a few
     rows, rhs = program.matrix[: program.equalities].toarray(), program.rhs[: program.equalities]
     normal = rows @ rows.T
-    normal[np.diag_indices_from(normal)] += DAMPED * float(normal.diagonal().max())
+    # rows of zeros are kept by every point
+    normal[np.diag_indices_from(normal)] += DAMPED * (float(normal.diagonal().max()) or 1.0)
     factor = cho_factor(normal, check_finite=False)
     for _ in range(REPEATED):
         x = x + rows.T @ cho_solve(factor, rhs - rows @ x, check_finite=False)

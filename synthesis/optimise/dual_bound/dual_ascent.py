@@ -107,6 +107,8 @@ class _DualProgram:
         groups += [
             rows for rows, _ in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z))
         ]
+        if model.problem.for_every_size:  # no multiplier that rests on a range of the size
+            groups = [rows for rows in groups if not rows.size.any()]
         for position, boundary in enumerate(model.boundary_states):
             # g to g^(m−1) at the end of a law, with costates of either sign
             rhs, known = np.zeros(order), boundary.end[:order]
