@@ -17,6 +17,7 @@ from synthesis.optimise.recovery.smooth_limits import enlarged_size
 Vector = tuple[float, ...]
 ALLOWED = 1e-9  # relative excess of a row that is solver noise
 OUTSIDE = 1e-7  # relative: what a solver may leave a cone by
+BEYOND_CAP = 1e-4  # relative: what tightened limits may take of an earlier objective's cap
 CLEARANCE = 1e-8  # relative: sizes and smooth limits stay this far off what binds them
 
 
@@ -120,7 +121,7 @@ def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
     """
     for earlier in problem.objective_caps:
         norm = earlier.objective.norm(problem.machine)
-        if norm is not None and norm.value(size) > earlier.value * (1.0 + OUTSIDE):
+        if norm is not None and norm.value(size) > earlier.value * (1.0 + BEYOND_CAP):
             return True
     cones = problem.norm_bounds
     if any(cone.lower > 0.0 for cone in cones) and any(
