@@ -226,17 +226,19 @@ def approach_infimum(found: Attempt, goal: Goal, stages: list[Effort]) -> Attemp
     """
     if not found.is_smallest_sought or found.best is None:
         return found
+    trials = _solved_and_resized(found, goal, stages)
+    smaller = (t for t in trials if t.certified and _base_radius(t) < _base_radius(found))
+    return next(smaller, found)
+
+
+def _solved_and_resized(found: Attempt, goal: Goal, stages: list[Effort]) -> Iterator[Attempt]:
+    """The question solved from further down on, where that may help; the laws found, resized."""
     alone = len(found.searches) == 1  # later objectives would have to be worked through again
     if not (alone and found.bounds[0].infimum) and clock.now() < goal.stop:
         further = replace(goal, smallest=FURTHER_DOWN[0], warm_start=None)
-        nearer = solve_spec(found.question.physical, further, stages)
-        if nearer.certified and _base_radius(nearer) < _base_radius(found):
-            return nearer
+        yield solve_spec(found.question.physical, further, stages)
     for smallest in FURTHER_DOWN if alone else ():
-        nearer = _resized_for(found, smallest)
-        if nearer.certified and _base_radius(nearer) < _base_radius(found):
-            return nearer
-    return found
+        yield _resized_for(found, smallest)
 
 
 def _resized_for(found: Attempt, smallest: float) -> Attempt:
@@ -283,8 +285,8 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) ->
             Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
         )
         if larger_cam.cam is not None and larger_cam.certified:
-            asked = {"base_radius_mm": spec.base_radius_mm, "proof": spec.proof}
-            built = larger_cam.built.model_copy(update=asked)
+            restored = {"base_radius_mm": spec.base_radius_mm, "proof": spec.proof}
+            built = larger_cam.built.model_copy(update=restored)
             extremes = certify_cam(question.physical, larger_cam.cam, question.to_physical(built))
             most = _base_radius(larger_cam)
             best = replace(larger_cam, question=question, built=built, extremes=extremes)

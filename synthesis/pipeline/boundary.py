@@ -29,12 +29,8 @@ NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot 
 ACCURACY = 1e-3  # of the way from the requested value: bracket of a sufficient one at the end
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-SPARE = (
-    0.0,
-    1e-4,
-    1e-3,
-    1e-2,
-)  # relative: added to a value, until the question as it stands has a cam
+SPARE = (0.0, 1e-4, 1e-3, 1e-2)
+"""Relative: added to a value, until the question as it stands has a cam."""
 SLACK = (0.0, 1e-6, 1e-4, 1e-2, 1.0)  # of the way: added to the value of a cam found without it
 STEPS = 4  # of the secant outwards
 FARTHEST = 0.5  # relative: of a value; what is farther is taken from a cam without the number

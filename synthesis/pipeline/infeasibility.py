@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
@@ -42,23 +42,19 @@ def infeasibility_proof(attempt: Attempt) -> str:
     search, question = attempt.searches[0], attempt.question
     solved = question.scaled.without_deferred()
     problem = restate_problem(question, question.to_physical(solved), search.problem)
+    placed = question.scaled.placed_segments()
+    given = {segment.index for segment in placed if segment.law is not None}  # but for tables
     theorems: tuple[Callable[[], str], ...] = (
         lambda: problem.base_circle_conflict,
         lambda: problem.constant_conflict,
-        lambda: _given_law_conflict(problem, _given(attempt)),
+        lambda: _given_law_conflict(problem, given),
         lambda: _mean_velocity_conflict(problem),
-        lambda: _given_cam_conflict(problem, attempt),
+        lambda: _given_cam_conflict(problem, attempt, given),
         lambda: search.infeasibility_proof,
-        lambda: _size_conflict(problem, _given(attempt)),
+        lambda: _size_conflict(problem, given),
         lambda: excess_proof(search.problem),
     )
     return next((proof for theorem in theorems if (proof := theorem())), "")
-
-
-def _given(attempt: Attempt) -> set[int]:
-    """Segments whose law the question gives; a table leaves its smoothing to us."""
-    placed = attempt.question.scaled.placed_segments()
-    return {segment.index for segment in placed if segment.law is not None}
 
 
 def _given_law_conflict(problem: Problem, given: set[int]) -> str:
@@ -66,24 +62,19 @@ def _given_law_conflict(problem: Problem, given: set[int]) -> str:
     for segment in problem.segments:
         if segment.index not in given:
             continue
-        for limit in problem.limits:
-            for row in limit.rows(segment, problem.machine):
-                if any(row.size) or row.level or row.is_constant:
-                    continue
-                over = row_excess(row, segment, ())
-                if over > ROUNDING * (abs(row.upper) + problem.length):
-                    name = (row.source or limit.kind).replace("_", " ")
-                    return f"proven: the law given for program/{segment.index} breaks {name}"
+        for row in problem.limit_rows(segment):
+            over = -inf if any(row.size) else row_excess(row, segment, ())
+            if over > ROUNDING * (abs(row.upper) + problem.length):
+                name = row.source.replace("_", " ")
+                return f"proven: the law given for program/{segment.index} breaks {name}"
     return ""
 
 
 def _mean_velocity_conflict(problem: Problem) -> str:
     """Which limit lies below a mean velocity: by the mean value theorem every law reaches that."""
     for segment in problem.free:
-        for row in (
-            row for limit in problem.limits for row in limit.rows(segment, problem.machine)
-        ):
-            if row.orders != (1,) or any(row.size) or row.level or row.interval is not None:
+        for row in problem.limit_rows(segment):
+            if row.orders != (1,) or any(row.size) or row.interval is not None:
                 continue
             mean = row.coefficients[1] * segment.lift / segment.angle
             if mean > row.upper + ROUNDING * abs(mean):
@@ -92,9 +83,8 @@ def _mean_velocity_conflict(problem: Problem) -> str:
     return ""
 
 
-def _given_cam_conflict(problem: Problem, attempt: Attempt) -> str:
+def _given_cam_conflict(problem: Problem, attempt: Attempt, given: set[int]) -> str:
     """Which limits the only cam breaks: its laws and size are given, or the motion at a place."""
-    given = _given(attempt)
     jumps = {e.angle_deg for e in attempt.extremes if e.limit.endswith("_jump")}
     of_motion = [
         extreme

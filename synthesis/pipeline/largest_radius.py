@@ -103,8 +103,9 @@ def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt
 
     For whoever wants to know by how much it is too large.
     """
-    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
-    if _minimises_radius(spec) and _without(spec, "max") is not None:
+    wider = first_question(spec)
+    first = solve_and_certify(prepare(wider, goal, stages), goal, stages)
+    if wider is not spec:
         first = enlarge_until_simple(first, goal, stages)
         smallest = _smallest(spec, first)
         if smallest is not None:
@@ -132,7 +133,7 @@ def complete(
         attempt = solve_spec(spec, goal, stages)
     # 3. A cam of the gentlest law, where none was found.
     attempt = _with_gentle_law(spec, attempt, goal, stages)
-    if limited and minimised:  # a bound without the maximum covers the fewer cams with it
+    if minimised and smallest is not None and smallest.is_bounded:
         attempt = _with_bound_of(first, attempt)
     if not limited or minimised or attempt.certified:
         return attempt, smallest
@@ -167,15 +168,15 @@ def _decided(
         changes = {"tolerance": tolerance, "proof": "quick"}
         finer = first_question(spec.model_copy(update=changes))
         found = solve_spec(finer, replace(goal, warm_start=None), stages)
-        asked = {"tolerance": spec.tolerance, "proof": spec.proof}
-        built = found.built.model_copy(update=asked)
+        restored = {"tolerance": spec.tolerance, "proof": spec.proof}
+        built = found.built.model_copy(update=restored)
         smallest = _smallest(spec, replace(found, built=built)) or smallest
     return smallest
 
 
 def _with_bound_of(wider: Attempt, attempt: Attempt) -> Attempt:
-    """A cam with the first objective's lower bound of a question that has all of its cams."""
-    if not attempt.certified or not wider.bounds or wider.numbers:
+    """A cam with the lower bound of a question that has all of its cams, which covers it too."""
+    if not attempt.certified:
         return attempt
     own, *later = attempt.bounds
     other = wider.bounds[0]
@@ -214,8 +215,8 @@ def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[
         Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
         *(Bounded(objective, -inf, "") for objective in later),
     ]
-    asked = known.question.scaled
-    built = gentle.built.model_copy(update={"objective": asked.objective, "proof": asked.proof})
+    scaled = known.question.scaled
+    built = gentle.built.model_copy(update={"objective": scaled.objective, "proof": scaled.proof})
     return replace(gentle, question=known.question, built=built, bounds=bounds)
 
 

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from synthesis.design.design import Conflict, Relaxation
+from synthesis.design.design import Relaxation
 from synthesis.numerics import clock
 from tests.hard.families import FAMILIES, Spec, random_scene
 from tests.hard.own_numbers import solved
@@ -129,18 +129,14 @@ def ask(question: Question) -> Outcome:
             without = put(without, one, None)
         shown = _has_cam(without)
         outcome.necessary.append(shown)
-        if not shown and member not in _unconfirmed(conflict):
+        if not shown and member not in conflict.unconfirmed:
             outcome.complaints.append(f"without {member} no cam either")
     return outcome
 
 
-def _unconfirmed(conflict: Conflict) -> list[str]:
-    return list(getattr(conflict, "unconfirmed", []))
-
-
 def _try_values(outcome: Outcome, each: Relaxation) -> None:
     """Put back what is needed, and a little less than is needed at least."""
-    body, at_least = outcome.question.body, getattr(each, "at_least", None)
+    body, at_least = outcome.question.body, each.at_least
     distance = None
     if each.needed is not None:
         suffices = _has_cam(put(body, each.field, each.needed))

@@ -62,10 +62,10 @@ def closed_form_size(
         norm: what is least; None: the prime radius.
         slack: by how much every half-plane is moved out [length].
     """
-    norm = norm or problem.machine.follower.radius_norm()
+    radius = problem.machine.follower.radius_norm()
+    norm = norm or radius
     normals, offsets = half_planes(problem)
     offsets = offsets + slack
-    radius = problem.machine.follower.radius_norm()
     if least > 0.0 and len(radius.matrix) == 1:
         normals = np.vstack([normals, -np.array(radius.matrix)])
         offsets = np.append(offsets, radius.shift[0] - least)
@@ -74,7 +74,7 @@ def closed_form_size(
         if size is None:
             return None
         violated = most_violated(problem, size)
-        prime = problem.machine.follower.radius_norm().value(size)
+        prime = radius.value(size)
         scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
         more = violated.excess > (OUTSIDE - clear) * scale
         if not np.any(more):
