@@ -112,6 +112,15 @@ class Attempt:
         return first.is_smallest_sought
 
     @property
+    def first_bound(self) -> Bounded | None:
+        """The lower bound of the first objective, found with a cam or without; of all laws only."""
+        if not self.searches or not self.searches[0].covers_all_laws:
+            return None
+        first = self.searches[0]
+        known = Bounded(first.problem.objective, first.lower, first.valid_for)
+        return self.bounds[0] if self.bounds else None if first.infeasible else known
+
+    @property
     def beyond_tightening(self) -> bool:
         """Whether tighter limits cannot repair the cam: it misses one by more than they move."""
         last = self.searches[-1]
@@ -161,44 +170,14 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
 def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
     """Solve with limits tightened more and more, until the certificate accepts the cam.
 
-    Only the first solve uses the warm start: a cam that the certificate refuses is no start.
+    Only the first solve uses the warm start: a cam that the certificate refuses is no start. The
+    bound is the best of all: it is that of the limits as they are.
     """
-    question, numbers, tables = prepared.question, prepared.numbers, prepared.tables
-    spec = question.scaled
-    sufficient = goal.sufficient / question.units.length
+    attempt = prepared
     for tighten in TIGHTENINGS:
-        solved_spec, first, place = spec.without_deferred(), None, None
-        while True:
-            # 1. Minimise one objective after the other.
-            attempt = Attempt(question, numbers, tables, solved_spec, solved_spec)
-            last = len(spec.objectives()) - 1
-            for rank, problem in enumerate(attempt.problems(goal.smallest)):
-                from_start = rank == 0 and first is None
-                state = optimise(
-                    problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
-                    tighten, proof=_proof_budget(spec),
-                    warm_start=goal.warm_start if from_start else None,
-                    sufficient=sufficient if from_start else -inf,
-                )  # fmt: skip
-                attempt.searches.append(state)
-            _take_best(attempt)
-            if attempt.best is None or first is not None:
-                break
-            # 2. What is fixed after the size: the place of a counter roller. Where none suits this
-            #    cam, seek the cam again with the farthest place given: the counter cam then has its
-            #    say in the laws and the size.
-            place = place_counter_roller(spec, attempt.best, goal.stop)
-            if place.holds:
-                break
-            first, solved_spec = attempt, place.spec
-        if first is not None:
-            attempt.searches = [*first.searches, *attempt.searches]
-            if place is not None and not place.farthest:
-                attempt.bounds = first.bounds  # another place might suit better: valid for all
-        # 3. Certify the cam.
-        if place is not None:
-            attempt.built = place.spec
+        attempt = with_bound_of(attempt, _solve_tightened(prepared, goal, tighten))
         if attempt.cam is not None:
+            question = attempt.question
             attempt.cam = to_physical_cam(question, attempt.solved_spec, attempt.cam)
             attempt.extremes = certify_cam(
                 question.physical, attempt.cam, question.to_physical(attempt.built)
@@ -210,6 +189,62 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
             break
         goal = replace(goal, warm_start=None)
     return attempt
+
+
+def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
+    """Solve with limits tightened by a relative amount; the cam is left in the question's units."""
+    question, numbers, tables = prepared.question, prepared.numbers, prepared.tables
+    spec = question.scaled
+    sufficient = goal.sufficient / question.units.length
+    solved_spec, first, place = spec.without_deferred(), None, None
+    while True:
+        # 1. Minimise one objective after the other.
+        attempt = Attempt(question, numbers, tables, solved_spec, solved_spec)
+        last = len(spec.objectives()) - 1
+        for rank, problem in enumerate(attempt.problems(goal.smallest)):
+            from_start = rank == 0 and first is None
+            state = optimise(
+                problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
+                tighten, proof=_proof_budget(spec),
+                warm_start=goal.warm_start if from_start else None,
+                sufficient=sufficient if from_start else -inf,
+            )  # fmt: skip
+            attempt.searches.append(state)
+        _take_best(attempt)
+        if attempt.best is None or first is not None:
+            break
+        # 2. What is fixed after the size: the place of a counter roller. Where none suits this
+        #    cam, seek the cam again with the farthest place given: the counter cam then has its
+        #    say in the laws and the size.
+        place = place_counter_roller(spec, attempt.best, goal.stop)
+        if place.holds:
+            break
+        first, solved_spec = attempt, place.spec
+    if first is not None:
+        attempt.searches = [*first.searches, *attempt.searches]
+        if place is not None and not place.farthest:
+            attempt.bounds = first.bounds  # another place might suit better: valid for all
+    if place is not None:
+        attempt.built = place.spec
+    return attempt
+
+
+def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
+    """An attempt with the lower bound of its first objective, or that of another, if better.
+
+    The other's question is the same, or has all cams of this one: its bound over all laws holds
+    here too.
+    """
+    known = other.first_bound
+    if known is None:
+        return attempt
+    own, *later = attempt.bounds or (
+        Bounded(objective, -inf, "") for objective in attempt.solved_spec.objectives()
+    )
+    if known.lower <= own.lower:
+        return attempt
+    own = replace(own, lower=known.lower, over=known.over)
+    return replace(attempt, bounds=[own, *later])
 
 
 def solve_spec(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -285,8 +320,7 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) ->
             Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
         )
         if larger_cam.cam is not None and larger_cam.certified:
-            restored = {"base_radius_mm": spec.base_radius_mm, "proof": spec.proof}
-            built = larger_cam.built.model_copy(update=restored)
+            built = larger_cam.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
             extremes = certify_cam(question.physical, larger_cam.cam, question.to_physical(built))
             most = _base_radius(larger_cam)
             best = replace(larger_cam, question=question, built=built, extremes=extremes)

@@ -34,6 +34,7 @@ from synthesis.pipeline.attempt import (
     prepare,
     solve_and_certify,
     solve_spec,
+    with_bound_of,
 )
 from synthesis.pipeline.infeasibility import infeasibility_proof
 from synthesis.spec.design_spec import DesignSpec
@@ -134,7 +135,7 @@ def complete(
     # 3. A cam of the gentlest law, where none was found.
     attempt = _with_gentle_law(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:
-        attempt = _with_bound_of(first, attempt)
+        attempt = with_bound_of(first, attempt)
     if not limited or minimised or attempt.certified:
         return attempt, smallest
     if infeasibility_proof(attempt) or clock.now() >= goal.stop:
@@ -168,21 +169,8 @@ def _decided(
         changes = {"tolerance": tolerance, "proof": "quick"}
         finer = first_question(spec.model_copy(update=changes))
         found = solve_spec(finer, replace(goal, warm_start=None), stages)
-        restored = {"tolerance": spec.tolerance, "proof": spec.proof}
-        built = found.built.model_copy(update=restored)
-        smallest = _smallest(spec, replace(found, built=built)) or smallest
+        smallest = _smallest(spec, found) or smallest
     return smallest
-
-
-def _with_bound_of(wider: Attempt, attempt: Attempt) -> Attempt:
-    """A cam with the lower bound of a question that has all of its cams, which covers it too."""
-    if not attempt.certified:
-        return attempt
-    own, *later = attempt.bounds
-    other = wider.bounds[0]
-    if other.lower <= own.lower:
-        return attempt
-    return replace(attempt, bounds=[replace(own, lower=other.lower, over=other.over), *later])
 
 
 def _minimises_radius(spec: DesignSpec) -> bool:
@@ -209,15 +197,9 @@ def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[
             break
     else:
         return known
-    first, *later = known.question.scaled.objectives()
-    lower = known.searches[0].lower if not known.searches[0].infeasible else -inf
-    bounds = [
-        Bounded(first, lower, known.searches[0].valid_for if lower > -inf else ""),
-        *(Bounded(objective, -inf, "") for objective in later),
-    ]
-    scaled = known.question.scaled
-    built = gentle.built.model_copy(update={"objective": scaled.objective, "proof": scaled.proof})
-    return replace(gentle, question=known.question, built=built, bounds=bounds)
+    unknown = [Bounded(each, -inf, "") for each in known.question.scaled.objectives()]
+    gentle = replace(gentle, question=known.question, bounds=unknown)
+    return with_bound_of(known, gentle)
 
 
 def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:

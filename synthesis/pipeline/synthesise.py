@@ -75,8 +75,10 @@ def synthesise(
     # 2. Without a certified cam: why.
     conflict = None if attempt.certified else explain(attempt, smallest, stop)
     # 3. Values, bounds and gaps in the units of the wire; the status follows from them.
+    #    Questions on the way had objectives, tolerances and proofs of their own.
     question = attempt.question
-    built = question.to_physical(attempt.built)
+    own = {name: getattr(question.physical, name) for name in ("objective", "tolerance", "proof")}
+    built = question.to_physical(attempt.built).model_copy(update=own)
     bounds = in_wire_units(question, attempt.built, attempt.bounds)
     objective_proofs = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
     seconds = time.perf_counter() - began
