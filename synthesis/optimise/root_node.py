@@ -17,7 +17,7 @@ import numpy as np
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
-from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.branching.pivot_node import PivotNode
 from synthesis.optimise.branching.traced_node import TracedNode
@@ -37,9 +37,10 @@ from synthesis.optimise.refinement.mesh import (
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import Relaxed, relax
-from synthesis.optimise.state import SolveState, Stage, over_bound
+from synthesis.optimise.state import SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
+from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
 ROUNDS = 8
 """Meshes at most."""
@@ -65,8 +66,7 @@ MARGIN_BITS = 16
 """Of the margin for rows written at points: it is known no better."""
 LEVEL_ROOMS = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances below the level reached at which it is proven that no cam is so good."""
-LEVEL_ROUNDS = 12
-"""Trial levels of a fractional objective on one mesh."""
+LEVEL_ROUNDS = 12  # trial levels of a fractional objective on one mesh
 
 Optimise = Callable[[Problem, float, float, float], SolveState]
 
@@ -110,8 +110,8 @@ class RootNode(Node):
         state, cam, violations = _recover(state, model, solution, bound)
         seconds = time.perf_counter() - started
         state = state.with_stage(program_stage(f"convex {self.number}", model, solution, seconds))
-        # 3. No spline of this mesh satisfies the rows: other knots may have one.
-        if solution.stopped is StopReason.INFEASIBLE:
+        # 3. No spline of this mesh satisfies the rows, or next to none: other knots may have one.
+        if solution.stopped not in USABLE:
             other_knots = self._seek_knots(state, violations)
             if other_knots is not None:
                 return other_knots
@@ -161,12 +161,25 @@ class RootNode(Node):
         result = minimise_excess(problem, state.grids, state.tighten, state.deadline)
         if result is None:
             return None
+        if result.just_meets and state.tighten > 0.0:
+            met = fix_tight_laws(state, result, self.optimise)
+            return self._finish(self._bound_of_wider_limits(met, result.grids))
         state = replace(
             state, grids=result.grids, infeasibility_proof=result.impossible,
             undecided=result.undecided, infeasible=not result.fits,
             least_excess=None if result.fits else result.share - 1.0, strained=result.names,
         )  # fmt: skip
         return self._next(state) if result.fits else self._finish(state)
+
+    def _bound_of_wider_limits(self, state: SolveState, grids: tuple[Grid, ...]) -> SolveState:
+        """The bound of limits a little wider, which leave a solver room: it holds for these too."""
+        wider = replace(state, grids=grids, tighten=-WIDER)
+        node: Node = replace(self, number=2)
+        while not node.processed:
+            wider, node = node.process(wider)
+        if not wider.covers_all_laws:
+            return state
+        return replace(state, stages=wider.stages).raise_bound(wider.lower, wider.valid_for)
 
     def _next(self, state: SolveState, **changed: Any) -> tuple[SolveState, Node]:
         """The same domain on the state's mesh."""
@@ -385,16 +398,3 @@ def _bound_without_vibration(state: SolveState) -> SolveState:
     model = formulate(problem.without_vibration, state.grids, 0.0, state.tightening)
     solution = solve(model.program, state.time_left)
     return state.with_bound(dual_bound(model, solution)) if solution.stopped in USABLE else state
-
-
-def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds: float) -> Stage:
-    """What a cone program was, and what it cost, for the report."""
-    rows, unknowns = model.program.matrix.shape
-    conic = any(
-        len(ball.shift) > 1 for ball in model.cone_blocks
-    )  # a ball of one row is two half-spaces
-    kind = "QP" if model.energy is not None else "SOCP" if conic else "LP"
-    return Stage(
-        name, f"{kind}, {_count(model.grids)} spline intervals", "Clarabel",
-        unknowns, rows, solution.iterations, seconds, solution.stopped.value,
-    )  # fmt: skip

@@ -316,6 +316,20 @@ class SolveState:
         return objective.from_wire(max(value * (1.0 + 0.1 * tolerance), allowed), machine)
 
 
+def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds: float) -> Stage:
+    """What a cone program was, and what it cost, for the report."""
+    rows, unknowns = model.program.matrix.shape
+    conic = any(
+        len(ball.shift) > 1 for ball in model.cone_blocks
+    )  # a ball of one row is two half-spaces
+    intervals = sum(len(grid.space.breaks) - 1 for grid in model.grids)
+    kind = "QP" if model.energy is not None else "SOCP" if conic else "LP"
+    return Stage(
+        name, f"{kind}, {intervals} spline intervals", "Clarabel",
+        unknowns, rows, solution.iterations, seconds, solution.stopped.value,
+    )  # fmt: skip
+
+
 def over_bound(gap: float) -> float:
     """(value − bound)/bound of a gap (value − bound)/value: near 1 the gap shows no progress."""
     return gap / (1.0 - gap) if gap < 1.0 else inf

@@ -58,12 +58,12 @@ def test_a_lift_is_no_measure_of_how_large_a_cam_may_be(
     assert least <= found.dimensions["base_radius_mm"] < least + 20.0 * lift
 
 
-@pytest.mark.parametrize("over", [0.0, 1e-9, 1e-6])
-def test_what_one_law_alone_reaches_is_not_called_impossible(over: float) -> None:
+@pytest.mark.parametrize("over", [0.0, 1e-9, 1e-8, 1e-7, 1e-6])
+def test_what_one_law_alone_reaches_has_a_cam(over: float) -> None:
     """32 h (ω/β)³ is the least peak of the jerk, and one law has it."""
     limits = [pressure_angle(30.0), {"kind": "jerk", "max_mm_per_s3": 20_480.0 * (1.0 + over)}]
     found = synthesise(question(10.0, (90.0, 30.0, 90.0), limits))
-    assert found.status != "infeasible"
+    assert found.certificate.certified
 
 
 @pytest.mark.parametrize("share", [0.999, 0.97, 0.5])

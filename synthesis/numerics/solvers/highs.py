@@ -27,6 +27,7 @@ STATUSES = {
     highspy.HighsModelStatus.kIterationLimit: StopReason.OUT_OF_ITERATIONS,
 }
 MOST_STEPS = 5000  # simplex iterations
+ACCURACY = 1e-7  # of rows and of multipliers
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +56,13 @@ class LinearMinimum:
 
 
 def minimise_each(
-    rows: LinearRows, objectives: Sequence[Array], time_limit: float = inf
+    rows: LinearRows,
+    objectives: Sequence[Array],
+    time_limit: float = inf,
+    *,
+    accuracy: float = ACCURACY,
 ) -> list[LinearMinimum]:
-    """Minimise each objective (n,) in turn over the same rows.
+    """Minimise each objective (n,) in turn over the same rows, which hold to ``accuracy``.
 
     Ends early, with the answer that says so as the last, where a solve does not succeed. After
     ``time_limit`` seconds no further objective is begun.
@@ -65,7 +70,7 @@ def minimise_each(
     Raises:
         Cancelled: nobody waits for it any more.
     """
-    solver, deadline = _model(rows), clock.now() + time_limit
+    solver, deadline = _model(rows, accuracy), clock.now() + time_limit
     columns = np.arange(rows.matrix.shape[1], dtype=np.int32)
     found = []
     for objective in objectives:
@@ -85,10 +90,11 @@ def minimise_each(
     return found
 
 
-def _model(rows: LinearRows) -> highspy.Highs:
+def _model(rows: LinearRows, accuracy: float) -> highspy.Highs:
     solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options = (("output_flag", False), ("presolve", "off"), ("solver", "simplex"), ("threads", 1),
-               ("simplex_iteration_limit", MOST_STEPS))  # fmt: skip
+               ("simplex_iteration_limit", MOST_STEPS), ("primal_feasibility_tolerance", accuracy),
+               ("dual_feasibility_tolerance", accuracy))  # fmt: skip
     for name, value in options:
         solver.setOptionValue(name, value)
     program = highspy.HighsLp()

@@ -154,23 +154,42 @@ def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> Sol
     """Move knots onto the switches of the law until these stay where they are."""
     before: list[Array] = []
     for number in range(len(state.stages) + 1, len(state.stages) + 1 + POLISH_ROUNDS):
-        switches = [_switches(law.space.breaks, law.curve().poly[:, -1]) for law in cam.laws]
-        none_or_same = not any(len(each) for each in switches) or _alike(switches, before, STAYS)
-        if none_or_same or state.time_left <= 0.0:
+        switches = _switches_of_laws(cam)
+        if not switches or _alike(switches, before, STAYS) or state.time_left <= 0.0:
             break
-        # equal intervals, and knots at the switches
-        grids = list[Grid]()
-        for segment, x in zip(state.problem.free, switches, strict=True):
-            assert segment.free is not None
-            equal = uniform_grid(segment, POLISH_INTERVALS).space.breaks
-            grids.append(grid_through(segment, merge_knots(equal, x, segment.free.knots)))
-        state = replace(state, grids=tuple(grids))
-        before = switches
+        grids = _through_switches(state.problem, switches, POLISH_INTERVALS)
+        state, before = replace(state, grids=grids), switches
         state, latest = solve_once(state, number)
         if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
             break
         cam = latest
     return state
+
+
+def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple[Grid, ...]:
+    """Equal intervals, and knots where the highest derivative of a cam's laws steps.
+
+    Nothing where no law has a step.
+    """
+    switches = _switches_of_laws(cam)
+    return _through_switches(problem, switches, intervals) if switches else ()
+
+
+def _through_switches(
+    problem: Problem, switches: Sequence[Array], intervals: int
+) -> tuple[Grid, ...]:
+    grids = list[Grid]()
+    for segment, x in zip(problem.free, switches, strict=True):
+        assert segment.free is not None
+        equal = uniform_grid(segment, intervals).space.breaks
+        grids.append(grid_through(segment, merge_knots(equal, x, segment.free.knots)))
+    return tuple(grids)
+
+
+def _switches_of_laws(cam: Candidate) -> list[Array]:
+    """The switches of every law; nothing where none has one."""
+    switches = [_switches(law.space.breaks, law.curve().poly[:, -1]) for law in cam.laws]
+    return switches if any(len(each) for each in switches) else []
 
 
 def _alike(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:

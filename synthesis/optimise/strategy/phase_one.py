@@ -24,16 +24,18 @@ from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeProgram, solve
-from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.numerics.solvers.highs import LinearRows, minimise_each
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.linear_rows import Tightening
-from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import dual_bound
 from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_caps
-from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid, uniform_grid
+from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid, SplineLaw, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
-from synthesis.optimise.refinement.mesh import refine_mesh
+from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
 
 ROUNDS = 8  # of moving knots to the switches of the ideal law
 PROOF_ROUNDS = 12  # of finer knots in a proof that limits exclude each other
@@ -41,6 +43,14 @@ PROVEN = 1e-9  # what a bound has to lie above 1, or an excess above 0, by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
 GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do
 INTERVALS = 24  # of a mesh where none is known
+NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
+LOCATIONS = 24  # of the switches, each from the law before
+VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
+MULTIPLIER = 1e-6  # of the objective's: rows with a smaller one hold nothing back
+SPARE = 1e-6  # of 1: a share as far below it leaves a solver room
+MET = 3e-10
+"""Of 1: a share that exceeds it by no more is that of a law that just meets the limits: one that
+ends as much short of its lift keeps them; the certificate allows three times that at a joint."""
 
 
 class LargestShare(Objective):
@@ -99,7 +109,9 @@ def _over(row: LinearInequality, unit: float) -> tuple[float, float, float, floa
 class PhaseOneResult:
     """The knots of the gentlest law found, its share of the limits, and the least of any law.
 
-    ``jumps``: whether the ideal law jumps in a derivative in which the laws asked for may not.
+    Attributes:
+        jumps: whether the ideal law jumps in a derivative in which the laws asked for may not.
+        laws: those with this share, one per grid. tight: positions of those that leave no room.
     """
 
     grids: tuple[Grid, ...]
@@ -107,11 +119,18 @@ class PhaseOneResult:
     least: float
     names: tuple[str, ...]
     jumps: bool = False
+    laws: tuple[SplineLaw, ...] = ()
+    tight: tuple[int, ...] = ()
 
     @property
     def fits(self) -> bool:
         """Whether that law keeps the limits."""
         return self.share < 1.0
+
+    @property
+    def just_meets(self) -> bool:
+        """Whether that law meets the limits, and no other leaves a solver room."""
+        return 1.0 - SPARE <= self.share <= 1.0 + MET
 
     @property
     def impossible(self) -> str:
@@ -174,8 +193,55 @@ def minimise_excess(
         done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
         if done or clock.now() >= deadline:
             break
-        present = refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present))
-    return best
+        present, last = (
+            refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present)), present,
+        )  # fmt: skip
+        if is_same_mesh(present, last):
+            break
+    if best is None or best.impossible or abs(best.share - 1.0) > NEAR:
+        return best
+    return _to_last_digits(asked, best, deadline)
+
+
+def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> PhaseOneResult:
+    """The gentlest law to rounding, on knots at its own switches, where it is found.
+
+    The share's least value is a vertex of the linear program: the simplex method solves the rows
+    that bind there to rounding. From vertex to vertex the knots move onto the switches; how far the
+    share is from its least falls with their distance. Sizes are left out, as any law may have them.
+    """
+    grids, share = near.grids, inf
+    for _ in range(LOCATIONS):
+        model = formulate(asked, grids, 0.0)
+        rows, end = model.program, model.program.equalities + model.program.inequalities
+        unlimited = np.full(rows.matrix.shape[1], inf)
+        linear = LinearRows(
+            rows.matrix[:end], rows.rhs[:end], rows.equalities, -unlimited, unlimited
+        )
+        (vertex,) = minimise_each(
+            linear, [rows.linear], deadline - clock.now(), accuracy=VERTEX_ACCURACY
+        )
+        if vertex.stopped is not StopReason.SOLVED:
+            break
+        cam = recover_cam(asked, *model.recover(vertex.x))
+        if abs(cam.value - share) <= (MET if abs(cam.value - 1.0) <= MET else 0.1 * MET):
+            tight = _held_back(model, vertex.multipliers)
+            last = replace(near, grids=grids, share=cam.value, laws=cam.laws, tight=tight)
+            # Rows between points may have flattered the law that it began with.
+            return last if last.just_meets or last.share < near.share else near
+        grids, share = grids_on_switches(asked, cam, INTERVALS), cam.value
+        if not grids or clock.now() >= deadline:
+            break
+    return near
+
+
+def _held_back(model: ConicModel, multipliers: Array) -> tuple[int, ...]:
+    """Positions of the laws whose rows hold the level up, those with positive multipliers."""
+    held = (
+        block.segment for first, block in model.numbered_blocks
+        if block.level and np.any(multipliers[first : first + len(block.rhs)] > MULTIPLIER)
+    )  # fmt: skip
+    return tuple(sorted({k for k in held if k is not None}))
 
 
 def excess_proof(problem: Problem) -> str:

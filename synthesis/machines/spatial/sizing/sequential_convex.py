@@ -48,8 +48,7 @@ from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.refinement.mesh import refine_mesh
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.root_node import program_stage
-from synthesis.optimise.state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage, program_stage
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.units import Travel
 
