@@ -23,7 +23,7 @@ from synthesis.numerics.geometry.swept_roller import Roller, SweptRoller
 from synthesis.units import DEGREE, FULL_TURN, Travel
 
 LEFT, RIGHT = -1, 1  # the two walls of a groove, or the two flanks of a rib
-LARGEST = 1e6  # mm: no machine has a larger dimension
+LARGEST = 1e6  # mm: the largest dimension that a spec may name, and that sizing chooses
 ROLLER_RADIUS = "roller_radius_mm"  # field of every machine
 WHOLE = 1e-9  # of a spacing: rounding of a sum of lifts that is a whole number of rollers
 
@@ -99,12 +99,13 @@ class SpatialMachine(BaseModel, ABC):
     @model_validator(mode="after")
     def _check_sizes(self) -> Self:
         for name, (low, high) in self.ranges().items():
-            if high <= 0.0 or (low == high and low > LARGEST):
+            if high <= 0.0 or low > LARGEST:
+                given = high if high <= 0.0 else low
                 raise PydanticCustomError(
                     "no_such_size",
                     "{name} is {given} mm, but dimensions are above 0 and at most {largest} mm. "
                     "Give such a length.",
-                    {"name": name, "given": high, "largest": LARGEST},
+                    {"name": name, "given": given, "largest": LARGEST},
                 )
         return self
 
@@ -128,8 +129,12 @@ class SpatialMachine(BaseModel, ABC):
         return Roller(sizes[ROLLER_RADIUS], inner, outer, self.crown_radius_mm or 0.0)
 
     def ranges(self) -> Mapping[str, tuple[float, float]]:
-        """Least and largest value of the dimensions that may be left free, by field name [mm]."""
-        return {name: ends(getattr(self, name)) for name in self.size_fields}
+        """Least and largest value of the dimensions that may be left free, by field name [mm].
+
+        An end left open above is ``LARGEST``.
+        """
+        fields = {name: ends(getattr(self, name)) for name in self.size_fields}
+        return {name: (low, min(high, max(low, LARGEST))) for name, (low, high) in fields.items()}
 
     @abstractmethod
     def swept_roller(self, sizes: Mapping[str, float], rotation: int) -> SweptRoller:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from math import radians, tan
 from typing import Any
+
+import pytest
 
 from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.pipeline import synthesise_spatial
@@ -30,3 +33,29 @@ def test_where_undercut_decides_the_cylinder_is_as_large_as_it_has_to_be() -> No
     assert 0.0 < undercut.value < 1e-5
     assert found.certificate.gap is not None
     assert found.certificate.gap > 0.05  # the bound knows the pressure angle only
+
+
+@pytest.mark.parametrize("upper", [{}, {"max": 7e5}, {"max": 3e6}])
+def test_cylinders_ten_thousand_times_the_stroke_are_not_excluded(upper: dict[str, float]) -> None:
+    """The radius grows with 1/tan α: at 0.004° it is 469 m, and larger than most are drawn."""
+    sample = SAMPLES["slide in a groove"]
+    steps = [step | ({"law": {"kind": "cycloidal"}} if "law" in step else {})
+             for step in sample.body["program"]]  # fmt: skip
+    machine = sample.body["machine"] | {"cylinder_radius_mm": {"min": 1.0, **upper}}
+    radii = {}
+    for degrees in (4.0, 0.004):
+        spec = sample.spec(program=steps, machine=machine, limits=[pressure_angle(degrees)])
+        found = synthesise_spatial(spec)
+        assert found.status != "infeasible"
+        radii[degrees] = found.dimensions["cylinder_radius_mm"] * tan(radians(degrees))
+    assert radii[0.004] == pytest.approx(radii[4.0], rel=0.05)
+
+
+def test_what_no_cylinder_that_can_be_named_keeps_is_infeasible() -> None:
+    refused = sized("cycloidal", pressure_angle(1e-6))
+    assert refused.status == "infeasible"
+    with pytest.raises(ValueError, match="at most 1000000"):
+        SAMPLES["slide in a groove"].spec(
+            machine=SAMPLES["slide in a groove"].body["machine"]
+            | {"cylinder_radius_mm": {"min": 1.5e6}}
+        )

@@ -8,10 +8,9 @@ trials leave numbers out, and without its limit on the pressure angle a spec has
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import isfinite
 
 from synthesis.design.design import Conflict, Relaxation
-from synthesis.machines.spatial.machine import ROLLER_RADIUS
+from synthesis.machines.spatial.machine import LARGEST, ROLLER_RADIUS
 from synthesis.machines.spatial.sizing.size_cam import Sizes, SizingResult, size_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
 from synthesis.numerics import clock
@@ -66,11 +65,11 @@ def _numbers(spec: SpatialCamSpec) -> Iterator[tuple[Relaxable, float]]:
         end, far, sense, tail = (
             (low, low / FARTHEST, "≥", "/min")
             if field == ROLLER_RADIUS
-            else (high, high * FARTHEST, "≤", "/max")
+            else (high, min(high * FARTHEST, LARGEST), "≤", "/max")
         )
         if low == high:
             sense, tail = "=", ""
-        if isfinite(end) and end > 0.0:
+        if 0.0 < end < LARGEST:
             name = field.removesuffix("_mm").replace("_", " ")
             yield Relaxable(name, (f"machine/{field}{tail}",), (end,), "mm", sense), far
     for position, limit in enumerate(spec.limits):

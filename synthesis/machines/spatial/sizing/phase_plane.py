@@ -218,11 +218,11 @@ def least_size(plane: PhasePlane, start: float, largest: float) -> float:
         return inf if profile is None else profile.angle - plane.segment.angle
 
     # The excess of the least angle falls as the size grows: bracket its root, then find it.
-    high = start
+    high = min(start, largest)
     while excess(high) > 0.0:
-        high *= 2.0
-        if high > largest:
+        if high >= largest:
             return largest
+        high = min(2.0 * high, largest)
     low = 0.5 * high
     while excess(low) <= 0.0:
         low, high = 0.5 * low, low

@@ -28,7 +28,7 @@ from synthesis.catalogue.followers.base import Follower
 from synthesis.catalogue.followers.closures import SINGLE_FLANK, Closure
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import EndState, PlacedSegment
-from synthesis.machines.spatial.machine import SpatialMachine
+from synthesis.machines.spatial.machine import LARGEST, SpatialMachine
 from synthesis.machines.spatial.size_constraints import SizeConstraint
 from synthesis.machines.spatial.sizing.phase_plane import PhasePlane, least_size, trajectory_tubes
 from synthesis.machines.spatial.spec import SpatialCamSpec, objective_of
@@ -59,7 +59,6 @@ MAX_LINEARISATIONS = 12  # in a round
 NO_GAIN = 0.05  # of the tolerance: a linearisation that gains less ends the round
 LITTLE_GAIN = 0.1  # of the tolerance: a round that gains less asks for the bound by chords
 ALL_LAWS = "all motion laws"
-FARTHEST = 1e4  # largest strokes and roller paths: stands for an open upper end of the size
 
 
 @dataclass(frozen=True)
@@ -71,14 +70,13 @@ class SpatialFollower:
 
     Attributes:
         machine: the machine. sizes: its other dimensions [mm].
-        scale: length that stands for one unit of q [mm]. largest: upper end of the size [mm].
+        scale: length that stands for one unit of q [mm].
         rotation: +1 where the cam turns ccw, −1 where it turns cw.
     """
 
     machine: SpatialMachine
     sizes: Mapping[str, float]
     scale: float
-    largest: float
     rotation: int
 
     closure: ClassVar[Closure] = SINGLE_FLANK
@@ -100,7 +98,7 @@ class SpatialFollower:
 
     def size_domain(self, radii: tuple[float, float]) -> SizeDomain:
         """Domain of the size [mm]."""
-        return SizeDomain(((0.0, self.largest),), (), 0.0)
+        return SizeDomain(((0.0, LARGEST),), (), 0.0)
 
     def radius_norm(self) -> AffineNorm:
         """The objective: the size itself."""
@@ -135,8 +133,7 @@ def formulate_problem(
     scale = machine.length_scale(sizes)
     placed = tuple(_as_length(segment, scale) for segment in segments if segment.angle > 0.0)
     stroke = max(abs(segment.lift) for segment in placed)
-    largest = FARTHEST * max(stroke, scale)
-    follower = SpatialFollower(machine, sizes, scale, largest, spec.rotation_sign)
+    follower = SpatialFollower(machine, sizes, scale, spec.rotation_sign)
     return Problem(
         placed, Machine(cast(Follower, follower), spec.omega), tuple(limits),
         follower.size_domain((0.0, inf)), objective_of(machine.size_field), stroke,
@@ -215,9 +212,8 @@ def _bound_in_phase_plane(state: SolveState) -> SolveState:
     """Bound the size by what the fastest law and the given laws need."""
     began, problem = time.perf_counter(), state.problem
     ends, _ = boundary_states(problem.segments, state.grids)
-    largest = problem.sizing.bounds[0][1]
     least = [
-        least_size(PhasePlane.of(problem, segment, (own.start, own.end)), problem.length, largest)
+        least_size(PhasePlane.of(problem, segment, (own.start, own.end)), problem.length, LARGEST)
         for segment, own in zip(problem.free, ends, strict=True)
     ]
     given = tuple(segment for segment in problem.segments if segment.law is not None)

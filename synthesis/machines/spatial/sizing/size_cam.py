@@ -52,6 +52,8 @@ WALL_ACCURACY, RIB_ACCURACY = 1e-7, 1e-4  # relative, of a size that is enlarged
 FIRST_STEP = 0.02  # relative, of a size that is enlarged; doubled until it is enough
 ROLLER_MARGIN = 1e-3  # of the ratio of areas: what larger rollers leave for what samples miss
 
+NO_LAW = f"no motion law was found for sizes up to {LARGEST:.0f} mm"
+
 Sizes = Mapping[str, float]
 Margin = Callable[[float], float]  # of one dimension; negative where something is broken
 Requirement = Callable[[SpatialCamSpec, Motion, Sizes], float]  # the same of all dimensions
@@ -155,7 +157,7 @@ def _solve_laws_and_size(
     best = search.incumbent
     if best is None:
         result.proven = search.infeasible
-        result.why = search.infeasibility_proof or search.undecided or "no motion law was found"
+        result.why = search.infeasibility_proof or search.undecided or NO_LAW
         return None
     # Few cams are limited by the radius of their walls: the limit enters where it is broken. The
     # bound without it remains valid.
@@ -194,7 +196,10 @@ def _size_of_given_laws(problem: Problem, result: SizingResult) -> float | None:
     seconds = time.perf_counter() - began
     result.stages.append(Stage("closed form", "half-planes", "none", 1, 0, 0, seconds, "solved"))
     if exact is None or clear is None:
-        result.why, result.proven = "the given laws break a limit on the motion", True
+        result.why, result.proven = (
+            f"the given laws break a limit at every size up to {LARGEST:.0f} mm",
+            True,
+        )
         return None
     result.lower = exact[0] * (1.0 - ROUNDING)
     result.valid_for = "every size of the given laws"
@@ -218,7 +223,7 @@ def smallest_rollers(machine: SpatialMachine, ranges: Ranges, rib: float) -> Siz
         if name != machine.size_field
     }
     place = machine.inner_end_field
-    start, high = (rollers[place], min(ranges[place][1], LARGEST)) if place else (0.0, 0.0)
+    start, high = (rollers[place], ranges[place][1]) if place else (0.0, 0.0)
 
     def margin(at: float) -> float:
         moved = {**rollers, place: at} if place else rollers
@@ -252,7 +257,7 @@ def _enlarge_for_walls(
 
     # 3. The cam: growing steps until one is enough, then the root within the last of them.
     name = machine.size_field
-    first, high = sizes[name], min(ranges[name][1], LARGEST)
+    first, high = sizes[name], ranges[name][1]
     for of, accuracy, _ in required:
         fits, step = margin(of, name, spare), FIRST_STEP * sizes[name]
         low = at = sizes[name]
@@ -266,7 +271,7 @@ def _enlarge_for_walls(
     growth = sizes[name] / first - 1.0
     # 4. The rollers: the largest that ribs at rest allow, then walls, and ribs in motion.
     name, rib = ROLLER_RADIUS, strictest_minimum(spec.limits, RIB_QUANTITY)
-    smallest, largest = sizes[name], min(ranges[name][1], LARGEST)
+    smallest, largest = sizes[name], ranges[name][1]
 
     def rest(radius: float) -> float:
         return machine.dwell_rib({**sizes, name: radius}) - rib - RIB_MARGIN * radius
