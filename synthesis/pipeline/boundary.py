@@ -13,10 +13,9 @@ A value is named only if the question with it, put as it stands, has a certified
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from math import copysign, exp, isfinite, log
-
-from scipy.optimize import brentq
+from math import copysign, isfinite, sqrt
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
@@ -31,12 +30,13 @@ ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 SPARE = (0.0, 1e-4, 1e-3, 1e-2)
 """Relative: added to a value, until the question as it stands has a cam."""
-SLACK = (0.0, 1e-6, 1e-4, 1e-2, 1.0)  # of the way: added to the value of a cam found without it
+SLACK = (0.0, 1e-6, 1e-3, 1.0)  # of the way: added to the value of a cam found without it
 STEPS = 4  # of the secant outwards
+SECANTS = 8  # inwards, before brackets are halved alone
 FARTHEST = 0.5  # relative: of a value; what is farther is taken from a cam without the number
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
 CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices
-WIDENING = 2.0  # factor from one distance to the next at which a value is tried for a proof
+WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
 """What makes the quantity of a limit small, by the limit's name."""
@@ -90,8 +90,8 @@ class Boundary:
 
     def seek_bound(self) -> None:
         """Find the largest value that is proven impossible, near the one that suffices: step 3."""
-        if self.nearest is None:
-            return
+        if self.nearest is None or self.excluded is None:
+            return  # what is not proven of the requested value is not of one that allows more
         distance = self._distance_of_proof()
         try:
             while not self._is_close():
@@ -230,26 +230,41 @@ class Boundary:
         return False
 
     def _narrow(self) -> None:
-        """Bring the value that suffices nearer to the least one, to an accuracy: Brent's method."""
-        requested = self.number.tightest
+        """Bring the value that suffices nearer to the least one, to an accuracy.
+
+        Where a question has no cam its excess is known, and falls to zero at the least value: the
+        secant of the two nearest to it says where. Where it has one, its excess often is not: a
+        trial half the accuracy beyond the secant's zero finds a cam, or a third excess. Without two
+        excesses, or where the secant has not come to its end, the bracket is halved.
+        """
+        requested, secants = self.number.tightest, 0
         while self.nearest is not None:
             good = self.nearest[0]
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
             width = max(ACCURACY * abs(good - requested), ROUNDING * abs(good))
-            wide = bad * good > 0.0 and not 1.0 / WIDE < good / bad < WIDE
-            known = {bad: self.levels.get(bad, 1.0), good: self.levels.get(good, 0.0)}
-            if known[good] >= 0.0 or abs(good - bad) <= width:
+            if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
-            at = {log(value / bad) if wide else value: level for value, level in known.items()}
-            low, high = at
-            brentq(
-                lambda x, at=at, bad=bad, wide=wide: (
-                    at[x] if x in at else self._level(self._tried(bad * exp(x) if wide else x))
-                ),
-                low, high, xtol=0.5 * (ACCURACY if wide else width),
-            )  # fmt: skip
+            zero = self._zero_of_excess(failed)
+            if zero is not None and 0.0 < self._beyond(zero, good) <= width:
+                return
+            value = bad if zero is None else zero + 0.5 * self.direction * width
+            if secants < SECANTS and self._beyond(bad, value) > 0.0 < self._beyond(value, good):
+                secants += 1
+            elif bad * good > 0.0 and not 1.0 / WIDE < good / bad < WIDE:
+                value = copysign(sqrt(bad * good), good)
+            else:
+                value = 0.5 * (bad + good)
+            self._tried(value)
+
+    def _zero_of_excess(self, failed: Collection[float]) -> float | None:
+        """Where the secant of the two least excesses of questions without a cam comes to zero."""
+        known = sorted((self.excesses[value], value) for value in failed if value in self.excesses)
+        if len(known) < 2 or known[0][0] == known[1][0]:
+            return None
+        (excess, near), (further, far) = known[:2]
+        return near - excess * (far - near) / (further - excess)
 
     def _level(self, trial: Trial) -> float:
         """Above 0 where no cam is found; 0, which ends a search, next to the least value."""

@@ -189,6 +189,8 @@ def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
+    if any(search.least_excess for search in known.searches):  # that of the gentlest law there is
+        return known
     for tolerance in GENTLE:
         changes = {"objective": PeakAcceleration(), "tolerance": tolerance, "proof": "quick"}
         gentlest = spec.model_copy(update=changes)

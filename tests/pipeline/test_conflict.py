@@ -176,7 +176,7 @@ def test_which_limits_alone_would_help(name: str, conflicts: dict[str, Conflict]
 
 # A law between dwells that may not jump in acceleration never reaches the least velocity.
 BELOW = {"velocity": 0.7}
-APART = {"velocity": 0.05}  # relative
+APART = {"velocity": 0.05, "angle on dwells": 0.05}  # relative
 NOT_LEAST = "outer radius and base radius"  # not convex: better cams are known
 
 

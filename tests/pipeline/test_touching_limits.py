@@ -6,6 +6,7 @@ jerk, 4 h/β² of acceleration (which no law of class C2 reaches), and the three
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import sqrt
 from typing import Any
 
@@ -15,6 +16,7 @@ from scipy.optimize import brentq
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.certify.second.recertify import recertify
+from synthesis.optimise.strategy.phase_one import PhaseOneResult
 from tests.hard.cases import ANGLES, RISE, acceleration, jerk, moves, radius, scene, velocity
 
 pytestmark = pytest.mark.usefixtures("coarse_conflicts")
@@ -168,3 +170,10 @@ def test_what_is_needed_is_told_closely_where_no_law_would_do() -> None:
     assert design.conflict is not None
     (needed,) = (r.needed / r.requested for r in design.conflict.relaxations if r.needed)
     assert needed == pytest.approx(1.0 / 0.97, rel=1e-3)
+
+
+def test_a_law_that_meets_its_limits_is_fixed_only_where_it_is_held_back() -> None:
+    """Where none is held back the rest of the problem is the problem itself: nothing ends that."""
+    met = PhaseOneResult((), 1.0, 1.0, ("jerk",), tight=(0,))
+    assert met.just_meets
+    assert not replace(met, tight=()).just_meets

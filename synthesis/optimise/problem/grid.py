@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -128,9 +129,10 @@ def merge_knots(coarse: Array, wanted: Array, needed: Sequence[float] = ()) -> A
     """
     kept = [0.0, 1.0]
     for x in (*np.sort(needed), *round_knots(np.sort(wanted))):
-        if min(abs(x - other) for other in kept) >= CLOSEST_KNOTS:
-            kept.append(float(x))
-    pinned = np.array(sorted(kept))
+        place = bisect(kept, x)
+        if min(abs(x - other) for other in kept[max(place - 1, 0) : place + 1]) >= CLOSEST_KNOTS:
+            kept.insert(place, float(x))
+    pinned = np.array(kept)
     spacing = 0.25 / max(len(coarse) - 1, 1)
     pushing = np.setdiff1d(pinned, np.intersect1d(coarse, needed))  # not those that were there
     far = np.min(np.abs(coarse[:, None] - pushing[None, :]), axis=1) > spacing

@@ -45,6 +45,7 @@ GAIN = 1e-4  # of the share, by a round: less is not worth another where no law 
 INTERVALS = 24  # of a mesh where none is known
 NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
+LITTLE = 0.1  # of what a share exceeds 1 by: a smaller change brings it no nearer
 VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
 MULTIPLIER = 1e-6  # of the objective's: rows with a smaller one hold nothing back
 SPARE = 1e-6  # of 1: a share as far below it leaves a solver room
@@ -130,7 +131,7 @@ class PhaseOneResult:
     @property
     def just_meets(self) -> bool:
         """Whether that law meets the limits, and no other leaves a solver room."""
-        return 1.0 - SPARE <= self.share <= 1.0 + MET
+        return bool(self.tight) and 1.0 - SPARE <= self.share <= 1.0 + MET
 
     @property
     def impossible(self) -> str:
@@ -224,7 +225,10 @@ def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> Ph
         if vertex.stopped is not StopReason.SOLVED:
             break
         cam = recover_cam(asked, *model.recover(vertex.x))
-        if abs(cam.value - share) <= (MET if abs(cam.value - 1.0) <= MET else 0.1 * MET):
+        if cam.value < 1.0 - NEAR:
+            break  # cones, which are not among the rows, hold the share up
+        little = max(0.1 * MET, LITTLE * (cam.value - 1.0 - SPARE))
+        if abs(cam.value - share) <= (MET if abs(cam.value - 1.0) <= MET else little):
             tight = _held_back(model, vertex.multipliers)
             last = replace(near, grids=grids, share=cam.value, laws=cam.laws, tight=tight)
             # Rows between points may have flattered the law that it began with.
