@@ -16,7 +16,7 @@ SAMPLE = [family for family in FAMILIES if not any(word in family for word in SL
 
 @pytest.mark.parametrize("family", SAMPLE)
 def test_an_answers_own_numbers_are_feasible_as_limits(family: str) -> None:
-    body = random_scene(family, 1)
+    body = random_scene(family, 1) | {"proof": "quick"}
     _, answer, seconds = solved(body)
     assert answer is not None
     assert answer.certificate.certified

@@ -69,10 +69,6 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
         scene(PLAIN, angles(24.0, 44.0), jerk(47.0, 71.7), base=35.0, offset=3.0),
         {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm", "follower/offset_mm"},
     ),
-    "offset to the wrong side": (
-        scene(PLAIN, angles(24.0, 60.0), jerk(60.0, 71.7), base=41.0, offset={"max": -8.0}),
-        {"limits/0/rise_deg", "base_radius_mm", "follower/offset_mm/max"},
-    ),
     "offset too large": (
         scene(PLAIN, angles(40.0, 35.0), jerk(60.0, 71.7), base={"max": 33.0},
               offset={"min": 14.0, "max": 17.0}),

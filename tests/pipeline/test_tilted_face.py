@@ -177,7 +177,7 @@ def test_the_drawing_holds_the_face(rotation: str, tilt: float) -> None:
 @settings(max_examples=6)
 @given(
     st.sampled_from([-1.0, 1.0]), st.floats(0.5, 60.0), st.floats(-40.0, 40.0),
-    st.sampled_from([None, "cycloidal", "polynomial_5_6_7_8_9"]), st.floats(30.0, 80.0),
+    st.sampled_from([None, "cycloidal", "polynomial_5_6_7_8_9"]), st.floats(60.0, 160.0),
 )  # fmt: skip
 def test_random_tilts_are_certified(
     sign: float, tilt: float, c: float, law: str | None, wide: float

@@ -82,6 +82,7 @@ def analysed(sense: str) -> Analysis:
     return analyse(DesignSpec.model_validate(body(sense)))
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_what_mends_an_arm_s_pressure_angle_is_the_smallest_there_is(sense: str) -> None:
     found = analysed(sense)
@@ -96,6 +97,7 @@ def test_what_mends_an_arm_s_pressure_angle_is_the_smallest_there_is(sense: str)
     assert free.dimensions["prime_radius_mm"] == pytest.approx(anywhere, rel=2e-3)
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("sense", ["opposite", "same"])
 def test_a_mended_arm_keeps_every_limit(sense: str) -> None:
     question, found = body(sense), analysed(sense)
