@@ -66,9 +66,9 @@ class BundleOptions:
             rule = f"Of a set these can be had: {', '.join(WHICH)}."
             remedy = "Name one of them: every cam gives all that it has of it."
             raise InputError("/curve", self.profile.curve, rule, remedy)
-        asked = {"/profile": self.profile_formats, "/motion": self.motion_formats}
+        requested = {"/profile": self.profile_formats, "/motion": self.motion_formats}
         for pointer, known in (("/profile", PROFILE_FORMATS), ("/motion", MOTION_FORMATS)):
-            unknown = [name for name in asked[pointer] if name not in known]
+            unknown = [name for name in requested[pointer] if name not in known]
             if unknown:
                 rule = f"The formats here are {', '.join(known)}."
                 raise InputError(pointer, unknown[0], rule, "Name some of them.")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf, isfinite
 
 from synthesis.numerics import clock
@@ -246,7 +247,7 @@ class SolveState:
         value = to_wire(cam.value, machine)
         return (value - to_wire(lower, machine)) / max(abs(value), 1e-300)
 
-    @property
+    @cached_property
     def relaxation_gap(self) -> float:
         """Gap of the relaxation's best cam."""
         return self.gap_between(self.relaxed, self.lower)
@@ -256,18 +257,18 @@ class SolveState:
         gap = self.gap_between(cam, self.lower if lower is None else lower)
         return gap <= 0.99 * self.tolerance
 
-    @property
+    @cached_property
     def solved(self) -> bool:
         """Whether the incumbent is sufficient, or within the tolerance of the lower bound."""
         return self.suffices or self.is_close(self.incumbent)
 
-    @property
+    @cached_property
     def suffices(self) -> bool:
         """Whether the incumbent is sufficient, or as small as any that is sought."""
         enough = self.incumbent is not None and self.incumbent.value <= self.sufficient_value
         return enough or self.is_smallest_sought
 
-    @property
+    @cached_property
     def is_smallest_sought(self) -> bool:
         """Whether the incumbent is the smallest cam that is sought, of a size that is open below.
 

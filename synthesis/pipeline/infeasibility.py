@@ -92,7 +92,7 @@ def _given_cam_conflict(problem: Problem, attempt: Attempt, given: set[int]) -> 
         if extreme.field == "continuity"
         or extreme.field.startswith("program")
         or (extreme.value is None and extreme.angle_deg in jumps)
-        if all(s.index in given for s in problem.segments if _contains(s, extreme.angle_deg))
+        if all(s.index in given for s in problem.segments if contains_angle(s, extreme.angle_deg))
     ]
     if of_motion:
         names = ", ".join(dict.fromkeys(e.limit.replace("_", " ") for e in of_motion))
@@ -114,7 +114,7 @@ def _broken(extremes: list[Extreme]) -> Iterator[Extreme]:
             yield extreme
 
 
-def _contains(segment: PlacedSegment, angle_deg: float) -> bool:
+def contains_angle(segment: PlacedSegment, angle_deg: float) -> bool:
     """Whether a cam angle lies on a segment, its ends included."""
     beyond = (angle_deg * DEGREE - segment.start + NEAR) % (2.0 * pi)
     return beyond <= segment.angle + 2.0 * NEAR

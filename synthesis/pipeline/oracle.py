@@ -16,15 +16,13 @@ from synthesis.certify import certify
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
-from synthesis.pipeline.infeasibility import infeasibility_proof
+from synthesis.pipeline.infeasibility import contains_angle, infeasibility_proof
 from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
-from synthesis.units import DEGREE
 
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
-NEAR = 1e-9  # rad: an extreme at the end of a segment belongs to it
 ALONE = "no cam was found however far this number alone is relaxed"
 
 
@@ -159,8 +157,7 @@ class Oracle:
 
 def _place_note(spec: DesignSpec, angle_deg: float) -> str:
     """Where on the cam a value is needed, if the law there is given."""
-    angle = angle_deg * DEGREE
     for s in spec.placed_segments():
-        if s.law is not None and s.lift and s.start - NEAR <= angle <= s.end + NEAR:
+        if s.law is not None and s.lift and contains_angle(s, angle_deg):
             return f"; program/{s.index}, whose law is given, needs it"
     return ""

@@ -70,7 +70,7 @@ class FreeParameters:
             for name, value in segment.free_fields().items()
         )
         machines = follower.searched_dimensions(base_radius).items()
-        lengths = (FreeParameter(None, name, asked, *found) for name, (asked, found) in machines)
+        lengths = (FreeParameter(None, name, given, *found) for name, (given, found) in machines)
         free = tuple(each for each in (*own, *lengths) if len({*ends(each.requested)}) > 1)
         return cls(tuple(program), follower, omega, free)
 

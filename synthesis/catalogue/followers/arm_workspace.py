@@ -122,14 +122,14 @@ class ArmGeometry:
         )
         if least > prime[1] * (1.0 + SAME) or most < prime[0] * (1.0 - SAME):
             above = least > prime[1]
-            angle, found, asked = (low, least, prime[1]) if above else (high, most, prime[0])
+            angle, found, limit = (low, least, prime[1]) if above else (high, most, prime[0])
             raise PydanticCustomError(
                 "initial_angle_contradicts",
                 "initial_angle_deg = {angle} puts the roller on the prime radius {found} mm, "
                 "not on that of base_radius_mm plus roller radius, {prime} mm. Leave out one "
                 "of the two: either follows from the other.",
                 {"angle": round(angle / DEGREE, 9), "found": f"{found:.6g}",
-                 "prime": f"{asked:.6g}"},
+                 "prime": f"{limit:.6g}"},
             )  # fmt: skip
 
     def _check_swing(self, prime: Ends, segments: Segments) -> None:

@@ -196,7 +196,7 @@ class Problem:
         worst = max(beyond, default=0.0) / self.length
         return worst if worst > QUIET else 0.0
 
-    @property
+    @cached_property
     def least_norm(self) -> float:
         """A norm of the size (``radius_norm``) that no cam of the question lies below."""
         norm = self.machine.follower.radius_norm()
@@ -216,7 +216,7 @@ class Problem:
         ``near``: relative distance of its norm that counts as none.
         """
         least, norm = self.searched_norm, self.machine.follower.radius_norm()
-        return least > self.least_norm and norm.value(size) <= least * (1.0 + near)
+        return norm.value(size) <= least * (1.0 + near) and least > self.least_norm
 
     def room(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [length]."""

@@ -174,17 +174,20 @@ def minimise_excess(
     others = tuple(limit for limit in problem.limits if limit not in steering)
     if problem.open_above:  # the end of the search is ours: what is shown is to hold for every size
         others = tuple(limit for limit in others if not _speaks_of_size(limit, problem))
-    asked = replace(
+    auxiliary = replace(
         problem, limits=others, objective=LargestShare(shared=steering), objective_caps=()
     )
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
     for _ in range(ROUNDS):
-        model = formulate(asked, present, 0.0, Tightening(tighten))
+        model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             break
-        lower, found = dual_bound(model, solution), recover_cam(asked, *model.recover(solution.x))
+        lower, found = (
+            dual_bound(model, solution),
+            recover_cam(auxiliary, *model.recover(solution.x)),
+        )
         least = lower.value if lower.switching else -inf
         before = best or PhaseOneResult(present, inf, -inf, names, _jumps(problem, steering))
         best = replace(before, least=max(before.least, least))
@@ -195,16 +198,16 @@ def minimise_excess(
         if done or clock.now() >= deadline:
             break
         present, last = (
-            refine_mesh(asked, present, found, lower, [np.zeros(0)] * len(present)), present,
+            refine_mesh(auxiliary, present, found, lower, [np.zeros(0)] * len(present)), present,
         )  # fmt: skip
         if is_same_mesh(present, last):
             break
     if best is None or best.impossible or abs(best.share - 1.0) > NEAR:
         return best
-    return _to_last_digits(asked, best, deadline)
+    return _to_last_digits(auxiliary, best, deadline)
 
 
-def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> PhaseOneResult:
+def _to_last_digits(auxiliary: Problem, near: PhaseOneResult, deadline: float) -> PhaseOneResult:
     """The gentlest law to rounding, on knots at its own switches, where it is found.
 
     The share's least value is a vertex of the linear program: the simplex method solves the rows
@@ -213,7 +216,7 @@ def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> Ph
     """
     grids, share = near.grids, inf
     for _ in range(LOCATIONS):
-        model = formulate(asked, grids, 0.0)
+        model = formulate(auxiliary, grids, 0.0)
         rows, end = model.program, model.program.equalities + model.program.inequalities
         unlimited = np.full(rows.matrix.shape[1], inf)
         linear = LinearRows(
@@ -224,7 +227,7 @@ def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> Ph
         )
         if vertex.stopped is not StopReason.SOLVED:
             break
-        cam = recover_cam(asked, *model.recover(vertex.x))
+        cam = recover_cam(auxiliary, *model.recover(vertex.x))
         if cam.value < 1.0 - NEAR:
             break  # cones, which are not among the rows, hold the share up
         little = max(0.1 * MET, LITTLE * (cam.value - 1.0 - SPARE))
@@ -233,7 +236,7 @@ def _to_last_digits(asked: Problem, near: PhaseOneResult, deadline: float) -> Ph
             last = replace(near, grids=grids, share=cam.value, laws=cam.laws, tight=tight)
             # Rows between points may have flattered the law that it began with.
             return last if last.just_meets or last.share < near.share else near
-        grids, share = grids_on_switches(asked, cam, INTERVALS), cam.value
+        grids, share = grids_on_switches(auxiliary, cam, INTERVALS), cam.value
         if not grids or clock.now() >= deadline:
             break
     return near
@@ -259,26 +262,29 @@ def excess_proof(problem: Problem) -> str:
     caps = highest_caps(problem)
     others = tuple(limit for limit in problem.limits if limit not in caps)
     objective = LargestExcess(shared=others, size_free=problem.open_above)
-    asked = replace(
+    auxiliary = replace(
         problem, limits=caps, objective=objective, objective_caps=(),
         segments=tuple(_roughest(segment, caps, problem) for segment in problem.segments),
     )  # fmt: skip
     if not any(objective.rows(s, problem.machine, 0.0) for s in problem.segments):
         return ""
-    least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in asked.free)
+    least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
     for _ in range(PROOF_ROUNDS):
-        model = formulate(asked, grids, 0.0)
+        model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program)
         if solution.stopped not in USABLE:
             return ""
-        bound, found = dual_bound(model, solution), recover_cam(asked, *model.recover(solution.x))
+        bound, found = (
+            dual_bound(model, solution),
+            recover_cam(auxiliary, *model.recover(solution.x)),
+        )
         if bound.value > PROVEN and (bound.switching or not problem.free):
             return "proven for every motion law and size: the limits exclude each other"
         # Finer knots bring the bound nearer to what the best law exceeds, if that is above 0.
         if not bound.switching or found.value <= PROVEN or bound.value <= least:
             return ""
         least = bound.value
-        grids = refine_mesh(asked, grids, found, bound, [np.zeros(0)] * len(grids))
+        grids = refine_mesh(auxiliary, grids, found, bound, [np.zeros(0)] * len(grids))
     return ""
 
 

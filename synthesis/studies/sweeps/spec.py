@@ -281,8 +281,8 @@ class SweepSpec(FiniteModel):
     @classmethod
     def _prove_quickly(cls, base: DesignSpec) -> DesignSpec:
         """Of many designs none takes seconds for its proof, unless that is asked for."""
-        asked = "proof" in base.model_fields_set
-        return base if asked else base.model_copy(update={"proof": "quick"})
+        chosen = "proof" in base.model_fields_set
+        return base if chosen else base.model_copy(update={"proof": "quick"})
 
     @model_validator(mode="after")
     def _check_fields(self) -> SweepSpec:
