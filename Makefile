@@ -26,7 +26,7 @@ unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE PIP_USER PIP_
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hard lint format bench gaps openapi constants lock clean distclean
+.PHONY: help run test hard mutants lint format bench gaps openapi constants lock clean distclean
 
 help:  ## print this list
 	@echo "Camwright. Targets:"
@@ -63,6 +63,9 @@ test-%: $(DEV)
 hard: $(DEV)  ## question after question, judged: ARGS=random (the default), loaded, mixed, bounds, transformed; ARGS=--help says more
 	$(PY) -m tests.hard.run $(ARGS)
 
+mutants: $(DEV)  ## plant faults, see which no test sees, write docs/mutants.md: half an hour (ARGS="--room certify --count 50 --seed 2" only prints)
+	$(PY) -m tests.mutants $(or $(ARGS),--write)
+
 lint: $(DEV)  ## style, types and layers only
 	$(PY) -m ruff check
 	$(PY) -m ruff format --check
@@ -93,7 +96,7 @@ lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
 
 clean:  ## remove caches and build products
 	rm -rf build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
-	  .import_linter_cache .coverage htmlcov
+	  .import_linter_cache .mutants
 	find . -name __pycache__ -not -path './$(VENV)/*' -type d -prune -exec rm -rf {} +
 
 distclean: clean  ## the same and the virtual environment
