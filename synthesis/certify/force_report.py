@@ -179,10 +179,10 @@ class _LoadedCam:
         off = force <= 0.0
         if not off.any():
             return
-        # begin where the follower is in contact, so that no arc lies across the end of the turn
-        shift = 0 if off.all() else int(np.argmin(off))
-        theta = np.concatenate([theta[shift:], theta[:shift] + FULL_TURN])
-        force, off = np.roll(force, -shift), np.roll(off, -shift)
+        # from one sample in contact round to the same: no arc lies across the end of the turn
+        around = int(np.argmin(off)) + np.arange(len(off) + (not off.all()))
+        turns, index = np.divmod(around, len(off))
+        theta, force, off = theta[index] + FULL_TURN * turns, force[index], off[index]
         ends = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
         contact = self.cam.machine.follower.flanks[0].name
         for first, stop in zip(ends[::2], ends[1::2], strict=True):
@@ -229,11 +229,11 @@ class _LoadedCam:
             load.side * MILLI * m * each for m, each in ((load.mass, s[2]), (load.damping, s[1]))
         )
         with np.errstate(all="ignore"):
-            # a ω² + b ω + rest = 0, without cancellation: 2 rest/(−b ± √(b² − 4 a rest))
-            root = np.sqrt(b * b - 4.0 * a * rest)
-            found = [2.0 * rest / (-b + root), 2.0 * rest / (-b - root)]
-        each = [np.where(np.isfinite(w) & (w > 0.0), w, np.inf) for w in found]
-        return np.where(rest <= 0.0, 0.0, np.minimum(*each))
+            # a ω² + b ω + rest = 0, without cancellation: 2 rest/(−b ± √(b² − 4 a rest)). With
+            # rest > 0 the root of the upper sign is the least positive one, or there is none.
+            found = 2.0 * rest / (-b + np.sqrt(b * b - 4.0 * a * rest))
+        positive = np.where(np.isfinite(found) & (found > 0.0), found, np.inf)
+        return np.where(rest <= 0.0, 0.0, positive)
 
 
 def _square_root(square: ForcePeak) -> ForcePeak:
