@@ -171,10 +171,8 @@ def _tables(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
 def _overshoot(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
     """Backward travel on segments whose spline law must not overshoot; the worst of them."""
     monotone = [
-        s.index
-        for s in motion.segments
-        if s.free is not None and not s.free.overshoot and s.angle > 0.0
-    ]
+        s.index for s in motion.segments if s.free is not None and not s.free.overshoot
+    ]  # fmt: skip
     if not monotone:
         return
     least, most, count = backward_travel(motion, motion.pieces_of(monotone))

@@ -57,7 +57,7 @@ def _peak(cam: MeasuredCam, name: str) -> Enclosure:
 
 def _pressure_slope(cam: MeasuredCam) -> Enclosure:
     """The largest |tan α| over rises and returns, of all traced curves."""
-    moving = [s.index for s in cam.motion.segments if s.angle > 0.0 and s.kind != "dwell"]
+    moving = [s.index for s in cam.motion.segments if s.kind != "dwell"]
     if not moving:
         return Enclosure(0.0, 0.0, 0.0, 0.0)
     angle = QUANTITIES["pressure_angle"]

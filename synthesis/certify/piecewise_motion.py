@@ -69,7 +69,7 @@ class PiecewiseMotion:
         each = np.array([(s.index, abs(s.scale), s.angle) for s in placed]).T
         segment, self._lift, self._beta = np.repeat(each, pieces, axis=1).take(owner, axis=1)
         self.segment_of_piece: Indices = segment.astype(np.intp)
-        levels = [level for s in placed for level in (s.s_start, s.s_end)]
+        levels = [s.s_end for s in placed]
         self.stroke = max(max(levels) - min(levels), *(abs(s.scale) for s in placed))
 
     @cached_property

@@ -112,8 +112,7 @@ class ProfileModels:
         """The cam angle itself."""
         lo, hi = self.intervals.lo, self.intervals.hi
         centre, half = 0.5 * (lo + hi), 0.5 * (hi - lo)
-        rounding = ROUNDING * (np.abs(centre) + half)
-        return Taylor.of(centre, half, np.zeros_like(half), rounding)
+        return Taylor.of(centre, half, np.zeros_like(half), ROUNDING * hi)
 
     @cached_property
     def tangent_angle(self) -> tuple[Array, Array]:

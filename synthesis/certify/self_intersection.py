@@ -53,8 +53,6 @@ def check_self_intersection(cam: MeasuredCam, clear: Sequence[Flank] = ()) -> li
 
 def deepest_interference(cam: MeasuredCam) -> tuple[Flank, NearestPair] | None:
     """The flank into which its own roller cuts deepest, and where; None if there is none."""
-    if cam.machine.follower.always_convex:
-        return None
     smooth, questions, subjects = roller_clearances(cam, 0)
     clear = clear_flanks(smooth, cam.enclose(subjects, questions))
     cut = [

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from synthesis.catalogue.followers import TranslatingRoller
 from synthesis.catalogue.motion import FreeLaw, Motion
-from synthesis.certify import certify, measure_objective, motion_checks
+from synthesis.certify import certify, measure_objective, motion_checks, objectives
 from synthesis.certify.objectives import root_mean_square
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.roller_interference import (
@@ -122,6 +122,23 @@ def test_quadrature_is_rounded() -> None:
         assert found.lower < found.value < found.upper
         assert Decimal(found.lower) <= mean <= Decimal(found.upper)
         assert found.width < 3e-13 * found.value
+
+
+@pytest.mark.parametrize("nodes", [3, 4, 6, 9])
+def test_the_remainder_of_few_gauss_points_is_bounded(
+    nodes: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a sinusoid over a turn, whose mean square is ½ (aω^k)²."""
+    monkeypatch.setattr(objectives, "WAVE_NODES", nodes)
+    amplitude, frequency = 3.0, 2.0
+    breaks = 2.0 * math.pi * np.array([0.0, 0.11, 0.29, 0.47, 0.68, 0.81, 1.0])
+    waves = np.tile([amplitude, frequency, 0.3], (6, 1, 1))
+    curve = Piecewise(breaks, np.zeros(6), np.zeros((6, 1)), waves)
+    for order in (2, 3):
+        found = root_mean_square(Jets(curve=curve), order)
+        exact = amplitude * frequency**order / math.sqrt(2.0)
+        assert found.lower <= exact <= found.upper
+        assert nodes > 4 or abs(found.value - exact) > 1e-12 * exact
 
 
 def test_the_prime_radius_is_rounded() -> None:

@@ -61,6 +61,7 @@ def test_a_jump_of_the_acceleration_is_an_infinite_jerk(kind, jump, angles):
     assert any(jerk.angle_deg == pytest.approx(angle) for angle in angles)
     for name in ("velocity", "acceleration", "profile_radius", "cutter_radius"):
         assert found[name].holds
+    assert jerk.bound == 1e9
     report = found["acceleration_jump"]
     assert report.value == pytest.approx(size, rel=1e-9)
     assert (report.bound, report.holds) == (None, True)

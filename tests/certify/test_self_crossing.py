@@ -186,6 +186,9 @@ def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
     # through the axis the point comes back over places that it has passed before
     under = {each.limit: each for each in certify(motion, edge, (e, -20.0), [])}
     assert not under["self_crossing"].holds
+    there = math.radians(under["self_crossing"].angle_deg)
+    (s,) = motion.derivatives([there, there + 0.05], 0)
+    assert min(s) <= 20.0 <= max(s)  # there it is nearest to the axis
     face = certify(motion, Machine(TranslatingFlatFace(), 10.0), (300.0,), [])
     assert "self_crossing" not in {each.limit for each in face}
 

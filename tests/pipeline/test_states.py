@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from synthesis import Design, DesignSpec, analyse, synthesise
+from synthesis import Design, DesignSpec, analyse, confirm, synthesise
 from synthesis.catalogue.laws.base import TASKS
 from synthesis.catalogue.motion import Motion
 
@@ -211,6 +211,7 @@ def test_a_spline_between_states_reaches_the_least_jerk(task: str) -> None:
     question = spec(program, limits=[], base_radius_mm=900.0, objective={"kind": "rms_jerk"},
                  tolerance=1e-3)  # fmt: skip
     found = synthesise(question)
+    assert confirm(found).verdict == "confirmed"
     states = (v0 / OMEGA, a0 / OMEGA**2, v1 / OMEGA, a1 / OMEGA**2)
     back = (states[2], states[3], states[0], states[1])
     total = least_jerk(28.4, np.radians(143.7), *states)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from synthesis import Design, DesignSpec, analyse, synthesise
+from synthesis import Design, DesignSpec, analyse, confirm, synthesise
 from synthesis.catalogue.laws import LAWS
 
 RNG = np.random.default_rng(5)
@@ -70,6 +70,10 @@ def test_a_table_between_dwells_beside_a_spline() -> None:
     assert deviation.value <= 5e-4 == deviation.bound
     assert deviation.field == "program/0/tolerance_mm"
     assert (design.motion[0].kind, design.motion[0].law) == ("rise", "table")
+    for share, verdict in ((0.5e-9, "confirmed"), (1e-7, "contradicted")):
+        moved = deviation.model_copy(update={"value": deviation.value + share * 5e-4})
+        lines = [moved if line is deviation else line for line in design.extremes]
+        assert confirm(design.model_copy(update={"extremes": lines})).verdict == verdict
     stage = design.report.stages[0]
     assert (stage.stage, stage.solver) == ("table program/0", "Clarabel")
     again = Design.model_validate_json(design.model_dump_json())

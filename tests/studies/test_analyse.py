@@ -144,6 +144,13 @@ def test_jumps_are_one_sided() -> None:
         assert jump.jump == jump.after - jump.before
     bent = [jump for jump in found.jumps if jump.curve == "pitch_curvature"]
     assert [jump.angle_deg for jump in bent] == [jump.angle_deg for jump in jumps]
+    for peak in (curve(found, "acceleration").largest, curve(found, "acceleration").smallest):
+        assert peak is not None
+        there = [jump for jump in jumps if abs(jump.angle_deg - peak.angle_deg) < 1e-9]
+        for jump in there:  # the parabolic law is constant: it may be named inside as well
+            at = {"left": jump.before, "right": jump.after}
+            assert at[peak.side] == pytest.approx(peak.value, rel=1e-9)
+        assert there or peak.side == "both"
     largest = curve(found, "acceleration").largest
     assert largest.value == pytest.approx(max(a, b), rel=1e-9)
     assert curve(found, "jerk").infinite_deg == [jump.angle_deg for jump in jumps]
@@ -160,6 +167,40 @@ def test_a_jump_of_the_velocity_breaks_the_pitch_curve() -> None:
     assert found.undercut.angle_deg in (73.3, 114.5)  # at the dwell's ends it turns convexly
     assert curve(found, "pitch_curvature").infinite_deg == [0.0, 73.3, 114.5, 203.4]
     assert curve(found, "velocity").largest.value == pytest.approx(slope, rel=1e-9)
+
+
+@pytest.mark.usefixtures("unmended")
+@pytest.mark.parametrize("law", ["simple_harmonic", "cubic_2_3"])
+def test_a_peak_at_a_jump_is_on_its_side(law: str) -> None:
+    """Laws whose accelerations are largest at their ends, where they jump to those of dwells."""
+    found = analyse(spec(program=program(law, law), limits=[]))
+    largest, smallest = curve(found, "acceleration").largest, curve(found, "acceleration").smallest
+    # the rise is the shorter one: it starts with the largest and ends with the smallest
+    assert (largest.angle_deg, largest.side) == (0.0, "right")
+    assert (smallest.angle_deg, smallest.side) == (73.3, "left")
+    later = [program(law, law)[k] for k in (1, 2, 3, 0)]
+    turned = curve(analyse(spec(program=later, limits=[])), "acceleration")
+    assert (turned.largest.angle_deg, turned.largest.side) == (pytest.approx(286.7), "right")
+    assert turned.smallest.side == "left"
+    assert turned.smallest.angle_deg % 360.0 == 0.0
+    # where nothing jumps, and inside a law, there is one side
+    assert curve(found, "velocity").largest.side == "both"
+
+
+@pytest.mark.usefixtures("unmended")
+def test_a_hollow_corner_is_no_undercut_and_a_later_convex_one_is() -> None:
+    first_a_dwell = [program("constant_velocity", "constant_velocity")[k] for k in (3, 0, 1, 2)]
+    found = analyse(spec(program=first_a_dwell, limits=[]))
+    assert found.undercut.kind == "corner"
+    assert found.undercut.angle_deg in (pytest.approx(156.6 + 73.3), pytest.approx(156.6 + 114.5))
+
+
+def test_peaks_are_enclosed() -> None:
+    for one in given().curves:
+        for peak in filter(None, (one.largest, one.smallest)):
+            assert peak.width <= 1e-9 * max(abs(peak.value), 1.0)
+    assert curve(given(), "jerk").largest.width > 0.0
+    assert curve(given(), "pressure_angle").largest.width > 0.0
 
 
 def test_a_clockwise_cam_is_the_mirror_image() -> None:
@@ -238,6 +279,7 @@ def test_undercut_under_a_flat_face_is_measured_on_the_face() -> None:
     least = float(np.min(base + s + bend))
     assert least < 0.0
     found = analyse(DesignSpec.model_validate(body))
+    assert found.self_crossing is None
     assert found.undercut is not None
     assert found.undercut.kind == "undercut"
     assert found.undercut.pitch_radius_mm == pytest.approx(least, abs=1e-7)

@@ -267,7 +267,7 @@ class _Search:
         if high <= low:  # a single point
             return _upper(at_middle, 0)
         over = self._series(piece, hull(low, high), highest_only=True)
-        if at_middle is None or over is None:
+        if at_middle is None:
             return arb.pos_inf()
         # maximum of the parabola c0 + c1 τ + C τ² over |τ| ≤ reach
         reach = (piece.angle * (high - low) / 2).upper()

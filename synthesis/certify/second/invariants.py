@@ -64,7 +64,7 @@ def _beside(
     if holds is None and extreme.bound is not None:
         holds = satisfies(low, high, extreme.bound, 1)
     agrees = None if holds is None else holds == extreme.holds
-    if allowed is not None and agrees is not None:
+    if allowed is not None:
         near = extreme.value is not None and abs(value - arb(extreme.value)) <= allowed
         agrees = agrees and bool(near)
     return remeasured(extreme, low, high, holds, agrees, how, angle)

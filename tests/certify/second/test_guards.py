@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import cmath
 import math
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +12,16 @@ import pytest
 from flint import arb
 
 from synthesis import Design, DesignSpec, confirm, synthesise
-from synthesis.certify.second.exact_design import compare
+from synthesis.certify.second.claims import _find_infinity, _is_decreasing
+from synthesis.certify.second.exact_design import ExactDesign, compare
+from synthesis.certify.second.exact_motion import (
+    ExactMotion,
+    LawPiece,
+    MotionPiece,
+    ball_precision,
+    degree,
+)
+from synthesis.certify.second.invariants import _backward_travel
 from synthesis.certify.second.self_intersection import _far_pairs, _FlankSearch
 from tests.certify.second.test_values import body, given
 
@@ -31,11 +42,122 @@ def test_a_billionth_of_the_roller_is_no_interference(depth: float, apart: bool)
     assert search._is_apart(flank, (arb(0), arb(0))) == apart
 
 
-@pytest.mark.parametrize(("less", "far"), [(1e-6, True), (5e-6, False)])
+@pytest.mark.parametrize(("less", "far"), [(1.5e-6, True), (5e-6, False)])
 def test_half_a_turn_is_far(less: float, far: bool) -> None:
     headings = (0.0, math.pi - less, 4.2, 5.3)
     boxes = [SimpleNamespace(heading=(h, h), turning=0.0) for h in headings]
     assert ((0, 1) in set(_far_pairs(boxes))) == far
+
+
+@pytest.mark.parametrize("turned", [0.3, 1.7, 3.1, 4.4, 6.0])
+def test_far_pairs_do_not_depend_on_where_headings_are_counted_from(turned: float) -> None:
+    """Headings of a curve with a hollow, wrapped to half a turn, from another direction."""
+    course = [0.0, -0.9, -1.7, -2.6, -3.3, -2.9, -3.4, -4.6, -5.2, -6.0, -2.0 * math.pi]
+
+    def pairs(shift: float) -> set[tuple[int, int]]:
+        ends = [math.remainder(heading + shift, 2.0 * math.pi) for heading in course]
+        boxes = [SimpleNamespace(heading=each, turning=0.02) for each in pairwise(ends)]
+        return set(_far_pairs(boxes))
+
+    assert pairs(turned) == pairs(0.0)
+    assert 0 < len(pairs(0.0)) < 100
+
+
+# -- pieces made by hand: one of 0.7 rad and 3 mm, the next of 0.4 rad and 5 mm -----------------
+
+
+def piece(poly: list[float], angle: float, start: float = 0.0, unit: float = 1.0) -> MotionPiece:
+    law = LawPiece(arb(0), arb(1), arb(0), tuple(map(arb, poly)))
+    return MotionPiece(law, 0, arb(start), arb(angle), arb(0), arb(unit))
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.6e-9, None), (4e-9, False)])
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_jump_of_a_billionth_makes_nothing_infinite(
+    share: float, found: bool | None, order: int
+) -> None:
+    first, second, scale = 0.7, 0.4, 8.0 / 0.4**order
+    slope = 1.0 / first
+    # s = 3 x up to 3 mm, at the velocity 3/0.7; then on from there, but for the jump
+    after = [3.0, slope * 3.0 * second]
+    after[order] += share * scale * second**order
+    pieces = piece([0.0, 1.0], first, unit=3.0), piece([c / 5.0 for c in after], second, 0.7, 5.0)
+    design = SimpleNamespace(
+        motion=SimpleNamespace(junctions=lambda: [pieces]), rate=lambda order: arb(1)
+    )
+    claim = SimpleNamespace(quantity="acceleration")
+    line = given().extremes[0].model_copy(update={"value": None, "holds": False})
+    there = line.model_copy(update={"angle_deg": math.degrees(0.7)})
+    assert _find_infinity(design, claim, there).holds == found
+    elsewhere = line.model_copy(update={"angle_deg": math.degrees(0.7 + 1e-8)})
+    assert _find_infinity(design, claim, elsewhere).holds is None
+
+
+def search() -> tuple[_FlankSearch, Design]:
+    design = given()
+    link = design.completed_spec.follower.link(tuple(arb(z) for z in design.size), degree())
+    exact = ExactDesign(design, link, ExactMotion(design))
+    return _FlankSearch(exact, exact.machine.follower.flanks[0]), design
+
+
+def test_headings_are_those_of_the_curve_on_the_cam() -> None:
+    with ball_precision():
+        found, design = search()
+        e, s0 = design.size
+        for piece in found.motion.pieces:
+            for box in found._boxes_of(piece):
+                for x, heading in zip((box.low, box.high), box.heading, strict=True):
+                    theta = float(piece.angle_at(x))
+                    side = "left" if x == piece.law.high else "right"
+                    s, v = design.curve.derivatives([theta], 1, side)[:, 0]
+                    # the point e + i (s0 + s) turns on the cam by −θ
+                    tangent = (1j * v - 1j * (e + 1j * (s0 + s))) * cmath.exp(-1j * theta)
+                    assert math.cos(cmath.phase(tangent) - heading) > 1.0 - 1e-12
+
+
+def test_halves_make_up_their_box() -> None:
+    with ball_precision():
+        found, _ = search()
+        for box in found._boxes_of(found.motion.pieces[0]):
+            first, second = found._halves(box)
+            assert (first.low, first.high, second.high) == (box.low, second.low, box.high)
+            assert box.low < first.high < box.high
+
+
+def test_backward_travel_is_enclosed() -> None:
+    """s = x² − x/2 mm falls by 1/16 mm up to x = 1/4; turned round, it falls by 9/16 beyond."""
+    with ball_precision():
+        for forward, exact in ((1, 1.0 / 16.0), (-1, 9.0 / 16.0)):
+            least, most = _backward_travel(piece([0.0, -0.5, 1.0], 0.7), forward)
+            assert float(least) <= exact <= float(most)
+            assert float(most - least) < 1e-6
+        assert _backward_travel(piece([0.0, 1.0, 1.0], 0.7), 1) == (arb(0), arb(0))
+
+
+def test_a_radius_falls_as_curvature_grows_and_a_hollow_one_grows() -> None:
+    assert _is_decreasing(lambda k: 1 / k if k > 0 else None)
+    assert not _is_decreasing(lambda k: -1 / k if k < 0 else None)
+    assert not _is_decreasing(lambda v: v * 3)
+    assert _is_decreasing(lambda v: -v)
+
+
+def test_a_dimension_is_known_to_a_trillionth() -> None:
+    base = next(e.value for e in given().extremes if e.limit == "base_radius")
+    assert base is not None
+    assert verdict(given(), "base_radius", value=base * (1.0 + 0.3e-12)) == "confirmed"
+    assert verdict(given(), "base_radius", value=base * (1.0 + 1e-11)) == "contradicted"
+
+
+def test_an_end_state_that_nobody_asked_for_is_not_confirmed() -> None:
+    line = (
+        given()
+        .extremes[-1]
+        .model_copy(
+            update={"limit": "acceleration_asked", "field": "program/0/start", "value": 0.0}
+        )
+    )
+    design = given().model_copy(update={"extremes": [*given().extremes, line]})
+    assert confirm(design).verdict == "incomplete"
 
 
 def harmonic() -> Design:

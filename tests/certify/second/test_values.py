@@ -56,6 +56,21 @@ def test_peaks_of_the_3_4_5_law_to_25_digits() -> None:
         assert abs(abs(found) - exact) < Decimal("3e-24") * exact
 
 
+def test_a_search_that_ends_early_still_encloses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("synthesis.certify.second.exact_motion.MAX_INTERVALS", 3)
+    lines = {line.limit: line for line in confirm(given()).lines}
+    rate, wide = 6 * Decimal(RPM) / Decimal(RISE), 0
+    for name, order, peak in (
+        ("velocity", 1, Decimal(15) / 8),
+        ("acceleration", 2, 10 / Decimal(3).sqrt()),
+    ):
+        middle, half = Decimal(lines[name].value or 0), Decimal(lines[name].width or 0) / 2
+        exact = Decimal(H) * rate**order * peak
+        assert abs(abs(middle) - exact) <= half * (1 + Decimal("1e-12")) + Decimal("1e-20") * exact
+        wide += half > exact / 1000
+    assert wide
+
+
 def test_the_pressure_angle_at_rest_to_25_digits() -> None:
     """tan α = e/s0, checked by a series of the arc tangent of its own."""
     found = next(x for x in confirm(given()).lines if x.limit == "prime_circle_angle")

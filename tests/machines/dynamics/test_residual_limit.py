@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from math import pi, sqrt
 from typing import Any
 
@@ -15,6 +15,7 @@ from scipy.integrate import quad, quad_vec, solve_ivp
 from synthesis import Design, DesignSpec, confirm, synthesise
 from synthesis.catalogue.constraints import VibrationBound
 from synthesis.catalogue.motion import Motion
+from synthesis.certify import residual_vibration
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.numerics.piecewise import Piecewise
@@ -86,6 +87,42 @@ def test_closed_forms_of_a_cycloidal_and_a_parabolic_rise(swings: float) -> None
         assert judged.upper >= LIFT * expected - 1e-12
         assert judged.width <= 1e-9
         assert amplitude(ring, question.placed_segments()) == pytest.approx(judged.value, abs=1e-11)
+
+
+@pytest.mark.parametrize("terms", [5, 6, 8])
+def test_the_remainder_of_a_short_series_is_bounded(
+    terms: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of steps whose series end early: the whole one is within what they say of themselves."""
+    trains = (0.83, 0.0), (5.3, 0.27), (2.2, 0.9)
+    pairs = ("cycloidal", "parabolic"), ("polynomial_3_4_5", "freudenstein_1_3_5")
+    for (swings, damping), laws in product(trains, pairs):
+        question = spec(quiet(hertz(swings), 1.0, damping), laws=laws)
+        motion = PiecewiseMotion(Motion.of(question.placed_segments()))
+        for ring in rings(question):
+            whole = residual_amplitude(motion, ring).value
+            with monkeypatch.context() as patch:
+                patch.setattr(residual_vibration, "ORDER", terms)
+                early = residual_amplitude(motion, ring)
+            assert early.lower <= whole <= early.upper
+
+
+def test_both_judges_name_the_run_that_rings_most() -> None:
+    question = spec(quiet(hertz(1.6), 9.0, 0.1), laws=("modified_sine", "modified_trapezoid"),
+                    base_radius_mm=90.0)  # fmt: skip
+    motion = PiecewiseMotion(Motion.of(question.placed_segments()))
+    each = [residual_amplitude(motion, ring) for ring in rings(question)]
+    assert len(each) == 2
+    worst = max(each, key=lambda one: one.value)
+    design = synthesise(question)
+    (line,) = (e for e in design.extremes if e.limit == "residual_vibration")
+    assert (line.value, line.angle_deg) == (worst.value, worst.angle / DEGREE)
+    for one in each:
+        assert f"{one.value:.6g} at {one.angle / DEGREE:.6g}°" in line.evidence
+    found = confirm(design)
+    (second,) = (e for e in found.lines if e.limit == "residual_vibration")
+    assert found.verdict == "confirmed"
+    assert second.angle_deg == pytest.approx(line.angle_deg, abs=1e-9)
 
 
 LAWS = [
