@@ -8,6 +8,7 @@ at every cam angle: those that the answer breaks are added until there is none.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +22,9 @@ from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
 EXCHANGES = 40  # of half-planes at most; each adds those that the last size violates
+FEW = 48  # half-planes of which all corners are looked at
+ADDED = 8  # half-planes that join them at a time
+FAR = 1e9  # lengths of the problem: where a polygon ends that is open there
 OUTSIDE = 1e-12  # of the norm: how far a size may lie outside a half-plane
 
 
@@ -94,26 +98,57 @@ def _nearest_size(
     if len(matrix) < matrix.shape[1]:
         # a variable of which the norm does not speak: the corner where the norm is least, and of
         # several that of least p
+        def lowest_corner(a: Array, b: Array) -> Array | None:
+            corners = _within(_corners(a, b), a, b, tolerance, 1e-12)
+            if not len(corners):
+                return None
+            height = corners @ matrix[0]
+            lowest = corners[height <= np.min(height) + tolerance]
+            return np.asarray(lowest[np.argmin(lowest[:, 0])])
+
         length = np.sqrt((normals * normals).sum(axis=1))
         a, b = normals / length[:, None], offsets / length
-        corners = _within(_corners(a, b), a, b, tolerance, 1e-12)
-        if not len(corners):
-            return None
-        height = corners @ matrix[0]
-        lowest = corners[height <= np.min(height) + tolerance]
-        return tuple(lowest[np.argmin(lowest[:, 0])].tolist())
+        if len(b) > FEW:  # ends far away, so that some of the half-planes have a corner as well
+            box = np.vstack([np.eye(2), -np.eye(2)])
+            a, b = np.vstack([a, box]), np.append(b, np.full(4, FAR * problem.length))
+        corner = _exchange(a, b, lowest_corner, tolerance, 1e-12)
+        return None if corner is None else tuple(corner.tolist())
+
     # in y = M z + m the point nearest to the origin: that itself, its foot on a line, or a corner
+    def nearest_point(a: Array, b: Array) -> Array | None:
+        candidates = np.concatenate([np.zeros((1, a.shape[1])), a * b[:, None], _corners(a, b)])
+        points = _within(candidates, a, b, tolerance, 1e-13)
+        return points[(points * points).sum(axis=1).argmin()] if len(points) else None
+
     inverse = inverse_matrix(norm.matrix)
     a = normals @ inverse
     b = offsets + a @ shift
     length = np.sqrt((a * a).sum(axis=1))
-    a, b = a / length[:, None], b / length
-    candidates = np.concatenate([np.zeros((1, a.shape[1])), a * b[:, None], _corners(a, b)])
-    points = _within(candidates, a, b, tolerance, 1e-13)
-    if not len(points):
-        return None
-    nearest = points[(points * points).sum(axis=1).argmin()]
-    return tuple((inverse @ (nearest - shift)).tolist())
+    nearest = _exchange(a / length[:, None], b / length, nearest_point, tolerance, 1e-13)
+    return None if nearest is None else tuple((inverse @ (nearest - shift)).tolist())
+
+
+def _exchange(
+    a: Array, b: Array, best: Callable[[Array, Array], Array | None], tolerance: float,
+    relative: float,
+) -> Array | None:  # fmt: skip
+    """The best point of all half-planes a · y ≤ b: that of few of them, and of those it violates.
+
+    The corners of n half-planes are n²/2 points to be compared with n half-planes. What is best
+    under some of them and violates none is best under all; where some have no point, all have none.
+    """
+    chosen = np.arange(max(len(b) - FEW, 0), len(b))
+    while True:
+        point = best(a[chosen], b[chosen])
+        if point is None or len(chosen) == len(b):
+            return point
+        excess = a @ point - b - tolerance - relative * np.abs(point).max()
+        excess[chosen] = 0.0
+        worst = np.argsort(excess)[-ADDED:]
+        worst = worst[excess[worst] > 0.0]
+        if not len(worst):
+            return point
+        chosen = np.append(chosen, worst)
 
 
 def _within(points: Array, a: Array, b: Array, tolerance: float, relative: float) -> Array:
