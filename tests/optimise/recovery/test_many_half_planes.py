@@ -42,6 +42,16 @@ def test_the_least_of_one_variable_is_that_of_a_linear_program(count: int, seed:
     assert np.all(normals @ found <= offsets + 1e-9)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_half_planes_that_are_looked_at_first_may_leave_the_least_open(seed: int) -> None:
+    """The last ones bound the variable from above alone, and the corners of these are no least."""
+    normals, offsets = half_planes(90, 1.1, seed)
+    order = np.argsort(normals[:, 0])
+    found = nearest(FIRST_ALONE, normals[order], offsets[order])
+    best = linprog([1.0, 0.0], normals, offsets, bounds=(None, None))
+    assert found[0] == pytest.approx(best.fun, rel=1e-6, abs=1e-6)
+
+
 @pytest.mark.parametrize("count", [49, 130, 1700])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_nearest_point_is_that_of_a_quadratic_program(count: int, seed: int) -> None:
