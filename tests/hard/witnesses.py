@@ -207,11 +207,12 @@ def below_least_peak(spec: dict[str, Any]) -> str:
 
 def contradictions(spec: dict[str, Any], design: dict[str, Any]) -> list[str]:
     """Refusals, bounds and cams that a cam of our own, or a least peak, shows to be wrong."""
+    free = ("angle_deg", "lift_mm", "lift_deg")
+    if any(isinstance(s.get(k), dict) for s in spec["program"] for k in free):
+        return []
     impossible = below_least_peak(spec)
     if impossible and design["certificate"]["certified"]:
         return [f"certified, though no motion has so small a peak {impossible}"]
-    if any(isinstance(s.get(k), dict) for s in spec["program"] for k in ("angle_deg", "lift_mm")):
-        return []
     if isinstance(spec["follower"].get("arm_mm"), dict):
         return []
     if spec.get("continuity"):
