@@ -217,13 +217,13 @@ def signs(module: Module, node: ast.AST) -> Found:
 
 def factors(module: Module, node: ast.AST) -> Found:
     """A factor that is off by one per cent; an interval or a knot too few, at either end."""
-    # an error bound that is one per cent wider remains one
-    statement = module.scope_of(node) + module.text(module.statement_of(node))
+    # of an error bound one per cent is not seen, nor need it be
+    statement = f"{module.scope_of(node)} {module.text(module.statement_of(node))}"
     is_error = ALLOWANCES.search(statement) or ERRORS.search(statement)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div) and not is_error:
         for number in (node.left, node.right):
             if isinstance(number, ast.Constant) and isinstance(number.value, float):
-                yield "factor", number, f"({module.text(number)} * 1.01)"
+                yield "factor", number, f"({module.text(number)} * 0.99)"
     if isinstance(node, ast.Slice):
         for end, step in ((node.lower, 1), (node.upper, -1)):
             if end is not None:

@@ -226,7 +226,7 @@ class Recorder:
 
 def record(tree: Path, tests: Path) -> Reached:
     """What the tests of a file reach; of a file that has not changed since, from the cache."""
-    digest = hashlib.sha256(tests.read_bytes()).hexdigest()[:16]
+    digest = hashlib.sha256((tree / tests).read_bytes()).hexdigest()[:16]
     kept = CACHE / "reached" / f"{tests.as_posix().replace('/', '-')}-{digest}.json"
     if kept.exists():
         names, found = json.loads(kept.read_text())
