@@ -59,7 +59,7 @@ class Chunks:
 
     def _next_chain(self) -> list[int]:
         """From the chain's first item to the last that is left, without those sent alone."""
-        self._next = self._todo.find(1, max(self._next, 0))
+        self._next = self._todo.find(1, self._next)
         if self._next < 0:
             self._next = self._size
             return []

@@ -1,0 +1,187 @@
+"""Answers in the store, method by method: which rows each one reads, writes and leaves alone."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+from sqlalchemy import select, update
+
+from service.storage.store import Answers, Store
+from service.storage.tables import AnswerRow, KeyRow
+from tests.service.conftest import settings_for
+
+ONE, OTHER = "/v1/designs", "/v1/analyses"
+
+
+def row(id: str, kind: str = ONE, state: str = "accepted", **more: Any) -> AnswerRow:
+    fields: dict[str, Any] = {
+        "id": id, "kind": kind, "engine": 7, "name": f"name of {id}", "created": datetime.now(UTC),
+        "state": state, "status": None, "spec": b"{}", "body": None, "etag": None, "summary": {},
+        "problem": None,
+    }  # fmt: skip
+    return AnswerRow(**{**fields, **more})
+
+
+def on_store(folder: Path, work: Callable[[Store, Answers, Answers], Coroutine[Any, Any, None]],
+             **settings: Any) -> None:  # fmt: skip
+    store = Store(settings_for(folder, **settings))
+    try:
+        asyncio.run(work(store, Answers(ONE, store), Answers(OTHER, store)))
+    finally:
+        store.dispose()
+
+
+def test_an_answer_is_found_under_its_kind_alone(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        await one.put(row("a"))
+        found = await one.find("a")
+        assert found is not None
+        assert found.name == "name of a"
+        assert await other.find("a") is None
+        assert await one.find("b") is None
+        elsewhere = Answers(OTHER, store, lambda session, id: row(id, OTHER, name="from elsewhere"))
+        for id, name in (("a", "from elsewhere"), ("c", "from elsewhere")):
+            found = await elsewhere.find(id)
+            assert found is not None
+            assert found.name == name
+        await elsewhere.put(row("d", OTHER))
+        assert (await elsewhere.find("d")).name == "name of d"  # type: ignore[union-attr]
+        assert await store.reachable()
+
+    on_store(tmp_path, work)
+
+
+def test_what_is_done_stays_and_the_rest_is_replaced(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        moment = datetime(2024, 5, 6, 7, 8, 9, tzinfo=UTC)
+        done: dict[str, Any] = {
+            "created": moment, "status": "optimal", "body": b"body", "etag": "e",
+            "summary": {"gap": 0.1}, "problem": {"title": "t"},
+        }  # fmt: skip
+        await one.put(row("a"))
+        await one.put(row("a", state="done", **done))
+        for _ in range(2):
+            found = await one.find("a")
+            assert found is not None
+            assert found.created.replace(tzinfo=UTC) == moment
+            assert {name: getattr(found, name) for name in done if name != "created"} == {
+                name: value for name, value in done.items() if name != "created"
+            }
+            assert found.state == "done"
+            kept = await one.put(row("a", state="failed", body=b"later"))
+            assert kept.state == "done"
+
+    on_store(tmp_path, work)
+
+
+def test_only_what_is_accepted_fails(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        for name, state in (("a", "accepted"), ("b", "accepted"), ("c", "done")):
+            await one.put(row(name, state=state))
+        for name in ("a", "c", "never accepted"):
+            await one.fail(name, {"title": "why"})
+        states = {name: await one.find(name) for name in "abc"}
+        assert {name: found.state for name, found in states.items() if found} == {
+            "a": "failed", "b": "accepted", "c": "done",
+        }  # fmt: skip
+        assert states["a"].problem == {"title": "why"}  # type: ignore[union-attr]
+        assert states["c"].problem is None  # type: ignore[union-attr]
+
+    on_store(tmp_path, work)
+
+
+def test_superseded_ones_lead_to_their_questions_and_are_not_listed(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        for name in "ab":
+            await one.put(row(name, state="done", body=b"x", problem={}, status="optimal"))
+        await other.supersede("a")  # not its kind
+        assert (await one.find("a")).body == b"x"  # type: ignore[union-attr]
+        await one.supersede("a")
+        found = await one.find("a")
+        assert found is not None
+        assert (found.state, found.body, found.problem, found.spec) == (
+            "superseded", None, None, b"{}",
+        )  # fmt: skip
+        assert [each.id for each in await one.page(None, 9, None)] == ["b"]
+        assert await one.counts() == {"optimal": 1}
+        assert (await one.find("b")).body == b"x"  # type: ignore[union-attr]
+
+    on_store(tmp_path, work)
+
+
+def test_pages_counts_and_removal(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        for name, status in zip(
+            "abcde", ("optimal", None, "optimal", "feasible", None), strict=True
+        ):
+            await one.put(row(name, state="done" if status else "accepted", status=status))
+        await other.put(row("z", OTHER))
+        newest = await one.page(None, 2, None)
+        assert [each.id for each in newest] == ["e", "d"]
+        assert [each.id for each in await one.page(newest[-1].sequence, 2, None)] == ["c", "b"]
+        assert [each.id for each in await one.page(None, 9, "optimal")] == ["c", "a"]
+        assert [each.id for each in await one.unfinished()] == ["b", "e"]
+        assert await one.counts() == {"optimal": 2, "feasible": 1, "accepted": 2}
+        assert not await other.remove("a")
+        assert await one.remove("a")
+        assert not await one.remove("a")
+        assert await one.find("a") is None
+        assert [each.id for each in await one.page(None, 9, None)] == ["e", "d", "c", "b"]
+
+    on_store(tmp_path, work)
+
+
+def test_a_key_keeps_its_first_body_for_its_hours(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        assert await store.body_of_key("k", "first") == "first"
+        assert await store.body_of_key("k", "second") == "first"
+        assert await store.body_of_key("other", "second") == "second"
+
+        def ages(hours: float) -> Any:
+            created = datetime.now(UTC) - timedelta(hours=hours)
+            return lambda session: session.execute(
+                update(KeyRow).filter_by(key="k").values(created=created)
+            )
+
+        await store.do(ages(4.9))
+        assert await store.body_of_key("k", "third") == "first"
+        await store.do(ages(5.1))
+        assert await store.body_of_key("new", "x") == "x"  # those that are too old go by then
+        left = await store.do(lambda session: set(session.scalars(select(KeyRow.key))))
+        assert left == {"other", "new"}
+        assert await store.body_of_key("k", "third") == "third"
+
+    on_store(tmp_path, work, idempotency_hours=5.0)
+
+
+def test_a_transaction_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        def broken(session: Any) -> None:
+            session.add(row("a"))
+            session.flush()
+            raise RuntimeError
+
+        with pytest.raises(RuntimeError):
+            await store.do(broken)
+        assert await one.find("a") is None
+
+        # another process was first to add a row with this key: it is tried once more
+        await one.put(row("b"))
+        tried = list[int]()
+
+        def added(session: Any) -> str:
+            tried.append(1)
+            if len(tried) == 1:
+                session.add(row("b"))
+                session.flush()
+            return "found"
+
+        assert await store.do(added) == "found"
+        assert len(tried) == 2
+
+    on_store(tmp_path, work)
