@@ -121,7 +121,7 @@ class RowFunctional:
         between neighbouring points are multipliers as well.
         """
         block = self.block
-        same = block.segment is not None and block.alpha.ndim == 1 and block.size.ndim == 1
+        same = block.alpha.ndim == 1 and block.size.ndim == 1
         return same and block.highest_order < self.order and block.ascending
 
     def point_rows(self, which: Which = EVERY) -> WeightedRows:
@@ -284,7 +284,7 @@ def cone_rows(model: ConicModel, z: Array) -> Terms:
     for cone in model.cone_blocks:
         v = z[at + 1 : at + 1 + len(cone.shift)]
         at += 1 + len(cone.shift)
-        if cone.bound_column is None and cone.vibration is None and np.count_nonzero(v):
+        if cone.bound_column is None and cone.vibration is None:
             rhs = np.array([np.linalg.norm(v) * cone.radius + v @ cone.shift])
             size = -(cone.matrix.T @ v)[model.size]
             result.append((WeightedRows.of_size(rhs, size[None]), np.ones(1)))

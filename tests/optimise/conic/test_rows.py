@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.spec.design_spec import DesignSpec
@@ -64,6 +67,32 @@ def test_what_is_left_out_holds_all_the_same(name: str) -> None:
                 assert worst <= 1e-7 * model.scales.size
                 tried += 1
     assert tried == len(written)
+
+
+def test_an_equality_is_two_inequalities() -> None:
+    rng = np.random.default_rng(9)
+    laws, c = rng.standard_normal((5, 7)), rng.standard_normal(7)
+    alpha, x = np.array([0.0, 1.3, 0.0, 0.0]), np.linspace(0.1, 0.5, 5)
+    whole = LinearBlock(
+        "point", 0, laws, x, alpha, np.zeros(0), 0.0, laws @ c, "held", exact=True
+    )  # fmt: skip
+    below, above = whole.inequalities()
+    for off in (0.0, 1e-3, -1e-3):
+        kept = [
+            each.law_matrix @ c <= each.rhs + 1e-12
+            for each in (replace(b, rhs=b.rhs + s * off) for b, s in ((below, 1), (above, -1)))
+        ]
+        assert (below.exact, above.exact) == (False, False)
+        assert (np.all(kept[0]), np.all(kept[1])) == (off >= 0.0, off <= 0.0)
+    assert below.alpha.tolist() == (-above.alpha).tolist() == alpha.tolist()
+    moved = c + rng.standard_normal(7)
+    assert np.all((below.law_matrix @ moved > below.rhs) | (above.law_matrix @ moved > above.rhs))
+
+
+def test_points_ascend_only_where_each_is_beyond_the_one_before() -> None:
+    for x, ascending in (((0.1, 0.2, 0.3), True), ((0.1, 0.2, 0.2), False), ((0.1,), False)):
+        rows = LinearBlock.of_size(np.ones(2), np.ones(len(x)), "size")
+        assert replace(rows, x=np.array(x)).ascending == ascending
 
 
 def test_grids_alike_are_one_with_one_set_of_tables() -> None:

@@ -156,6 +156,11 @@ def test_no_cam_that_keeps_the_rows_is_below_whatever_the_multipliers_are(model)
                 law, x = laws[wanted.law[k]].curve(), wanted.x[k : k + 1]
                 reached = sum(a * law(x, order)[0] for order, a in enumerate(wanted.alpha[k]))
                 assert floor <= reached + wanted.size[k] @ each.x[model.size] + 1e-7
+    unknown = dual_bounds(
+        model, law_controls(model), model.problem.sizing.bounds, wanted, np.nan * good,
+        solve_boundary_costates(model, wanted, good),
+    )  # fmt: skip
+    assert np.all(unknown == -np.inf)
     spread = good[:, model.program.equalities :]
     assert np.all(spread >= -1e-7)
 

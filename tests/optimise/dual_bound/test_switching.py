@@ -108,6 +108,20 @@ def test_the_least_integral(drawn: tuple[Array, Array], held: tuple[float, float
     assert found.least_integral(cap, weight) <= 0.0
 
 
+@given(functions())
+def test_nowhere_is_it_above_its_magnitude(drawn: tuple[Array, Array]) -> None:
+    found = switching(*drawn)
+    largest = float(np.abs(found(middles())).max())
+    assert largest <= found.magnitude_bound * (1.0 + 1e-12)
+
+
+def test_the_least_integral_of_a_line_that_meets_both_ends_of_the_cap() -> None:
+    """ψ = 8τ − 3, weight ½: w = −ψ where |ψ| ≤ 1, else ∓1."""
+    line = Switching(np.array([0.0, 1.0]), np.array([[-3.0, 8.0]]))
+    # ∫ −ψ²/2 over |ψ| ≤ 1 is −1/24; of |ψ| from 1 to 3 and from 1 to 5 ∫ (½ − |ψ|) = −3/8, −5/4
+    assert line.least_integral(1.0, 0.5) == pytest.approx(-1.0 / 24.0 - 3.0 / 8.0 - 5.0 / 4.0)
+
+
 @given(functions(), st.floats(-1.0, 1.0))
 def test_crossings_are_where_the_sign_changes(drawn: tuple[Array, Array], value: float) -> None:
     points, weights = drawn

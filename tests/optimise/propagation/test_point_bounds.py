@@ -43,6 +43,46 @@ def test_motions_that_keep_to_the_nodes_keep_to_what_is_said_between(seed):
     assert high[2] == pytest.approx(e + 1.1)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_allows(seed):
+    x, height, speed = motion(seed)
+    bend = np.gradient(speed, x * ANGLE)
+    nodes = np.array([0.1, 0.33, 0.4, 0.9])
+    at = np.stack([np.interp(nodes, x, each) for each in (height, speed, bend)])
+    slack = np.random.default_rng(seed).uniform(0.0, 2.0, (2, 3, len(nodes)))
+    hull = PointBounds(
+        nodes, ((0.1, 0.9),), ANGLE, BEND, 0, at - slack[0], at + slack[1], (0.0, 0.0)
+    )
+    inside = (x >= 0.1) & (x <= 0.9)
+    low, high = hull.acceleration_bounds(x[inside])
+    step = BEND * ANGLE / 4000  # of the differences
+    assert np.all(bend[inside] >= low - 2.0 * step)
+    assert np.all(bend[inside] <= high + 2.0 * step)
+    here = hull.acceleration_bounds(nodes)  # as narrow as they are known
+    assert np.all(here[0] >= at[2] - slack[0][2] - 1e-9)
+    assert np.all(here[1] <= at[2] + slack[1][2] + 1e-9)
+    assert hull.width == pytest.approx(np.mean(slack[:, :2].sum(axis=0)))
+    wide = PointBounds(nodes, ((0.1, 0.9),), ANGLE, BEND, 0, at[:2], at[:2], (0.0, 0.0))
+    assert [float(each[0]) for each in wide.acceleration_bounds(x[:1])] == [-np.inf, np.inf]
+
+
+@pytest.mark.parametrize("bend", [-40.0, 40.0])
+def test_between_exact_nodes_lies_a_parabola_itself(bend):
+    """With nothing capped away the speed over an interval is that at its ends."""
+    nodes, x = np.array([0.0, 0.3, 0.8, 1.0]), np.linspace(0.0, 1.0, 201)
+
+    def at(where):
+        t = ANGLE * where
+        return np.stack([60.0 + 9.0 * t + 0.5 * bend * t * t, 9.0 + bend * t])
+
+    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, 0.0, 0, at(nodes), at(nodes), (0.0, 0.0))
+    low, high = hull.at(x)
+    assert np.all(low[:2] <= at(x) + 1e-9)
+    assert np.all(high[:2] >= at(x) - 1e-9)
+    assert hull.at(nodes)[0][:2] == pytest.approx(at(nodes))
+    assert hull.at(nodes)[1][:2] == pytest.approx(at(nodes))
+
+
 def test_one_that_can_only_rise_is_narrower():
     nodes = np.array([0.0, 0.5])
     low, high = np.array([[50.0, 60.0], [-6.0, -7.0]]), np.array([[51.0, 62.0], [40.0, 30.0]])
