@@ -2,9 +2,24 @@
 
 import math
 
+import pytest
+
 from synthesis.catalogue.limits.base import Claim
-from synthesis.certify import certificate
+from synthesis.certify import certificate, measure_objective, objectives
 from synthesis.numerics.enclosure import Enclosure, Extremum
+from tests.certify.test_spikes import QUIET
+
+
+def test_a_pressure_angle_that_may_reach_a_right_angle_has_an_endless_slope(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cam = QUIET
+    for upper, endless in ((1.5707, False), (1.5709, True), (1.58, True)):
+        found = Enclosure(1.57, 1.56, upper, 2.0)
+        monkeypatch.setattr(objectives, "_peak_on", lambda *_, found=found, **__: found)
+        slope = measure_objective("pressure_slope", cam.motion, cam.machine, cam.size)
+        assert slope.lower < slope.value < slope.upper
+        assert math.isinf(slope.upper) == endless
 
 
 def test_an_extreme_whose_enclosure_is_endless_is_not_proven():

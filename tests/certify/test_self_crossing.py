@@ -183,6 +183,9 @@ def test_a_knife_edge_and_a_flat_face_need_no_search() -> None:
     found = {each.limit: each for each in certify(motion, edge, (e, s0), [])}
     assert found["self_crossing"].holds
     assert "monotone in s" in found["self_crossing"].evidence
+    # below the axis it comes nearer as s grows
+    below = {each.limit: each for each in certify(motion, edge, (e, -90.0), [])}
+    assert below["self_crossing"].holds
     # through the axis the point comes back over places that it has passed before
     under = {each.limit: each for each in certify(motion, edge, (e, -20.0), [])}
     assert not under["self_crossing"].holds

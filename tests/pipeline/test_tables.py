@@ -74,6 +74,8 @@ def test_a_table_between_dwells_beside_a_spline() -> None:
         moved = deviation.model_copy(update={"value": deviation.value + share * 5e-4})
         lines = [moved if line is deviation else line for line in design.extremes]
         assert confirm(design.model_copy(update={"extremes": lines})).verdict == verdict
+    unbounded = deviation.model_copy(update={"bound": None})
+    assert confirm(design.model_copy(update={"extremes": [unbounded]})).verdict == "incomplete"
     stage = design.report.stages[0]
     assert (stage.stage, stage.solver) == ("table program/0", "Clarabel")
     again = Design.model_validate_json(design.model_dump_json())
