@@ -22,6 +22,17 @@ def test_a_pressure_angle_that_may_reach_a_right_angle_has_an_endless_slope(
         assert math.isinf(slope.upper) == endless
 
 
+def test_of_two_curves_the_one_that_may_slope_most_is_the_slope(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cam = QUIET
+    each = {"narrow": Enclosure(0.5, 0.49, 0.51, 1.0), "wide": Enclosure(0.48, 0.2, 0.9, 2.0)}
+    monkeypatch.setattr(objectives, "paths", lambda _: each)
+    monkeypatch.setattr(objectives, "_peak_on", lambda _, __, ___, path: each[path])
+    slope = measure_objective("pressure_slope", cam.motion, cam.machine, cam.size)
+    assert (slope.value, slope.upper) == (math.tan(0.48), math.tan(0.9))
+
+
 def test_an_extreme_whose_enclosure_is_endless_is_not_proven():
     claim = Claim("jerk", "jerk", (0,), -3.0, 7.0, "mm/s³", lambda v: v, "jerk/max_mm_per_s3")
     for side in (1, -1):

@@ -26,10 +26,12 @@ from tests.mutants.runs import CACHE, Asked, ask, copy_tree, import_libraries, p
 
 SHARE = 0.95  # of the faults that tests see at least
 REASONS = Path(__file__).with_name("reasons.json")
-# Functions that decide how soon an answer comes or where knots lie, and nothing of what it claims.
+# Functions that decide how soon an answer comes, where knots lie, which of all multipliers, any of
+# which are valid, make a bound: nothing of what is claimed.
 SPEED = re.compile(
     r"\b(initial_boxes|sign_changes|losses|PointBounds\.width|mean_width|is_sampled"
-    r"|RowFunctional\.distribute|directions_around)$"
+    r"|RowFunctional\.distribute|window_multipliers|directions_around|_divided_by_turning"
+    r"|tighten_sizes|binds_on_fixed_motion)$"
 )
 REPORT = Path("docs/mutants.md")
 

@@ -32,6 +32,7 @@ TURNED = {ast.Lt: ">", ast.LtE: ">=", ast.Gt: "<", ast.GtE: "<="}
 # Names of allowances. Widths and budgets of searches decide how long they take, and no claim.
 ALLOWANCES = re.compile(r"ROUNDING|TOLERANCE|DEPTH|CUSP|CLEARANCE|LOOSENING|OUTSIDE|AT_JUNCTION")
 ERRORS = re.compile(r"_truncation\b|\b(rem|remainder|error|errors|rounding|spread|slack|blur)\b")
+STEPS = re.compile(r"\bstep =")
 LEAVES = (ast.Return, ast.Raise, ast.Continue, ast.Break)
 ADDS_ROWS = {"append", "extend", "add", "update", "setdefault", "merge", "insert"}
 CONDITIONS = {"where", "filter_by", "values", "or_", "and_"}
@@ -158,6 +159,10 @@ class Module:
                 continue
             for statement in function.body:
                 for node in _walk(statement):
+                    if isinstance(node, ast.expr | ast.Expr) and "sleep(" in self.text(
+                        self.statement_of(node)
+                    ):
+                        continue  # how long it waits
                     for operator in [*operators, conditions] if store else operators:
                         yield from operator(self, node)
             yield from answers(function)
@@ -217,10 +222,10 @@ def signs(module: Module, node: ast.AST) -> Found:
 
 def factors(module: Module, node: ast.AST) -> Found:
     """A factor that is off by one per cent; an interval or a knot too few, at either end."""
-    # of an error bound one per cent is not seen, nor need it be
+    # one per cent of an error bound, or of a search's step, is not seen, nor need it be
     statement = f"{module.scope_of(node)} {module.text(module.statement_of(node))}"
-    is_error = ALLOWANCES.search(statement) or ERRORS.search(statement)
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div) and not is_error:
+    is_loose = any(words.search(statement) for words in (ALLOWANCES, ERRORS, STEPS))
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div) and not is_loose:
         for number in (node.left, node.right):
             if isinstance(number, ast.Constant) and isinstance(number.value, float):
                 yield "factor", number, f"({module.text(number)} * 0.99)"

@@ -238,7 +238,7 @@ class MultiplierDensity:
         result = list[tuple[LinearBlock, PointRuns | None]]()
         for block in model.blocks[: len(model.blocks) - len(denser)]:
             runs = None
-            uniform = block.kind == "point" and block.alpha.ndim == 1 and block.spans is None
+            uniform = block.alpha.ndim == 1 and block.spans is None
             jumps = uniform and block.alpha[2] and not block.alpha[3] and not block.exact
             if jumps and block.ascending:
                 runs = PointRuns.of(block.x, ((0.0, 1.0),), each)

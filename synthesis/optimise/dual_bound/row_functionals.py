@@ -72,8 +72,9 @@ class WeightedRows:
         result = np.where(self.x > tau[:, None], self.weights[:, -1], 0.0)
         for k in range(order - 1):
             result += self.weights[:, k] * ahead ** (order - 1 - k) / factorial(order - 1 - k)
-        if self.spans is None or self.poly is None:
+        if self.poly is None:
             return result
+        assert self.spans is not None
         low, high = self.spans.T
         inside = (low <= tau[:, None]) & (tau[:, None] < high)
         row, column = np.nonzero(inside)

@@ -19,6 +19,7 @@ from synthesis.certify import residual_vibration
 from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.certify.residual_vibration import residual_amplitude
 from synthesis.numerics.piecewise import Piecewise
+from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import vibration_terms
@@ -99,6 +100,7 @@ def test_the_remainder_of_a_short_series_is_bounded(
         ("cycloidal", "parabolic"),
         ("polynomial_3_4_5", "parabolic"),
         ("freudenstein_1_3_5", "gutman_1_3"),
+        ("constant_velocity", "parabolic"),
     )
     for (swings, damping), laws in product(trains, pairs):
         question = spec(quiet(hertz(swings), 1.0, damping), laws=laws)
@@ -241,6 +243,15 @@ def test_a_law_that_leaves_nothing_is_found_and_proven() -> None:
     noisy = synthesise(spec(ANGLES, JERK, tolerance=1e-3))
     assert noisy.objectives["base_radius_mm"] < design.certificate.lower_bound  # type: ignore[operator]
     assert confirm(design).verdict == "confirmed"
+
+
+def test_a_limit_on_what_rings_leaves_a_bound_over_all_laws() -> None:
+    question = spec(ANGLES, JERK, quiet(17.3, 0.3))
+    problem = formulate_problem(question, question.objectives()[0])
+    model = formulate(problem, [uniform_grid(segment, 8) for segment in problem.free])
+    controls = law_controls(model)
+    assert controls is not None
+    assert [control.order for control in controls] == [3, 3]
 
 
 def test_the_train_is_at_rest_by_time_integration() -> None:

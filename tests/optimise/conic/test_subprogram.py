@@ -10,18 +10,19 @@ from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.conic.subprogram import coupled_laws, submodel
 from tests.optimise.scenes import direct, dwell, even, fall, jerk, problem, rise, scene, velocity
 
-PROGRAM = (
-    rise(61.0),
-    fall(47.0, 11.0),
-    dwell(33.0),
-    rise(52.0, 7.7),
-    fall(71.0, 24.0),
-    dwell(96.0),
-)
+PROGRAMS = {
+    "turning": (
+        rise(61.0), fall(47.0, 11.0), dwell(33.0), rise(52.0, 7.7), fall(71.0, 24.0), dwell(96.0),
+    ),
+    "on the way": (
+        rise(61.0, 12.0), rise(47.0, 9.0), dwell(33.0), fall(52.0, 7.7), fall(71.0, 13.3),
+        dwell(96.0),
+    ),
+}  # fmt: skip
 
 
-def model() -> ConicModel:
-    question = problem(scene(PROGRAM, jerk(70.0, 47.0), velocity(2.4, 47.0), offset=3.1))
+def model(name: str = "turning") -> ConicModel:
+    question = problem(scene(PROGRAMS[name], jerk(70.0, 47.0), velocity(2.4, 47.0), offset=3.1))
     return direct(question, even(question, 7)).model
 
 
@@ -35,15 +36,17 @@ def columns(whole: ConicModel, positions: tuple[int, ...]) -> Array:
     return np.concatenate([np.arange(part.start, part.stop) for part in parts])
 
 
-def test_laws_are_coupled_where_they_meet_in_motion() -> None:
-    whole = model()
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_laws_are_coupled_where_they_meet_in_motion(name: str) -> None:
+    whole = model(name)
     assert len(whole.grids) == 4
     assert [coupled_laws(whole, k) for k in range(4)] == [(0, 1), (0, 1), (2, 3), (2, 3)]
 
 
+@pytest.mark.parametrize("name", PROGRAMS)
 @pytest.mark.parametrize("positions", [(0,), (1,), (0, 1), (2, 3), (1, 2), (0, 1, 2, 3)])
-def test_rows_of_a_part_are_rows_of_the_whole(positions: tuple[int, ...]) -> None:
-    whole, part = model(), submodel(model(), positions)
+def test_rows_of_a_part_are_rows_of_the_whole(positions: tuple[int, ...], name: str) -> None:
+    whole, part = model(name), submodel(model(name), positions)
     x = np.random.default_rng(5).standard_normal(whole.program.matrix.shape[1])
     own, rhs = part.program.matrix @ x[columns(whole, positions)], part.program.rhs
     assert len(own) == part.program.equalities + part.program.inequalities

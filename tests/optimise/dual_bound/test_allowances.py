@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -89,3 +90,22 @@ def test_any_multipliers_bound_the_splines_of_their_mesh(name: str, seed: int) -
         for wrong in (z * np.exp(noise), z + noise, z * rng.uniform(0.0, 2.0, len(z))):
             lower = dual_bound(answer.model, replace(answer.solution, multipliers=wrong))
             assert lower.value <= answer.value * (1.0 + 1e-9)
+
+
+def test_multipliers_outside_of_their_cones_bound_nothing_falsely() -> None:
+    """Of each cone alone, with its head left out: its rows by themselves may be exceeded."""
+    question = problem(scene(
+        SYMMETRIC, angles(45.0, 55.0), velocity(2.1, 71.7),
+        {"kind": "outer_radius", "max_mm": 90.0}, base={"min": 5.0, "max": 16.0},
+    ))  # fmt: skip
+    answer = direct(question, [uniform_grid(segment, 8) for segment in question.free])
+    model, z = answer.model, np.zeros(len(answer.solution.multipliers))
+    at = model.program.equalities + model.program.inequalities
+    assert len(model.cone_blocks) == 3
+    for cone in model.cone_blocks:
+        for axis, size in product(range(len(cone.shift)), (1.0, -1.0, 100.0, -100.0)):
+            wrong = z.copy()
+            wrong[at + 1 + axis] = size
+            lower = dual_bound(model, replace(answer.solution, multipliers=wrong))
+            assert lower.value <= answer.value
+        at += 1 + len(cone.shift)

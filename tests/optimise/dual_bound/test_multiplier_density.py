@@ -43,6 +43,17 @@ def test_densities_lie_between_points_that_ascend() -> None:
     steered = [one for one in row_functionals(model, 3) if one.block.kind == "point"]
     assert any(one.uniform and one.jumps for one in steered)
     assert all(np.all(np.diff(one.block.x) > 0.0) for one in steered)
+    # of the program's blocks those with a second derivative alone highest, at points in order
+    model = direct(question, uneven(question, 0)).model
+    spread = MultiplierDensity.of(model, [], EACH).point_runs
+    assert [runs is not None for runs in spread] == [
+        bool(b.kind == "point" and b.alpha[2] and not b.alpha[3]) for b in model.blocks
+    ]
+    assert any(runs is not None for runs in spread)
+    for change in ({"kind": "control"}, {}):
+        still = tuple(replace(b, x=np.zeros_like(b.x), **change) for b in model.blocks)
+        assert not any(MultiplierDensity.of(replace(model, blocks=still), [], EACH).point_runs)
+    model = MultiplierDensity.of(model, [], EACH).model
     # points in any other order have no neighbours: their rows are taken at the points alone
     mixed = [replace(block, x=block.x[::-1]) for block in model.blocks]
     backwards = replace(model, blocks=tuple(mixed))

@@ -11,7 +11,7 @@ import pytest
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.statuses import StopReason
-from synthesis.optimise.propagation import law_tightening
+from synthesis.optimise.propagation import bound_tightening, law_tightening
 from synthesis.optimise.propagation.bound_tightening import _box_within_cones
 from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import ImprovingRegion
@@ -61,6 +61,8 @@ def test_the_least_is_that_of_a_corner_and_never_above_it(seed: int) -> None:
 def test_nothing_is_left_where_half_planes_exclude_each_other() -> None:
     against = HalfSpaces(np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([1.0, 0.1]))
     assert np.all(np.isinf(against.minimise(np.eye(2), BOX)))
+    nearly = HalfSpaces(np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([1.0, -1.0 + 1e-6]))
+    assert np.all(np.isinf(nearly.minimise(np.eye(2), BOX)))
     apart = HalfSpaces(np.array([[1.0, 0.0], [-1.0, 0.0]]), np.array([1.0, -1.0 - 1e-3]))
     assert np.all(np.isfinite(apart.minimise(np.eye(2), BOX)))
     assert HalfSpaces.empty(2).minimise(np.eye(2), BOX) == pytest.approx([-3.0, 20.0], abs=1e-9)
@@ -142,6 +144,36 @@ def test_bounds_of_a_level_are_loosened(value: float, monkeypatch: pytest.Monkey
     assert 1e-10 * max(1.0, abs(value)) < value - found() < 1e-8 * max(1.0, abs(value))
     assert found(stopped=StopReason.INFEASIBLE) == -np.inf
     assert found(switching=()) == -np.inf
+
+
+def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> None:
+    values, units = np.array([-7e5, -0.3, 0.0, 0.3, 7e5]), np.array([1.0, 2.0, 30.0, 0.1, 5.0])
+    program = SimpleNamespace(
+        matrix=np.eye(2), rhs=np.zeros(2), equalities=0, inequalities=2
+    )  # fmt: skip
+    wanted = SimpleNamespace(objectives=lambda full: [])
+    solved = SimpleNamespace(stopped=StopReason.SOLVED, multipliers=np.zeros(2))
+    patch: dict[str, Any] = {
+        "with_rows": lambda model, rows: SimpleNamespace(program=program, size=slice(0, 2)),
+        "minimise_each": lambda *_: [solved],
+        "MultiplierDensity": SimpleNamespace(
+            of=lambda *_: SimpleNamespace(model=None, distribute=lambda *_: None)
+        ),
+        "solve_boundary_costates": lambda *_: None,
+        "dual_bounds": lambda *_: values,
+    }
+    for name, stub in patch.items():
+        monkeypatch.setattr(bound_tightening, name, stub)
+    model = SimpleNamespace(scales=SimpleNamespace(size=1.0))
+    law = bound_tightening._LawSubproblem(model, 0, (), [], [])
+    region = ImprovingRegion(BOX, {}, HalfSpaces.empty(2))
+    quantities = SimpleNamespace(scaled=lambda: (wanted, units))
+    lost = values - law.lower_bounds(quantities, region, np.inf) / units
+    assert np.all(lost > 1e-10 * np.maximum(1.0, np.abs(values)))
+    assert np.all(lost < 1e-8 * np.maximum(1.0, np.abs(values)))
+    stopped = SimpleNamespace(stopped=StopReason.INFEASIBLE, multipliers=np.zeros(2))
+    monkeypatch.setattr(bound_tightening, "minimise_each", lambda *_: [solved, stopped])
+    assert law.lower_bounds(quantities, region, np.inf) is None
 
 
 def test_a_region_is_divisible_while_a_size_is_open() -> None:

@@ -66,21 +66,25 @@ def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_al
     assert [float(each[0]) for each in wide.acceleration_bounds(x[:1])] == [-np.inf, np.inf]
 
 
+@pytest.mark.parametrize("room", [(0.0, 0.0), (0.0, 5.0), (5.0, 0.0)])
+@pytest.mark.parametrize("cap", [0.0, -300.0, 300.0])
 @pytest.mark.parametrize("bend", [-40.0, 40.0])
-def test_between_exact_nodes_lies_a_parabola_itself(bend):
-    """With nothing capped away the speed over an interval is that at its ends."""
+def test_between_exact_nodes_lies_a_motion_at_its_cap_itself(bend, cap, room):
+    """Its third derivative is at the cap everywhere, so that no narrower bounds would hold."""
     nodes, x = np.array([0.0, 0.3, 0.8, 1.0]), np.linspace(0.0, 1.0, 201)
 
     def at(where):
         t = ANGLE * where
-        return np.stack([60.0 + 9.0 * t + 0.5 * bend * t * t, 9.0 + bend * t])
+        height = 60.0 + 9.0 * t + 0.5 * bend * t**2 + cap * t**3 / 6.0
+        return np.stack([height, 9.0 + bend * t + 0.5 * cap * t**2])
 
-    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, 0.0, 0, at(nodes), at(nodes), (0.0, 0.0))
+    ends = at(nodes) - room[0], at(nodes) + room[1]
+    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, abs(cap), 0, *ends, (0.0, 0.0))
     low, high = hull.at(x)
     assert np.all(low[:2] <= at(x) + 1e-9)
     assert np.all(high[:2] >= at(x) - 1e-9)
-    assert hull.at(nodes)[0][:2] == pytest.approx(at(nodes))
-    assert hull.at(nodes)[1][:2] == pytest.approx(at(nodes))
+    for said, known in zip(hull.at(nodes), ends, strict=True):
+        assert said[1] == pytest.approx(known[1])
 
 
 def test_one_that_can_only_rise_is_narrower():
@@ -92,6 +96,16 @@ def test_one_that_can_only_rise_is_narrower():
     assert up[0][0] > either[0][0]
     assert up[0][0] >= 50.0
     assert up[1][0] <= 62.0
+
+
+def test_one_that_can_only_fall_is_its_mirror_image():
+    nodes = np.array([0.0, 0.5])
+    low, high = np.array([[50.0, 60.0], [-6.0, -7.0]]), np.array([[51.0, 62.0], [40.0, 30.0]])
+    x = np.linspace(0.0, 0.5, 21)
+    up = PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, 1, low, high, (5.0, 6.0)).at(x)
+    down = PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, -1, -high, -low, (-6.0, -5.0)).at(x)
+    assert down[0] == pytest.approx(-up[1])
+    assert down[1] == pytest.approx(-up[0])
 
 
 def test_crossed_bounds_leave_nothing():

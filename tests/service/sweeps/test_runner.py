@@ -220,6 +220,41 @@ def test_a_dismissed_sweep_stops_and_keeps_what_is_done(tmp_path: Path) -> None:
     assert row.done == len(done)
 
 
+def test_a_sweep_whose_process_has_died_is_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found under a lease that is still good: it is taken when that ends."""
+    monkeypatch.setattr(sweeps_module, "POLL_S", 0.02)
+    settings = settings_for(tmp_path)
+    store, engine = Store(settings), MadeUp(solved)
+    spec = SweepSpec.model_validate(sweep_of(["a", "b", "c"]))
+
+    async def work() -> SweepRow | None:
+        first = Sweeps(engine, store, settings)  # type: ignore[arg-type]
+        monkeypatch.setattr(first, "_start", lambda row: asyncio.sleep(0))
+        row = await first.accept(spec)
+        first.store.lease_s = 0.4
+        assert await first.store.take(row.sequence)
+        second = Sweeps(engine, store, settings)  # type: ignore[arg-type]
+        await second.resume()
+        assert second.progress(row.id) is None
+        found = None
+        for _ in range(500):
+            await asyncio.sleep(0.02)
+            found = await second.store.find(row.id)
+            if found is not None and found.state == "successful":
+                break
+        await second.close()
+        return found
+
+    try:
+        found = asyncio.run(work())
+    finally:
+        store.dispose()
+    assert found is not None
+    assert (found.state, found.done) == ("successful", 3)
+
+
 def test_a_chain_begins_where_the_one_before_has_ended(tmp_path: Path) -> None:
     row, engine, *_ = run(tmp_path, solved, items=20, warm_start=True)
     assert row.done == 20
@@ -235,11 +270,10 @@ def test_the_rate_is_that_of_the_last_commits(monkeypatch: pytest.MonkeyPatch) -
     progress = Progress()
     change = progress.next_change
     assert progress.rate_per_s is None
-    for moment, done in ((0.0, 0), (0.0, 4), (2.0, 10), (5.0, 40)):
-        now[0] = moment
+    for after, done in ((0.0, 0), (0.0, 4), (2.0, 10), (5.0, 40)):
+        now[0] = 300.0 + after
         progress.update(done)
-        expected = None if moment == 0.0 else done / moment
-        assert progress.rate_per_s == expected
+        assert progress.rate_per_s == (None if after == 0.0 else done / after)
     assert change.is_set()
     assert not progress.next_change.is_set()
 
