@@ -27,7 +27,7 @@ Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
 FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
-GENTLER = (0.01, 0.03, 0.1, 0.3, 1.0)
+GENTLER = (0.3, 0.1, 0.03, 0.01)
 """Shares of the caps on the highest derivative, in turn: a factor of three apart."""
 FAR_GAP = 0.2  # gap above which further starts are tried
 EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
@@ -62,25 +62,38 @@ def _continue_from_gentler_laws(state: SolveState) -> SolveState:
     too, and limits that the relaxation leaves out bind less on laws that bend less sharply: from
     the gentlest such law on each optimum is the start under wider caps.
     """
-    problem, start = state.problem, None
+    if not _gap_is_far(state):
+        return state
+    # 1. The gentlest law. Whatever satisfies a share satisfies every larger one, so the first
+    #    share that has no law ends the series.
+    start, shares = None, [1.0]
     for share in GENTLER:
-        tighter = with_tighter_caps(problem, share)
-        gap = state.gap_between(state.incumbent, state.lower)
-        if tighter is None or state.suffices or gap <= FAR_GAP or state.time_left <= 0.0:
+        tighter = with_tighter_caps(state.problem, share)
+        gentler = _relaxed_cam(replace(state, problem=tighter)) if tighter else None
+        if gentler is None:
             break
-        if start is None and share == GENTLER[-1]:
-            break  # the problem itself: searched already
+        start, shares = gentler, [share, *shares]
+    if start is None:
+        return state  # the problem itself was searched already
+    # 2. Its local optimum, and from there on those under wider caps.
+    for share in shares:
+        tighter = with_tighter_caps(state.problem, share)
+        if tighter is None or not _gap_is_far(state):
+            break
         trial = replace(state, problem=tighter, incumbent=None, relaxed=None, stages=())
-        start = start or _relaxed_cam(trial)
-        if start is None:
-            continue  # no law is so gentle
         trial, _ = scp_search(trial, start.laws, start.size, f"tangents, {share:g} of the caps")
-        start = trial.incumbent or start
         if trial.incumbent is not None:
+            start = trial.incumbent
             state, _ = offer_local_optimum(state, start.laws, start.size)
         for stage in trial.stages:
             state = state.with_stage(stage)
     return state
+
+
+def _gap_is_far(state: SolveState) -> bool:
+    """Whether further starts are worth their time."""
+    wide = state.gap_between(state.incumbent, state.lower) > FAR_GAP
+    return wide and not state.suffices and state.time_left > 0.0
 
 
 def _relaxed_cam(state: SolveState) -> Candidate | None:
