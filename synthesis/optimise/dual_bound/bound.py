@@ -110,12 +110,11 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
         lagrangian.add_rows(rows, mass)
     # Rows act at their points, or as densities between these.
     for one in terms.row_functionals(model, order, z):
-        points, hats = one.distribute(z[one.first_row : one.first_row + one.count])
+        points, densities = one.distribute(z[one.first_row : one.first_row + one.count])
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        if hats is not None:
-            nonzero = hats != 0.0
-            lagrangian.add_rows(one.hat_rows(nonzero), hats[nonzero])
+        for rows, mass in densities:
+            lagrangian.add_rows(rows, mass)
     for rows, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
         lagrangian.add_rows(rows, mass)
     # End conditions are equalities, so that costates are free: those that make the bound largest.

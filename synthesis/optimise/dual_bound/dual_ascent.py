@@ -102,7 +102,7 @@ class _DualProgram:
             close |= one.block.exact
             groups.append(one.point_rows(close))
             if one.uniform:
-                groups.append(one.hat_rows(np.tile(close[:-1] & close[1:], 2)))
+                groups.append(one.hat_rows(one.block.x).select(np.tile(close[:-1] & close[1:], 2)))
         z = solution.multipliers
         groups += [
             rows for rows, _ in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z))

@@ -151,16 +151,14 @@ class RowFunctional:
             block.segment, x, weights, rhs, size, block.level, block.exact, spans, poly
         )
 
-    def hat_rows(self, which: NDArray[np.bool_]) -> WeightedRows:
-        """Some of the densities: of falling ones between neighbours, then of rising ones."""
-        interval = np.flatnonzero(which) % (self.count - 1)
-        rising = np.flatnonzero(which) >= self.count - 1
-        of = self.point_rows(interval)
-        hats = Hats(of.x, self.block.x[interval + 1], rising, of.weights)
-        return replace(of, weights=hats.weights, spans=hats.spans, poly=hats.poly)
+    def hat_rows(self, nodes: Array) -> WeightedRows:
+        """The densities between neighbouring nodes (n,): falling hats, then rising ones."""
+        hats = Hats.between(nodes, self.block.alpha[: self.order])
+        of = self.point_rows(np.zeros(len(hats.left), dtype=np.intp))
+        return replace(of, x=hats.left, weights=hats.weights, spans=hats.spans, poly=hats.poly)
 
-    def distribute(self, z: Array) -> tuple[Array, Array | None]:
-        """Multipliers z (r,) shared out to points and hats.
+    def distribute(self, z: Array) -> tuple[Array, Terms]:
+        """Multipliers z (r,) shared out: what stays at the points (r,), and densities.
 
         A point multiplier on the derivative just below the control makes ψ jump; where that
         bound is met along an arc the true multiplier is a density, and ψ vanishes there. Where a
@@ -168,11 +166,36 @@ class RowFunctional:
         """
         windowed = self.block.spans is not None
         if not self.jumps or not self.uniform or (windowed and len(z) <= 3):
-            return z, None
-        kept = np.zeros_like(z)
+            return z, []
+        kept, nodes = np.zeros_like(z), self.block.x
         if windowed:
             kept[[0, -1]] = z[[0, -1]]
-        return kept, np.concatenate(distribute_to_intervals(self.block.x, z - kept))
+        mass = z - kept
+        if not self.block.exact:
+            alone, nodes, mass = self._quadrature(mass)
+            kept += alone
+        hats = np.concatenate(distribute_to_intervals(nodes, mass))
+        return kept, [(self.hat_rows(nodes).select(hats != 0.0), hats[hats != 0.0])]
+
+    def _quadrature(self, mass: Array) -> tuple[Array, Array, Array]:
+        """Multipliers (r,) ≥ 0 as a quadrature of a density, with one node in a knot interval.
+
+        A spline meets a row at about one point of an interval, and the multipliers at the others
+        are 0 or next to it: a density through all of them would come and go with the knots.
+
+        Returns:
+            (r,) multipliers of single points, where no interval beside theirs has any; (n,) nodes,
+            each at the centroid of its interval's multipliers, and (n,) their sums.
+        """
+        assert self.block.segment is not None
+        x, breaks = self.block.x, self.model.grids[self.block.segment].space.breaks
+        _, interval = np.unique(np.searchsorted(breaks, x, "right"), return_inverse=True)
+        sums = np.pad(np.bincount(interval, mass), 1)
+        single = ((sums[:-2] == 0.0) & (sums[2:] == 0.0))[interval]
+        spread = np.where(single, 0.0, mass)
+        weight = np.where(spread > 0.0, spread, np.finfo(float).tiny)
+        nodes = np.bincount(interval, weight * x) / np.bincount(interval, weight)
+        return mass - spread, nodes, np.asarray(np.bincount(interval, spread), dtype=float)
 
 
 def _of_rows(each: Array, which: Which) -> Array:
@@ -211,6 +234,15 @@ class Hats:
     right: Array
     rising: NDArray[np.bool_]
     alpha: Array
+
+    @classmethod
+    def between(cls, nodes: Array, alpha: Array) -> Self:
+        """All between neighbours of ascending nodes (n,): falling ones, then rising ones."""
+        count = len(nodes) - 1
+        rising = np.repeat([False, True], count)
+        return cls(
+            np.tile(nodes[:-1], 2), np.tile(nodes[1:], 2), rising, np.tile(alpha, (2 * count, 1))
+        )
 
     @property
     def spans(self) -> Array:
@@ -308,9 +340,7 @@ def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Te
             inner = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(PARTS) / PARTS)
             breaks = np.append(inner.ravel(), 1.0)
         y, width = law.curve().derivatives(breaks, k)[k], np.diff(breaks)
-        rising, count = np.repeat([False, True], len(width)), 2 * len(width)
-        alpha = np.tile(2.0 * weight * np.eye(order)[k], (count, 1))
-        hats = Hats(np.tile(breaks[:-1], 2), np.tile(breaks[1:], 2), rising, alpha)
+        hats, count = Hats.between(breaks, 2.0 * weight * np.eye(order)[k]), 2 * len(width)
         linear = WeightedRows(
             position, hats.left, hats.weights, np.zeros(count), np.zeros((count, sizes)),
             signed=True, spans=hats.spans, poly=hats.poly,

@@ -25,6 +25,7 @@ from synthesis.optimise.dual_bound.row_functionals import (
 )
 from synthesis.optimise.dual_bound.switching import Switching
 from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.dual_bound.test_bound import CASES, FAMILY
 from tests.optimise.dual_bound.test_bound import found as solved_on
 from tests.optimise.dual_bound.test_switching import switching
@@ -97,6 +98,48 @@ def test_the_least_integral_of_high_degrees(seed: int, order: int) -> None:
         assert np.min(inside) >= -1e-9 or np.max(inside) <= 1e-9
 
 
+def flat_face(angles: tuple[float, float], lift: float, radius: float, jerk: float) -> DesignSpec:
+    """A slide with a flat face: the limit is on s + s'', of which laws keep long arcs."""
+    rise, back = angles
+    law = {"kind": "spline"}
+    return DesignSpec.model_validate(
+        {
+            "speed_rpm": 149.0,
+            "program": [
+                {"kind": "rise", "angle_deg": rise, "lift_mm": lift, "law": law},
+                {"kind": "dwell", "angle_deg": 46.0},
+                {"kind": "return", "angle_deg": back, "lift_mm": lift, "law": law},
+                {"kind": "dwell", "angle_deg": 314.0 - rise - back},
+            ],
+            "follower": {"kind": "translating_flat_face"},
+            "limits": [
+                {"kind": "profile_radius", "min_mm": radius},
+                {"kind": "jerk", "max_mm_per_s3": jerk},
+            ],
+        }
+    )
+
+
+@pytest.mark.parametrize("spec", [
+    flat_face((93.0, 71.0), 14.7, 6.1, 3.1e6), flat_face((64.0, 117.0), 21.3, 2.9, 5.7e6),
+])  # fmt: skip
+def test_along_an_arc_the_gap_closes_as_the_square_of_the_knots_distance(spec: DesignSpec) -> None:
+    """Although no more than one point of each knot interval has a multiplier."""
+    gaps = []
+    for intervals in (26, 104):
+        value, lower = solved_on(problem(spec), intervals)
+        gaps.append((value - lower.value) / value)
+    assert 1e-4 < gaps[0] < 0.1
+    assert gaps[1] < gaps[0] / 12.0
+
+
+def test_a_limit_met_at_one_point_has_its_multiplier_there() -> None:
+    """The base circle of the dwell is the least radius: only the law's end is at its limit."""
+    value, lower = solved_on(problem(flat_face((123.0, 113.0), 9.41, 3.02, 510000.0)), 17)
+    assert value == pytest.approx(3.02, rel=1e-6)
+    assert value * (1.0 - 1e-5) < lower.value <= value * (1.0 + 1e-9)
+
+
 @settings(max_examples=7)
 @given(
     st.sampled_from([name for name in CASES if name not in FAMILY]),
@@ -124,7 +167,7 @@ def test_any_density_gives_a_bound(name: str, seed: int, magnitude: float) -> No
         lagrangian.add_rows(one.point_rows(), own * rng.uniform(0.0, 2.0, one.count))
         if one.uniform:
             noise = 10.0**magnitude * np.max(own) * rng.exponential(size=2 * (one.count - 1))
-            lagrangian.add_rows(one.hat_rows(np.full(len(noise), True)), noise)
+            lagrangian.add_rows(one.hat_rows(np.sort(rng.uniform(0.0, 1.0, one.count))), noise)
     near = boundary_multipliers(model, solution, order)
     add_costates(lagrangian, steering, near)
     assert not bound_from_lagrangian(solution, lagrangian, steering).value > fine * (1.0 + 1e-9)
