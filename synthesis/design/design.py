@@ -166,7 +166,7 @@ class Proof(AnswerModel):
 
 
 class Certificate(Proof):
-    """What was proven of the answer, for the first objective and in `also` for the others."""
+    """What was proven of the first objective, and in `other_objectives` of the others."""
 
     certified: bool = doc("Every limit holds at every cam angle.")
     other_objectives: list[Proof] = Field(

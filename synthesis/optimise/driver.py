@@ -32,6 +32,7 @@ from synthesis.optimise.dual_bound.bound import Bound, in_core_units
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import (
+    Candidate,
     cam_at_size,
     enlarge_until_feasible,
     recover_cam,
@@ -92,6 +93,7 @@ def optimise(
     *,
     proof: ProofBudget = QUICK,
     warm_start: WarmStart | None = None,
+    incumbent: Candidate | None = None,
     sufficient: float = -inf,
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
@@ -103,6 +105,7 @@ def optimise(
         tighten: relative tightening of the rows against the solver's tolerance.
         proof: what may be spent where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
+        incumbent: a cam that another objective under the same limits has led to.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
 
@@ -120,6 +123,10 @@ def optimise(
         # problem for this driver.
         return _with_coverage(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
+    if incumbent is not None and not presolved:
+        state = state.with_incumbent(
+            recover_cam(problem, incumbent.laws, incumbent.size, keep_hint=True)
+        )
     tree = Tree((RootNode(optimise, presolved),))
     while not any(holds(state, tree, tree.next_node) for _, holds in EXITS):
         node = tree.next_node

@@ -207,6 +207,7 @@ def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
                 problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
                 tighten, proof=_proof_budget(spec),
                 warm_start=goal.warm_start if from_start else None,
+                incumbent=attempt.searches[-1].incumbent if rank else None,
                 sufficient=sufficient if from_start else -inf,
             )  # fmt: skip
             attempt.searches.append(state)

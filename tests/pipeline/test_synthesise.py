@@ -223,6 +223,36 @@ def test_ordered_objectives_keep_the_first() -> None:
     )
 
 
+@pytest.mark.parametrize("kind", ["rms_acceleration", "peak_jerk"])
+def test_a_later_objective_has_a_bound_where_only_the_first_ones_cam_is_known(kind: str) -> None:
+    """The first objective is held so closely that no search finds another cam."""
+    law = {"kind": "spline"}
+    design = synthesise(
+        DesignSpec.model_validate(
+            {
+                "speed_rpm": 52.8,
+                "program": [
+                    {"kind": "rise", "angle_deg": 80.4, "lift_mm": 12.8, "law": law},
+                    {"kind": "dwell", "angle_deg": 35.9},
+                    {"kind": "return", "angle_deg": 93.0, "lift_mm": 12.8, "law": law},
+                    {"kind": "dwell", "angle_deg": 150.7},
+                ],
+                "follower": {"kind": "translating_roller", "roller_radius_mm": 8.42},
+                "limits": [
+                    {"kind": "pressure_angle", "rise_deg": 33.8, "return_deg": 36.3},
+                    {"kind": "jerk", "max_mm_per_s3": 73900.0},
+                ],
+                "tolerance": 5e-3,
+                "objective": [{"kind": "base_radius"}, {"kind": kind}],
+                "proof": "quick",
+            }
+        )
+    )
+    (later,) = design.certificate.other_objectives
+    assert later.gap is not None
+    assert 0.0 < later.gap < 0.5
+
+
 def test_peak_pressure_angle() -> None:
     design = one_objective_at_60("peak_pressure_angle")
     _, s, kinds = sampled(design)

@@ -133,8 +133,8 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
         state = state.with_stage(report)
         # once more with points where rows were violated between theirs
         refined = add_violated_points(state, violations)
-        if refined is state:
-            break
+        if refined is state or solution.stopped is StopReason.INFEASIBLE:
+            break  # more rows make nothing feasible
         state = refined
     return state
 
