@@ -17,7 +17,8 @@ from synthesis.numerics.piecewise import Array, Piecewise
 TYPICAL = np.array([1.0, 2.0, 6.0, 48.0])  # sizes of g to g''' in a good law
 SAMPLES = 64  # collocation points of a law, about
 KNOT_STEP = 2.0**-34  # of the segment: what multipliers say of a knot's place beyond it is rounding
-CLOSEST_KNOTS = 1e-3  # of the segment; closer ones make the rows ill-conditioned
+WIDER_STEP = 4.0  # of ramps of two steps: with closer ones the fourth derivative loses digits
+CLOSEST_KNOTS = 2.5e-4  # of the segment; closer ones make the rows ill-conditioned
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +109,16 @@ def ramp_knots(switches: Array, softer: int) -> Array:
     Where the ideal law's control jumps (at a switch, and at both ends), a smoother
     one needs a short ramp: knots at the switch and as close beside it as knots may lie.
     """
-    step = 1.01 * CLOSEST_KNOTS * np.arange(-softer, softer + 1)
-    around = (switches[:, None] + step).ravel()
-    ends = 1.01 * CLOSEST_KNOTS * np.arange(1, softer + 1)
+    step = ramp_step(softer)
+    around = (switches[:, None] + step * np.arange(-softer, softer + 1)).ravel()
+    ends = step * np.arange(1, softer + 1)
     result = np.concatenate([around, ends, 1.0 - ends])
     return result[(result > 0.0) & (result < 1.0)]
+
+
+def ramp_step(softer: int) -> float:
+    """Distance of a ramp's knots for a law that is smoother by ``softer`` derivatives."""
+    return 1.01 * CLOSEST_KNOTS * (1.0 if softer < 2 else WIDER_STEP)
 
 
 def round_knots(x: Array) -> Array:

@@ -27,6 +27,7 @@ from synthesis.optimise.problem.grid import (
     grid_through,
     merge_knots,
     ramp_knots,
+    ramp_step,
     uniform_grid,
 )
 from synthesis.optimise.problem.problem import Problem
@@ -109,8 +110,9 @@ def _where_it_pays(
     single = costly & (counts == 1)
     halved = _halved(breaks, costly & ~single)
     # as close as knots may lie: where a window ends, even an ideal law has much to settle
-    ends, step = np.array(free.knots), 1.01 * CLOSEST_KNOTS
-    ramps = ramp_knots(switches[single[inside]], free.smoothness + 1 - lower.order)
+    softer = free.smoothness + 1 - lower.order
+    ends, step = np.array(free.knots), ramp_step(softer)
+    ramps = ramp_knots(switches[single[inside]], softer)
     return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), free.knots)
 
 
