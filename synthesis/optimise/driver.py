@@ -9,7 +9,7 @@ nothing else distinguishes it.
     select      the leaf with the least lower bound
     process     propagate, relax, separate, solve and bound (``root_node``: on one mesh, then again
                 on a finer one; ``branching``: on a part of the domain); heuristics
-    branch      a local search at the root; then parts of the domain
+    branch      a local search at the root; then parts of the domain; of given laws boxes of sizes
 
 Who asks: ``pipeline`` for designs and conflicts, ``parameters`` for free angles and lengths, and
 ``strategy`` for problems with one dimension or one limit fixed.

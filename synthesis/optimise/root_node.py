@@ -20,6 +20,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.branching.pivot_node import PivotNode
+from synthesis.optimise.branching.size_search import search_sizes
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
@@ -42,8 +43,7 @@ from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
-ROUNDS = 8
-"""Meshes at most."""
+ROUNDS = 8  # meshes at most
 COARSEST, FINEST = 24, 96
 """Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
 INTERVALS_AT_UNIT_TOLERANCE = 3.7
@@ -58,10 +58,8 @@ FINE_ENOUGH = 2.0
 """Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
 GROWTH = 1.1
 """Factor on the number of intervals: a round that adds fewer says nothing about finer knots."""
-WIDE_GAP = 0.05
-"""A gap at which caps that do not bind may be what keeps the bound low."""
-IDLE = 0.9
-"""A round that leaves more of the gap is idle."""
+WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
+IDLE = 0.9  # a round that leaves more of the gap is idle
 MARGIN_BITS = 16
 """Of the margin for rows written at points: it is known no better."""
 LEVEL_ROOMS = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
@@ -229,6 +227,8 @@ class RootNode(Node):
         if not state.needs_local_search:
             return state, ()
         state = local_search(state)
+        if not problem.free:
+            return search_sizes(state), ()
         if not state.solved and state.time_left > 0.0:
             by_pivots = problem.omits_curved_rows and not _fixable(problem)
             child = PivotNode.root(state) if by_pivots else TracedNode.root(state)

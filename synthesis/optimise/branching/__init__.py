@@ -4,5 +4,5 @@ In: a ``SolveState`` with an incumbent whose gap is open. Out: the same with a b
 
 ``node.py`` says what a node does: process, branch, conclude. ``traced_node.py`` has nodes for
 limits on a traced point (curvature, Hertz pressure), ``pivot_node.py`` nodes for arms and faces
-whose pivot is free.
+whose pivot is free. ``size_search.py`` is for given laws: boxes of sizes, many at once.
 """

@@ -92,7 +92,7 @@ def _remove_excluded_slices(problem: Problem, sizes: Ends) -> Ends:
     for _ in range(SLICES):
         slices = boxes.copy()
         slices[-1, 1] = np.minimum(boxes[-1, 0] + step, boxes[-1, 1])
-        empty = _is_excluded(problem, slices)
+        empty = is_excluded(problem, slices)
         boxes[-1, 0] = np.where(empty, slices[-1, 1], boxes[-1, 0])
         gone |= empty & (slices[-1, 1] >= boxes[-1, 1])
         step = np.where(empty, 1.5 * step, 0.5 * step)
@@ -103,10 +103,13 @@ def _remove_excluded_slices(problem: Problem, sizes: Ends) -> Ends:
     return tuple((float(np.min(low[left])), float(np.max(high[left]))) for low, high in boxes)
 
 
-def _is_excluded(problem: Problem, boxes: Array) -> NDArray[np.bool_]:
-    """Whether some row is broken all over boxes of sizes: (d, 2, b) to (b,)."""
+def is_excluded(problem: Problem, boxes: Array, samples: int = SAMPLES) -> NDArray[np.bool_]:
+    """Whether some row is broken all over boxes of sizes: (d, 2, b) to (b,).
+
+    ``samples``: of a segment; the narrower boxes are, the more tell something.
+    """
     result = np.zeros(boxes.shape[2], dtype=bool)
-    for rows, upper, _ in _rows(problem, boxes):
+    for rows, upper, _ in _rows(problem, boxes, samples):
         least = np.sum(
             np.min(rows.reshape(len(rows), 1, -1, len(result)) * boxes[:, :, None], axis=1), axis=0
         )
@@ -114,7 +117,9 @@ def _is_excluded(problem: Problem, boxes: Array) -> NDArray[np.bool_]:
     return result
 
 
-def _rows(problem: Problem, boxes: Array) -> Iterator[tuple[Array, Array, str]]:
+def _rows(
+    problem: Problem, boxes: Array, samples: int = SAMPLES
+) -> Iterator[tuple[Array, Array, str]]:
     """Rows · z ≤ upper of every limit on every given segment: (d, n b) and (n b,), its source.
 
     ``boxes``: (d, 2, b) of sizes; each has n rows of its own, which run slower.
@@ -122,7 +127,7 @@ def _rows(problem: Problem, boxes: Array) -> Iterator[tuple[Array, Array, str]]:
     for segment in problem.segments:
         if segment.law is None:
             continue
-        theta = _angles(problem, segment)
+        theta = _angles(problem, segment, samples)
         s = np.asarray(segment.placed().derivatives(theta)[:3])
         each = np.repeat(s, boxes.shape[2], axis=1)
         angles = np.repeat(theta, boxes.shape[2])
@@ -135,13 +140,13 @@ def _rows(problem: Problem, boxes: Array) -> Iterator[tuple[Array, Array, str]]:
                     yield cuts.size, upper, implied.source
 
 
-def _angles(problem: Problem, segment: PlacedSegment) -> Array:
+def _angles(problem: Problem, segment: PlacedSegment, samples: int = SAMPLES) -> Array:
     """Cam angles of a segment at which its rows are written."""
     load = problem.machine.load
     bends = np.zeros(0) if load is None else load.process.breaks
     inner = bends[(bends > segment.start) & (bends < segment.end)]
     # nothing but the load changes along a dwell, and that is straight between these
-    count = SAMPLES if segment.lift else 1
+    count = samples if segment.lift else 1
     return np.union1d(np.linspace(segment.start, segment.end, count + 1), inner)
 
 

@@ -1,0 +1,138 @@
+"""Given laws with curvature: the least cam by boxes of sizes, against a search over all sizes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis import Design, DesignSpec, synthesise
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.branching.size_search import SizeSearch
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.problem import formulate_problem
+
+LAWS = ("modified_sine", "cycloidal", "polynomial_3_4_5", "modified_trapezoid")
+ANGLES = np.radians(np.linspace(0.0, 360.0, 901))
+
+
+def scene(seed: int) -> dict[str, Any]:
+    """A roller on a slide whose smallest radius of curvature decides, or nearly so."""
+    rng = np.random.default_rng(seed)
+    up, back = rng.uniform(55.0, 130.0, 2)
+    top = rng.uniform(0.0, 40.0)
+    lift, roller = rng.uniform(6.0, 24.0), rng.uniform(3.0, 13.0)
+    law = {"kind": str(rng.choice(LAWS))}
+    offset = [None, {"min": -0.4 * lift, "max": 0.3 * lift}, float(rng.uniform(-3.0, 3.0))]
+    return {
+        "speed_rpm": 97.0,
+        "program": [
+            {"kind": "rise", "angle_deg": up, "lift_mm": lift, "law": law},
+            {"kind": "dwell", "angle_deg": top},
+            {"kind": "return", "angle_deg": back, "lift_mm": lift, "law": law},
+            {"kind": "dwell", "angle_deg": 360.0 - up - top - back},
+        ],
+        "follower": {
+            "kind": "translating_roller",
+            "roller_radius_mm": roller,
+            "offset_mm": offset[seed % 3],
+        },
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": rng.uniform(25.0, 60.0),
+             "return_deg": rng.uniform(25.0, 60.0)},
+            {"kind": "profile_radius", "min_mm": rng.uniform(0.5, 9.0)},
+        ],
+        "tolerance": 5e-3,
+        "proof": "quick",
+    }  # fmt: skip
+
+
+def least_radius(design: Design, steps: int = 241) -> float:
+    """The least base radius on a grid of offsets: by curvature of the centre's path, directly."""
+    spec = design.spec
+    follower: Any = spec.follower
+    angle, radius = spec.limits
+    s, v, a = design.curve.derivatives(ANGLES, 2)
+    offset = follower.offset_mm
+    near = design.dimensions["offset_mm"]
+    span = 0.6 * design.dimensions["prime_radius_mm"]
+    low, high = near - span, near + span
+    if offset is not None:
+        low, high = (offset, offset) if isinstance(offset, float) else (offset.min, offset.max)
+    least = np.inf
+    for e in np.unique(np.linspace(low, high, steps)):
+        bottom, top = 0.0, 2.0 * design.dimensions["prime_radius_mm"]
+        if not _keeps(top, e, s, v, a, follower.roller_radius_mm, angle, radius):
+            continue
+        # the set of radii need not be an interval: the first that holds, from below
+        trial = np.linspace(bottom, top, 801)
+        held = [_keeps(x, e, s, v, a, follower.roller_radius_mm, angle, radius) for x in trial]
+        first = trial[int(np.argmax(held))]
+        least = min(least, float(np.hypot(first, e)) - follower.roller_radius_mm)
+    return least
+
+
+def _keeps(
+    s0: float, e: float, s: Array, v: Array, a: Array, roller: float, angle: Any, radius: Any
+) -> bool:
+    """Whether a cam with the centre at (e, s0) at rest satisfies both limits."""
+    x, u = s0 + s, v - e
+    if np.any(x <= 0.0):
+        return False
+    tangent = np.abs(u / x)
+    up, down = np.tan(np.radians([angle.rise_deg, angle.return_deg]))
+    if np.any(tangent[v > 1e-9] > up) or np.any(tangent[v < -1e-9] > down):
+        return False
+    speed = x * x + u * u
+    curvature = (speed + u * v - x * a) / speed**1.5
+    return bool(np.all(curvature * (roller + radius.min_mm) <= 1.0 + 1e-9))
+
+
+SEEDS = (0, 6, 21, 34)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_gap_of_given_laws_is_closed_and_no_size_is_below_the_bound(seed: int) -> None:
+    design = synthesise(DesignSpec.model_validate(scene(seed)))
+    assert design.status == "optimal"
+    assert any(stage.stage == "sizes" for stage in design.report.stages)
+    proof, least = design.certificate, least_radius(design, 41)
+    assert proof.bound_valid_for == "every size of the given laws"
+    assert proof.value is not None
+    assert proof.lower_bound is not None
+    assert proof.lower_bound <= least
+    assert proof.value <= least * (1.0 + 5e-3)
+
+
+def test_a_box_of_sizes_with_a_cam_is_never_left() -> None:
+    """Boxes about feasible sizes, of every width: whichever is excluded holds none."""
+    rng = np.random.default_rng(11)
+    for seed in SEEDS:
+        spec = DesignSpec.model_validate(scene(seed))
+        problem = formulate_problem(spec, spec.objectives()[0])
+        search = SizeSearch(optimise(problem, 0.5))
+        best = search.state.incumbent
+        assert best is not None
+        feasible = np.array(best.size) * (1.0 + 1e-9)
+        feasible[:-1] = best.size[:-1]
+        width = 10.0 ** rng.uniform(-6.0, 1.0, (2, 40))
+        share = rng.uniform(0.0, 1.0, (2, 40))
+        low = feasible[:, None] - share * width
+        boxes = np.stack([low, low + width], axis=1)
+        least = -search.bound(boxes)
+        inside = low + rng.uniform(0.0, 1.0, low.shape) * width
+        for column, bounded in enumerate(least):
+            for point in (feasible, inside[:, column], *boxes[:, :, column].T):
+                assert bounded <= search.norm.value(tuple(point)) * (1.0 + 1e-12)
+
+
+def test_a_search_that_ends_early_proves_no_more_than_its_boxes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("synthesis.optimise.branching.size_search.BOXES", 9)
+    design = synthesise(DesignSpec.model_validate(scene(6)))
+    assert design.status == "feasible"
+    gap = design.certificate.gap
+    assert gap is not None
+    assert gap > 0.05
