@@ -92,9 +92,10 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
 
     Any multipliers give a valid one: over all laws; over the splines of the model's mesh alone
     where nothing caps or weighs a derivative of every law. ``costates``: (1, laws, m), needed where
-    the rows at hand are not those that were solved; None: those of ``boundary_multipliers``.
+    the rows at hand are those that were solved at many more points (``MultiplierDensity``); None:
+    those of ``boundary_multipliers``.
     """
-    controls = law_controls(model)
+    controls, dense = law_controls(model), costates is not None
     if controls is None:
         value = spline_family_bound(model, solution)
         return Bound(in_core_units(model, value), _family_name(model))
@@ -110,7 +111,8 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
         lagrangian.add_rows(rows, mass)
     # Rows act at their points, or as densities between these.
     for one in terms.row_functionals(model, order, z):
-        points, densities = one.distribute(z[one.first_row : one.first_row + one.count])
+        own = z[one.first_row : one.first_row + one.count]
+        points, densities = one.distribute(own, dense=dense)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
         for rows, mass in densities:

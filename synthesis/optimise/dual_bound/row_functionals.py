@@ -157,8 +157,11 @@ class RowFunctional:
         of = self.point_rows(np.zeros(len(hats.left), dtype=np.intp))
         return replace(of, x=hats.left, weights=hats.weights, spans=hats.spans, poly=hats.poly)
 
-    def distribute(self, z: Array) -> tuple[Array, Terms]:
+    def distribute(self, z: Array, *, dense: bool = False) -> tuple[Array, Terms]:
         """Multipliers z (r,) shared out: what stays at the points (r,), and densities.
+
+        ``dense``: whether there are many points in a knot interval, with the multipliers of a
+        density already: then it is linear between these points.
 
         A point multiplier on the derivative just below the control makes ψ jump; where that
         bound is met along an arc the true multiplier is a density, and ψ vanishes there. Where a
@@ -171,7 +174,7 @@ class RowFunctional:
         if windowed:
             kept[[0, -1]] = z[[0, -1]]
         mass = z - kept
-        if not self.block.exact:
+        if not self.block.exact and not dense:
             alone, nodes, mass = self._quadrature(mass)
             kept += alone
         hats = np.concatenate(distribute_to_intervals(nodes, mass))

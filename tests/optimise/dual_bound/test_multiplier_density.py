@@ -7,10 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.dual_bound.batch import MultiplierDensity
-from synthesis.optimise.dual_bound.bound import dual_bound
-from synthesis.optimise.dual_bound.costates import boundary_multipliers
-from synthesis.optimise.dual_bound.row_functionals import row_functionals
+from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian, dual_bound
+from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.row_functionals import (
+    cone_rows,
+    fixed_size_rows,
+    row_functionals,
+)
 from tests.optimise.scenes import TURNING as TURN
 from tests.optimise.scenes import acceleration, angles, direct, even, jerk, problem, scene, uneven
 
@@ -58,3 +64,46 @@ def test_densities_lie_between_points_that_ascend() -> None:
     mixed = [replace(block, x=block.x[::-1]) for block in model.blocks]
     backwards = replace(model, blocks=tuple(mixed))
     assert not any(one.uniform for one in row_functionals(backwards, 3))
+
+
+def test_a_density_at_many_points_is_linear_between_these() -> None:
+    """One node in a knot interval is for multipliers of a spline's own rows."""
+    question = problem(SCENE)
+    model = MultiplierDensity.of(direct(question, uneven(question, 2)).model, [], EACH).model
+    steered = [one for one in row_functionals(model, 3) if one.uniform and one.jumps]
+    assert steered
+    for one in steered:
+        z = np.random.default_rng(5).exponential(size=one.count)
+        widths = []
+        for dense in (True, False):
+            kept, ((rows, mass),) = one.distribute(z, dense=dense)
+            assert rows.spans is not None
+            assert np.sum(kept) + np.sum(mass) == pytest.approx(np.sum(z), rel=1e-12)
+            widths.append(np.ptp(rows.spans, axis=1).max())
+        assert widths[0] <= np.diff(one.block.x).max() * (1.0 + 1e-12)
+        assert widths[1] > 3.0 * widths[0]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_distributed_density_is_bounded_as_it_is(seed: int) -> None:
+    """In a bound the masses of dense rows are not gathered again."""
+    question = problem(SCENE)
+    answer = direct(question, uneven(question, seed))
+    between = MultiplierDensity.of(answer.model, [], EACH)
+    ends = boundary_multipliers(answer.model, answer.solution, 3)
+    own = between.distribute_single(answer.solution.multipliers, ends)
+    spread = replace(answer.solution, multipliers=own)
+    lagrangian = Lagrangian(between.model, 3)
+    z = nonnegative_multipliers(between.model, spread)
+    for rows, mass in (*fixed_size_rows(between.model, z), *cone_rows(between.model, z)):
+        lagrangian.add_rows(rows, mass)
+    for one in row_functionals(between.model, 3, z):
+        kept, densities = one.distribute(z[one.first_row : one.first_row + one.count], dense=True)
+        lagrangian.add_rows(one.point_rows(), kept)
+        for rows, mass in densities:
+            lagrangian.add_rows(rows, mass)
+    controls = law_controls(between.model)
+    assert controls
+    add_costates(lagrangian, controls, ends)
+    expected = bound_from_lagrangian(spread, lagrangian, controls).value
+    assert dual_bound(between.model, spread, ends).value == pytest.approx(expected, rel=1e-9)
