@@ -186,7 +186,7 @@ def rows() -> Iterator[str]:
 
 def main() -> None:
     print(
-        "| objective | designed | bound at these angles | return before + after | lift before in "
+        "| objective | designed | bound over all angles | return before + after | lift before in "
         "| independent search | its angles |"
     )
     print("|---|" + "--:|" * 6)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
 from math import inf, isfinite
+from typing import TypeVar
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.objectives import Objective
@@ -34,6 +35,7 @@ from synthesis.spec.program import Segment
 from synthesis.units import Travel
 
 Vector = tuple[float, ...]
+ProofLine = TypeVar("ProofLine", bound=Proof)
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,42 +300,51 @@ def design(
     )
 
 
-def with_free_parameters(answer: Design, question: DesignSpec, numbers: Sequence[float]) -> Design:
+def with_free_parameters(
+    answer: Design, question: DesignSpec, numbers: Sequence[float], over_numbers: Sequence[Bounded]
+) -> Design:
     """The answer to a question that leaves numbers free, from that with them in place.
 
-    Its bounds say nothing of other numbers, so that it is feasible and no more.
+    ``over_numbers``: bounds of the first objectives over all numbers [wire]. Those of the others
+    say nothing of other numbers, so that with such a one it is feasible and no more.
     """
     if not numbers:
         return answer
     searched = question.free_parameters.parameters
     chosen = {parameter.field: value for parameter, value in zip(searched, numbers, strict=True)}
-    proof, conflict = answer.certificate, answer.conflict
-    if conflict is not None:
-        words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen.items())
-        evidence = f"{conflict.evidence}; all this at {words}, where nothing better was found"
-        conflict = conflict.model_copy(update={"evidence": evidence})
-    others = [
-        each.model_copy(update={"bound_valid_for": _limited_to_values(each)})
-        for each in proof.other_objectives
-    ]
-    certificate = proof.model_copy(
-        update={"bound_valid_for": _limited_to_values(proof), "other_objectives": others}
-    )
+    proof = answer.certificate
+    each = [proof, *proof.other_objectives]
+    proven = [_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
+    first, *others = (*proven, *map(_limited_to_values, each[len(proven) :]))
+    covered = len(proven) == len(each) and all(p.gap is not None for p in proven)
+    close = covered and all(p.gap is not None and p.gap <= question.tolerance for p in proven)
+    solved = answer.status in ("optimal", "feasible")
     return answer.model_copy(
         update={
             "id": design_id(question),
             "spec": question,
             "free_parameters": chosen,
-            "status": "feasible" if answer.status == "optimal" else answer.status,
-            "certificate": certificate,
-            "conflict": conflict,
+            "status": ("optimal" if close else "feasible") if solved else answer.status,
+            "certificate": first.model_copy(update={"other_objectives": others}),
         }
     )
 
 
-def _limited_to_values(proof: Proof) -> str:
-    """What a bound covers that was found with numbers chosen."""
-    return f"{proof.bound_valid_for}, at the chosen numbers alone" if proof.bound_valid_for else ""
+def _over_numbers(proof: ProofLine, bounded: Bounded) -> ProofLine:
+    """A proof with the bound over all numbers in place of that at those chosen."""
+    lower = None if proof.value is None else _valid_bound(bounded.lower, proof.value)
+    if lower is None or proof.value is None:
+        return _limited_to_values(proof)
+    infimum = proof.infimum and proof.lower_bound is not None and lower >= proof.lower_bound
+    gap = relative_gap(proof.value, lower)
+    changes = {"lower_bound": lower, "gap": gap, "bound_valid_for": bounded.over}
+    return proof.model_copy(update={**changes, "infimum": infimum})
+
+
+def _limited_to_values(proof: ProofLine) -> ProofLine:
+    """A proof whose bound was found with numbers chosen."""
+    over = f"{proof.bound_valid_for}, at the chosen numbers alone" if proof.bound_valid_for else ""
+    return proof.model_copy(update={"bound_valid_for": over})
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import inf, isfinite
 
 from synthesis.catalogue.fields import Range
 from synthesis.certify import SELF_CROSSING
@@ -48,6 +48,8 @@ AUTO_PROGRAMS = 100
 """Programs for a proof that goes on by itself: 2 to 4 s. A program takes 0.02 to 0.04 s of them,
 whatever the family, with all that is computed around it."""
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
+SINGLE_SHARE = 0.4
+"""Of the tolerance, for the gap at numbers that were chosen: the rest is for all others."""
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
 
@@ -74,6 +76,7 @@ class Attempt:
 
     Attributes:
         question: the spec, with numbers in place of what it leaves free. numbers: these [wire].
+        number_bound: of the first objective over all numbers; None where that is not known.
         tables: its measured laws, smoothed.
         solved_spec: what was solved; built: the spec of the cam that came out. They differ from the
             question where the place of a counter roller is chosen after the size.
@@ -86,6 +89,7 @@ class Attempt:
     tables: Tables
     solved_spec: DesignSpec
     built: DesignSpec
+    number_bound: Bounded | None = None
     searches: list[SolveState] = field(default_factory=list)
     best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
@@ -152,19 +156,21 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     Returns:
         an attempt with nothing solved.
     """
-    question, numbers = NondimensionalSpec.of(spec), list[float]()
+    question, numbers, bounded = NondimensionalSpec.of(spec), list[float](), None
     free_parameters = spec.free_parameters
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
 
-        numbered, stage = choose_parameters(question.scaled, goal.stop)
+        numbered, stage, proof = choose_parameters(question.scaled, goal.stop, _proof_budget(spec))
+        if proof is not None and isfinite(proof.lower):
+            bounded = Bounded(spec.objectives()[0], proof.lower, proof.valid_for)
         stages.append(Effort(**vars(stage)))
         question = question.with_scaled(numbered)
         physical = question.physical
         numbers = free_parameters.values_in(physical.program, physical.follower)
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [Effort(**vars(stage)) for stage in tables.stages]
-    return Attempt(question, numbers, tables, question.scaled, question.scaled)
+    return Attempt(question, numbers, tables, question.scaled, question.scaled, bounded)
 
 
 def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -199,13 +205,17 @@ def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
     solved_spec, first, place = spec.without_deferred(), None, None
     while True:
         # 1. Minimise one objective after the other.
-        attempt = Attempt(question, numbers, tables, solved_spec, solved_spec)
+        attempt = Attempt(
+            question, numbers, tables, solved_spec, solved_spec, prepared.number_bound
+        )
         last = len(spec.objectives()) - 1
         for rank, problem in enumerate(attempt.problems(goal.smallest)):
             from_start = rank == 0 and first is None
+            share = 1.0 if rank == last else 0.5
+            if rank == 0 and prepared.number_bound is not None:
+                share = SINGLE_SHARE  # the rest of the tolerance is for other numbers
             state = optimise(
-                problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
-                tighten, proof=_proof_budget(spec),
+                problem, share * spec.tolerance, goal.stop, tighten, proof=_proof_budget(spec),
                 warm_start=goal.warm_start if from_start else None,
                 incumbent=attempt.searches[-1].incumbent if rank else None,
                 sufficient=sufficient if from_start else -inf,

@@ -71,7 +71,8 @@ class Smallest:
         A bound at numbers that were chosen says nothing of other numbers, one over splines on some
         knots nothing of other laws, and one above a cam is none.
         """
-        sound = self.lower <= self.radius * (1.0 + ROUNDING) and not self.attempt.numbers
+        known = not self.attempt.numbers or self.attempt.number_bound is not None
+        sound = known and self.lower <= self.radius * (1.0 + ROUNDING)
         return sound and all(search.covers_all_laws for search in self.attempt.searches[:1])
 
     @property
@@ -251,7 +252,8 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
     built = question.to_physical(wider.built)
     radius = built.follower.dimensions(wider.cam.size)["base_radius_mm"]
-    (bounded,) = in_wire_units(wider.question, wider.built, wider.bounds[:1])
+    first = wider.number_bound or wider.bounds[0]
+    (bounded,) = in_wire_units(wider.question, wider.built, [first])
     least, most = ends(spec.base_radius_mm)
     cam, bounds = wider.cam, wider.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least allowed

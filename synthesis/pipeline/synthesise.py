@@ -25,6 +25,7 @@ from synthesis.pipeline.assembly import (
 )
 from synthesis.pipeline.attempt import Goal, prepare, solve_and_certify
 from synthesis.pipeline.conflict import explain
+from synthesis.pipeline.free_numbers import over_all_numbers
 from synthesis.pipeline.largest_radius import complete, first_question
 from synthesis.spec.design_spec import DesignSpec
 
@@ -67,13 +68,16 @@ def synthesise(
     near = neighbours[-1] if neighbours else None
     goal = Goal(stop, None if near is None else near.search)
     # 1. Solve and certify. A maximum of the base radius is compared with the smallest cam.
-    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
+    prepared = prepare(first_question(spec), goal, stages)
+    first = solve_and_certify(prepared, goal, stages)
     attempt, smallest = complete(spec, first, goal, stages)
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
     # 2. Without a certified cam: why.
     conflict = None if attempt.certified else explain(attempt, smallest, stop)
+    if conflict is not None:
+        conflict = over_all_numbers(conflict, spec, attempt, smallest, goal, stages)
     # 3. Values, bounds and gaps in the units of the wire; the status follows from them.
     #    Questions on the way had objectives, tolerances and proofs of their own.
     question = attempt.question
@@ -85,7 +89,10 @@ def synthesise(
     answer = design(
         built, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
-    answer = with_free_parameters(answer, spec, attempt.numbers)
+    # What is proven of all numbers is of the question itself, whatever came after it.
+    known = [] if prepared.number_bound is None else [prepared.number_bound]
+    over_numbers = in_wire_units(question, attempt.built, known)
+    answer = with_free_parameters(answer, spec, attempt.numbers, over_numbers)
     if spec.report_smoothness_cost:
         cost = _smoothness_cost(answer, spec, stop)
         answer = answer.model_copy(update={"smoothness_cost": cost})

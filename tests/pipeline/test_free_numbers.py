@@ -211,6 +211,40 @@ def test_an_infeasible_one_says_where() -> None:
     )  # fmt: skip
     assert design.status == "infeasible"
     assert "program/0/angle_deg = " in design.conflict.evidence
+    assert "at all angles and lifts that are free" in design.conflict.evidence
+
+
+def test_no_proof_at_chosen_numbers_excludes_others() -> None:
+    """A window in a free angle has no bound over all angles, so that nothing is excluded."""
+    window = {"from_deg": 21.7, "to_deg": 36.3, "velocity_mm_per_s": 130.0}
+    design = synthesise(
+        cam(rise({"min": 40.0, "max": 240.0}, 22.1, windows=[window]), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
+            limits=[{"kind": "jerk", "max_mm_per_s3": 1e3}])
+    )  # fmt: skip
+    assert design.status == "unsolved"
+    assert not design.conflict.proven
+    assert all(each.at_least is None for each in design.conflict.relaxations)
+
+
+def test_a_radius_that_no_angles_reach_is_proven_impossible() -> None:
+    """A maximum 2 % below the bound over all angles; just above the answer there is a cam."""
+    program = (rise({"min": 50.7, "max": 88.8}, 28.2), dwell(45.9),
+               fall({"min": 73.4, "max": 128.0}, 28.2), dwell(159.0))  # fmt: skip
+    limits = [{"kind": "pressure_angle", "rise_deg": 29.4, "return_deg": 39.6},
+              {"kind": "jerk", "max_mm_per_s3": 1.3e7}]  # fmt: skip
+    more: dict[str, Any] = {"limits": limits, "speed_rpm": 190.0, "base_radius_mm": None}
+    found = synthesise(cam(*program, **more))
+    assert found.status == "optimal"
+    assert found.certificate.bound_valid_for.endswith("at all angles and lifts that are free")
+    assert found.certificate.value is not None
+    assert found.certificate.lower_bound is not None
+    more["base_radius_mm"] = {"max": 0.98 * found.certificate.lower_bound}
+    refused = synthesise(cam(*program, **more))
+    assert refused.status == "infeasible"
+    assert refused.conflict is not None
+    assert "at all angles and lifts that are free" in refused.conflict.evidence
+    more["base_radius_mm"] = {"max": 1.001 * found.certificate.value}
+    assert synthesise(cam(*program, **more)).certificate.certified
 
 
 def test_an_analysis_wants_numbers() -> None:

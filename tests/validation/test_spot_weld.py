@@ -46,20 +46,21 @@ def test_no_angles_are_better(objective: str) -> None:
     value = design.certificate.value / INCH
     assert value == pytest.approx(scanned, rel=2e-3)
     assert design.certificate.lower_bound <= design.certificate.value
-    assert design.certificate.gap < 2e-3
+    assert design.certificate.gap <= 5e-3
     if objective == "peak_acceleration":
         exact = CAM["exact_acceleration"]()
         assert exact * (1.0 - 1e-9) <= value <= 1.002 * exact
+        assert design.certificate.lower_bound <= exact * INCH
         assert scanned >= exact * (1.0 - 1e-9)
 
 
 @pytest.mark.parametrize("objective", ["peak_acceleration", "peak_jerk"])
 def test_the_answer_is_certified_and_says_what_was_chosen(objective: str) -> None:
     design = CAM["designed"](objective)
-    assert design.status == "feasible"
+    assert design.status == "optimal"
     assert design.certificate.certified
     assert design.certificate.bound_valid_for.startswith("all motion laws")
-    assert design.certificate.bound_valid_for.endswith("at the chosen numbers alone")
+    assert design.certificate.bound_valid_for.endswith("at all angles and lifts that are free")
     assert list(design.free_parameters) == [
         "program/0/angle_deg", "program/2/angle_deg", "program/2/lift_mm", "program/4/angle_deg",
         "program/4/lift_mm",

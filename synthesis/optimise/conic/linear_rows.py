@@ -39,6 +39,15 @@ class Scales:
 
 
 @dataclass(frozen=True, eq=False)
+class RowOrigin:
+    """What a block was made of: a row of a limit or an objective on a segment, divided by scale."""
+
+    segment: PlacedSegment
+    row: LinearInequality
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
 class LinearBlock:
     """Rows laws · c + size · ζ + level · π ≤ rhs of one kind on one segment, row-scaled.
 
@@ -59,6 +68,7 @@ class LinearBlock:
         spans: (r, 2) where on the law each row's multiplier may be spread, as its limit holds all
             along there; None for rows of the whole law.
         exact: = rhs in place of ≤ rhs.
+        origin: of rows that hold whatever the region; None of cuts, and of rows of no limit.
     """
 
     kind: Literal["point", "control", "monotone", "size"]
@@ -73,14 +83,19 @@ class LinearBlock:
     tightening: float = 0.0
     spans: Array | None = None
     exact: bool = False
+    origin: RowOrigin | None = None
 
     @classmethod
     def of_size(
-        cls, size: Array, rhs: Array, source: str, *, level: float = 0.0, tighten: float = 0.0
-    ) -> LinearBlock:
+        cls, size: Array, rhs: Array, source: str, *, level: float = 0.0, tighten: float = 0.0,
+        origin: RowOrigin | None = None,
+    ) -> LinearBlock:  # fmt: skip
         """Rows without motion: size (n_size,) or (r, n_size), rhs (r,)."""
         nowhere = np.zeros(len(rhs))
-        return cls("size", None, None, nowhere, np.zeros(4), size, level, rhs, source, tighten)
+        return cls(
+            "size", None, None, nowhere, np.zeros(4), size, level, rhs, source, tighten,
+            origin=origin,
+        )  # fmt: skip
 
     @cached_property
     def orders(self) -> tuple[int, ...]:
@@ -178,8 +193,9 @@ def rows_on_law(
             x, laws = x[end], laws[end]
     bound = np.full(len(laws), digits[5])
     return LinearBlock(
-        kind, position, laws, x, factors, digits[6:], float(digits[4]), bound, row.source, tighten
-    )
+        kind, position, laws, x, factors, digits[6:], float(digits[4]), bound, row.source, tighten,
+        origin=RowOrigin(segment, row, scale),
+    )  # fmt: skip
 
 
 def _worst_end(alpha: Array, segment: PlacedSegment, boundary: BoundaryState) -> slice | None:
@@ -217,7 +233,7 @@ def _row_on_window(
     laws = space.basis(x, order) * factors[order]
     return LinearBlock(
         "point", position, laws, np.clip(x, *part), factors, np.zeros(0), 0.0, bound, row.source,
-        tighten, spans, row.equality,
+        tighten, spans, row.equality, RowOrigin(segment, row, scale),
     )  # fmt: skip
 
 
@@ -271,7 +287,7 @@ def row_on_given_law(
     room = round_mantissa(np.array([(row.upper - worst) / scale]))
     return LinearBlock.of_size(
         round_mantissa(size / scale), room, row.source, level=float(round_mantissa(level / scale)),
-        tighten=tighten,
+        tighten=tighten, origin=RowOrigin(segment, row, scale),
     )  # fmt: skip
 
 

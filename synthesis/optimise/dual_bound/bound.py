@@ -150,14 +150,15 @@ def bound_from_lagrangian(
     lagrangian.reduce()
     model, psi = lagrangian.model, lagrangian.psi()
     total = _minimum(solution, lagrangian, controls, psi)
-    over = (
-        f"all motion laws with a bounded {NAMES[lagrangian.order]}"
-        if controls
-        else _family_name(model)
-    )
+    over = all_laws(lagrangian.order) if controls else _family_name(model)
     level = 0.0 if model.epigraph is None else abs(float(solution.x[model.epigraph]))
     result = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in controls)
     return Bound(in_core_units(model, total), over, psi, result)
+
+
+def all_laws(order: int) -> str:
+    """What a bound with a control of some order covers."""
+    return f"all motion laws with a bounded {NAMES[order]}"
 
 
 def _family_name(model: ConicModel) -> str:
@@ -253,7 +254,23 @@ def _minimum(
         for each, p, c in zip(blur, psi, controls, strict=True)
     )
     # 3. Over the size and the level.
+    total = minimum_over_sizes(solution, lagrangian, total)
     norm = objective.norm(model.problem.machine)
+    if norm is not None or model.energy is not None:
+        return total
+    price = level_price(lagrangian)
+    for a, c, each in zip(area, controls, blur, strict=True):
+        price += c.rate * (each + a)
+    return total / price if price > 0.0 else 0.0
+
+
+def minimum_over_sizes(solution: ConeSolution, lagrangian: Lagrangian, total: float) -> float:
+    """The minimum over all sizes of a Lagrangian that comes to ``total`` over laws.
+
+    Of a norm it is the bound; else the level is still to be taken care of (``level_price``).
+    """
+    model = lagrangian.model
+    norm = model.problem.objective.norm(model.problem.machine)
     bounds = np.array(model.problem.sizing.bounds) / model.scales.size
     size, magnitude = lagrangian.size[0], lagrangian.size_magnitude[0]
     reach = np.max(np.abs(bounds), axis=1)
@@ -274,16 +291,15 @@ def _minimum(
         return float(shrink * (total + y @ shift - ROUNDING * (magnitude @ reach)))
     if not model.problem.for_every_size:
         total += float(np.sum(np.min(size[:, None] * bounds, axis=1)))
-        total -= ROUNDING * float(magnitude @ reach)
-    elif size.any():
-        return -inf  # of sizes beyond those that are searched nothing is known
-    if model.energy is not None:
-        return total
+        return total - ROUNDING * float(magnitude @ reach)
+    # of sizes beyond those that are searched nothing is known
+    return -inf if size.any() else total
+
+
+def level_price(lagrangian: Lagrangian) -> float:
+    """What the rows charge for a unit of the level, but for what it caps on the laws."""
     level = float(lagrangian.level[0])
-    price = abs(level) * ROUNDING - level
-    for a, c, each in zip(area, controls, blur, strict=True):
-        price += c.rate * (each + a)
-    return total / price if price > 0.0 else 0.0
+    return abs(level) * ROUNDING - level
 
 
 def _control_integrals(

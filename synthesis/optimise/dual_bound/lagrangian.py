@@ -104,12 +104,20 @@ class Lagrangian:
         for before, after, k, ratio in shared_derivatives(self.model, self.order):
             self.initial_costates[:, after, k] += ratio * costates[:, before, k]
 
-    def psi_pieces(self, position: int) -> tuple[Array, Array]:
-        """ψ of one law: breaks (n+1,), polynomials (q, n, m); without densities."""
+    def functionals(self, position: int) -> tuple[Array, Array]:
+        """All of one law: x (n,), weights (q, n, m). Densities act so on what lies before them."""
         each = self._functionals[position]
         points = np.concatenate([np.zeros(0), *(x for x, _ in each)])
         nothing = np.zeros((self.count, 0, self.order))
-        return switching_pieces(points, np.concatenate([nothing, *(w for _, w in each)], axis=1))
+        return points, np.concatenate([nothing, *(w for _, w in each)], axis=1)
+
+    def has_densities(self, position: int) -> bool:
+        """Whether any multipliers of one law are densities."""
+        return bool(self._densities[position])
+
+    def psi_pieces(self, position: int) -> tuple[Array, Array]:
+        """ψ of one law: breaks (n+1,), polynomials (q, n, m); without densities."""
+        return switching_pieces(*self.functionals(position))
 
     def psi(self) -> tuple[Switching, ...]:
         """The switching function of every law; of the first set of multipliers."""

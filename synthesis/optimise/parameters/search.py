@@ -1,12 +1,13 @@
 """The outer search over numbers left free: angles, lifts and an arm's length.
 
 With them fixed all is as ever, so they are searched for around the convex program, and the best
-point is solved in full: that no other is better is not proven.
+point is solved in full.
 
-* Angles and lifts: a few cone programs on coarse grids give a point's value. Samples give starts;
-  a bundle method descends from the best, first on a coarse mesh, then on the knots of the full
-  search. Where a whole search at the end comes to another value, its knots or its curved limits
-  matter more than a coarse mesh shows: then whole searches choose among the samples too.
+* Angles and lifts: branch and bound (``number_search``), which bounds all numbers. Where it leaves
+  a gap, descents give it a better start: a few cone programs on coarse grids give a point's value;
+  samples give starts; a bundle method descends from the best, first on a coarse mesh, then on the
+  knots of the full search. Where a whole search at the end comes to another value, its knots or its
+  curved limits matter more than a coarse mesh shows: then whole searches choose among the samples.
 * A length of the machine changes what limits say of the size, and not in a convex way, so each one
   costs a whole search: over all its range, then near the best. A given law's size is exact, so
   that the length can be too; free laws leave some noise. What else can be fixed, the pivot's
@@ -16,29 +17,28 @@ point is solved in full: that no other is better is not proven.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Iterable, Sequence
 from math import exp, inf, log
 from typing import Any, TypeVar
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 from scipy.optimize import minimize, minimize_scalar
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import BundlePoint, Function, minimise
-from synthesis.optimise.driver import estimate, optimise
-from synthesis.optimise.parameters.table_smoothing import smooth_tables
-from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
-from synthesis.optimise.problem.problem import Problem, formulate_problem
-from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state import Stage
-from synthesis.optimise.strategy.phase_one import least_excess
+from synthesis.optimise.parameters.number_search import NumberProof, NumberSearch
+from synthesis.optimise.parameters.placement import Placement
+from synthesis.optimise.parameters.value_function import Trial, ValueFunction
+from synthesis.optimise.state import QUICK, ProofBudget, Stage
 from synthesis.spec.design_spec import DesignSpec
-from synthesis.spec.free_parameters import FreeParameters
 
+LITTLE = 0.05  # relative: descents gain no more than the gap that is left
+SINGLE_SHARE, ALL_NUMBERS_SHARE = 0.4, 0.95
+"""Of the tolerance: for the gap at single numbers, and for that over all of them, which includes
+it."""
+FIRST_PROGRAMS = 20
+"""For a bound over all numbers before any descent, for each free direction: half a second."""
 SAMPLED, COARSE = 12, 24  # spline intervals: of samples, of a descent
 CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner, where samples lie
@@ -58,38 +58,36 @@ FEW, MANY = 8, 33
 """Lengths tried first, evenly in their logarithm; the latter where a whole search is cheap."""
 ROUGHLY, CLOSELY = 5e-3, 1e-7
 """Relative distance to the best length: with free laws, with given ones."""
-NOTHING = 1e30  # value of a length at which nothing fits
 NEAR = 0.1  # of a value: so near to an end of its range the end is tried too
 INWARDS = 0.02
 """Of the way from an end of the range to the next length tried: whether the end itself is best."""
-INSIDE = 0.01
-"""Relative tightening of limits while any feasible point is sought: the next search needs room."""
-
-
-@dataclass(frozen=True, eq=False)
-class Trial(BundlePoint):
-    """A point with its value, and the cam of a whole search there."""
-
-    cam: Candidate | None
 
 
 P = TypeVar("P", bound=BundlePoint)
 
 
-def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSpec, Stage]:
-    """The spec with numbers in place of all that it leaves free, and what the search took.
+def choose_parameters(
+    spec: DesignSpec, deadline: float = inf, proof: ProofBudget = QUICK
+) -> tuple[DesignSpec, Stage, NumberProof | None]:
+    """Choose all that a spec leaves free.
 
-    It takes a part of the time that is left until the deadline (``time.monotonic()``).
+    Args:
+        spec: what is asked.
+        deadline: ``time.monotonic()``; a part of the time until then is used.
+        proof: what may be spent on a bound over all numbers.
+
+    Returns:
+        the spec with numbers in place, what the search took, and the bound over all numbers; None
+        where nothing is known of others.
     """
     started = time.perf_counter()
     now, parameters = clock.now(), spec.free_parameters
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
     worth = ValueFunction(spec.without_deferred(), parameters, stop)
     # The program's numbers first, then the machine's lengths one by one.
-    middle = _middle(worth)
-    best = None
+    middle, bounded, best = _middle(worth), None, None
     if len(parameters.machine_indices) < len(parameters.parameters):
-        best = _search_program(worth, middle)
+        best, bounded = _search_program(worth, middle, proof)
     for position in parameters.machine_indices:
         middle = middle if best is None else best.u
         best = search_length(worth, middle, position) or best
@@ -104,10 +102,10 @@ def choose_parameters(spec: DesignSpec, deadline: float = inf) -> tuple[DesignSp
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
         status,
-        "angles and lifts by cutting planes from several starts, and by whole searches where a "
-        "coarse mesh misleads; lengths one by one",
+        "angles and lifts by branch and bound, then by cutting planes from several starts and by "
+        "whole searches where a coarse mesh misleads; lengths one by one",
     )  # fmt: skip
-    return spec.with_values(numbers), stage
+    return spec.with_values(numbers), stage, bounded
 
 
 def _middle(worth: ValueFunction) -> Array:
@@ -120,7 +118,36 @@ def _middle(worth: ValueFunction) -> Array:
     return middle
 
 
-def _search_program(worth: ValueFunction, middle: Array) -> BundlePoint | None:
+def _search_program(
+    worth: ValueFunction, middle: Array, proof: ProofBudget
+) -> tuple[BundlePoint | None, NumberProof | None]:
+    """The best point found for angles and lifts, and what is proven of all others."""
+    placement = Placement.of(worth.free_parameters, worth.problem)
+    tolerance = worth.spec.tolerance
+    searched = None if placement is None else NumberSearch(
+        placement, worth.state, ALL_NUMBERS_SHARE * tolerance, SINGLE_SHARE * tolerance
+    )  # fmt: skip
+
+    freedom = worth.free_parameters.polytope.directions.shape[1]
+
+    def prove(start: Array, programs: float) -> NumberProof | None:
+        last = clock.programs_solved() + freedom * programs
+        return None if searched is None else searched.run(start, last, worth.deadline)
+
+    # 1. Branch and bound: with one or two directions it often closes the gap at once.
+    first = prove(middle, FIRST_PROGRAMS)
+    if first is not None and (first.closed or first.gap <= LITTLE):
+        return BundlePoint(first.u, first.value), first
+    # 2. Descents, which cost little, and branch and bound from where they end.
+    best = _descend(worth, middle)
+    more = max(proof.programs, FIRST_PROGRAMS)
+    again = None if best is None or best.value == inf else prove(best.u, more)
+    if again is None:
+        return best, first
+    return BundlePoint(again.u, again.value), again
+
+
+def _descend(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     """The best point found: samples, descents from the best of them, and a polish."""
     polytope = worth.free_parameters.polytope
     corners = polytope.corners(CORNERS * polytope.directions.shape[1])
@@ -265,107 +292,3 @@ def _closer(
             return more  # the end of the range is best
     minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": close})
     return more
-
-
-Mesh = Callable[[Problem], list[Grid]]
-"""Grids of a problem whose knots follow the windows while angles change."""
-
-
-def mesh_like(problem: Problem, grids: Sequence[Grid]) -> Mesh:
-    """The mesh of these grids: between the knots needed, all others keep their shares."""
-    breaks, before = [grid.space.breaks for grid in grids], list(_needed(problem))
-
-    def follow(other: Problem) -> list[Grid]:
-        return [
-            grid_through(segment, np.interp(own, was, now))
-            for segment, own, was, now in zip(
-                other.free, breaks, before, _needed(other), strict=True
-            )
-        ]
-
-    return follow
-
-
-def _needed(problem: Problem) -> Iterator[Array]:
-    for segment in problem.free:
-        assert segment.free is not None
-        yield np.array([0.0, *segment.free.knots, 1.0])
-
-
-@dataclass(eq=False)
-class ValueFunction:
-    """The value of numbers: the relaxation's optimum with the first objective [wire]."""
-
-    spec: DesignSpec
-    free_parameters: FreeParameters
-    deadline: float
-    calls: int = 0
-    level: float = 1.0
-
-    def problem(self, u: Array) -> Problem | None:
-        """The problem at a point of the unit box; None where a given law cannot be run there."""
-        spec = self.spec.with_values(self.free_parameters.values_at(u))
-        try:
-            segments = smooth_tables(spec.placed_segments(), self.deadline).segments
-            spec.check_reach()
-        except PydanticCustomError:
-            return None
-        return formulate_problem(spec, spec.objectives()[0], (), segments)
-
-    def uniform(self, u: Array, intervals: int) -> Mesh:
-        """Equal intervals, by the windows as they are at u."""
-        problem = self.problem(u)
-        if problem is None:
-            return lambda _: []
-        return mesh_like(problem, [uniform_grid(s, intervals) for s in problem.free])
-
-    def refined(self, u: Array) -> Mesh:
-        """The knots that the full search comes to at u."""
-        problem = self.problem(u)
-        assert problem is not None
-        return mesh_like(problem, optimise(problem, self.spec.tolerance, self.deadline).grids)
-
-    def on(self, mesh: Mesh) -> Function:
-        """The value on a mesh; None where nothing fits, or time is up."""
-
-        @cache
-        def value(key: bytes) -> float | None:
-            problem = self.problem(np.frombuffer(key))
-            self.calls += 1
-            if problem is None:
-                return None
-            result = estimate(problem, mesh(problem), self.level, self.deadline)
-            if result is None:
-                return None
-            self.level = result or self.level
-            # the core's unit may depend on the numbers, that of the wire does not
-            return problem.objective.to_wire(result, problem.machine)
-
-        return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
-
-    def solved(self, u: Array, tolerance: float, fixed: float | None) -> Trial:
-        """The best cam that a whole search finds at u; ``fixed``: a value for what can be fixed."""
-        problem = self.problem(u) if clock.now() < self.deadline else None
-        if problem is None:
-            return Trial(u, NOTHING, None)
-        self.calls += 1
-        fixable = problem.machine.follower.fixable_dimension()
-        if fixed is not None and fixable is not None:
-            problem = problem.with_follower(fixable.fixed_at(fixed))
-        cam = optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
-        if cam is None:
-            return Trial(u, NOTHING, None)
-        return Trial(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
-
-    def excess(self, mesh: Mesh) -> Function:
-        """By how much limits must be exceeded at least, in all; 0 where everything fits."""
-
-        def value(u: Array) -> float | None:
-            problem = self.problem(u)
-            if problem is None or clock.now() >= self.deadline:
-                return None
-            self.calls += 1
-            result = least_excess(problem, mesh(problem), INSIDE)
-            return None if result is None else result + problem.vibration_excess
-
-        return value

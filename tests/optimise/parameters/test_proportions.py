@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthesis.optimise.driver import estimate
-from synthesis.optimise.parameters.search import mesh_like
+from synthesis.optimise.parameters.value_function import mesh_like
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.spec.design_spec import DesignSpec

@@ -1,0 +1,83 @@
+"""What is proven of questions that leave angles and lifts free, over all their values.
+
+A conflict is found with the numbers in place that were chosen. A cam that it names answers the
+question with free numbers too; its proofs do not, for other numbers might do. Two proofs cover all
+of them: the least base radius is larger than its maximum, and the least peak of a capped derivative
+is larger than its cap. Each least value is bounded over all numbers, laws and sizes
+(``optimise.parameters.number_search``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from synthesis.catalogue.limits.motion import Acceleration, DerivativeLimit, Jerk
+from synthesis.catalogue.objectives import AnyObjective, PeakAcceleration, PeakJerk
+from synthesis.design.design import Conflict, Effort
+from synthesis.pipeline.assembly import in_wire_units
+from synthesis.pipeline.attempt import Attempt, Goal, prepare
+from synthesis.pipeline.largest_radius import Smallest
+from synthesis.spec.design_spec import DesignSpec
+
+ROUNDING = 1e-9  # relative: what a bound must lie above a limit by to exclude every cam
+ROUGH = 2e-2  # tolerance of a search for a least peak: most caps are missed by more
+PEAKS: tuple[tuple[type[DerivativeLimit], AnyObjective], ...] = (
+    (Jerk, PeakJerk()),
+    (Acceleration, PeakAcceleration()),
+)
+
+
+def over_all_numbers(
+    conflict: Conflict,
+    spec: DesignSpec,
+    attempt: Attempt,
+    smallest: Smallest | None,
+    goal: Goal,
+    stages: list[Effort],
+) -> Conflict:
+    """The conflict of a question, with what is proven over all of its free numbers.
+
+    Args:
+        conflict: found at the numbers chosen. spec: the question, its numbers free.
+        attempt: what it came to. smallest: its smallest cam, where a maximum was compared with it.
+        goal: when to stop. stages: appended to.
+    """
+    if not attempt.numbers:
+        return conflict
+    proof = next(_proofs(spec, smallest, goal, stages), "")
+    fields = (parameter.field for parameter in spec.free_parameters.parameters)
+    chosen = zip(fields, attempt.numbers, strict=True)
+    words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen)
+    at_chosen = f"{conflict.evidence}; all this at {words}, where nothing better was found"
+    relaxations = [each.model_copy(update={"at_least": None}) for each in conflict.relaxations]
+    return conflict.model_copy(
+        update={
+            "proven": bool(proof), "relaxations": relaxations,
+            "evidence": f"{proof}; {at_chosen}" if proof else at_chosen,
+        }
+    )  # fmt: skip
+
+
+def _proofs(
+    spec: DesignSpec, smallest: Smallest | None, goal: Goal, stages: list[Effort]
+) -> Iterator[str]:
+    """Why no numbers at all have a cam, as sentences."""
+    if smallest is not None and smallest.excludes:
+        yield f"proven: no cam has a base radius below {smallest.lower:.6g} mm ({smallest.over})"
+    for kind, objective in PEAKS:
+        caps = [limit for limit in spec.limits if isinstance(limit, kind)]
+        if not caps:
+            continue
+        others = [limit for limit in spec.limits if limit not in caps]
+        changes = {"limits": others, "objective": objective, "tolerance": ROUGH, "proof": "auto"}
+        least = prepare(spec.model_copy(update=changes), goal, stages)
+        if least.number_bound is None:
+            continue
+        (bounded,) = in_wire_units(least.question, least.built, [least.number_bound])
+        most = min(limit.bound for limit in caps)
+        if bounded.lower > most * (1.0 + ROUNDING):
+            unit = spec.machine().derivative_unit(kind.order)
+            yield (
+                f"proven: the peak {caps[0].kind} is {bounded.lower:.6g} {unit} at least "
+                f"({bounded.over})"
+            )
