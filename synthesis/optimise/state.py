@@ -331,6 +331,12 @@ def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds:
     )  # fmt: skip
 
 
+def solvers_of(state: SolveState, known: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """The solvers that a solve's stages have used, after those known, each named once."""
+    used = (name for stage in state.stages for name in stage.solver.split(", ") if name != "none")
+    return tuple(dict.fromkeys((*known, *used)))
+
+
 def over_bound(gap: float) -> float:
     """(value − bound)/bound of a gap (value − bound)/value: near 1 the gap shows no progress."""
     return gap / (1.0 - gap) if gap < 1.0 else inf

@@ -63,11 +63,11 @@ NEAR = 0.1  # of a value: so near to an end of its range the end is tried too
 INWARDS = 0.02
 """Of the way from an end of the range to the next length tried: whether the end itself is best."""
 INSIDE = 0.01
-"""Relative tightening of limits while any feasible point is sought: the next search needs room."""
+"""Relative tightening of limits while any feasible point is sought: the next search needs slack."""
 
 
 @dataclass(frozen=True, eq=False)
-class Trial(BundlePoint):
+class SearchedPoint(BundlePoint):
     """A point with its value, and the cam of a whole search there."""
 
     cam: Candidate | None
@@ -143,7 +143,7 @@ def _search_program(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     return best if chosen.cam is None else chosen
 
 
-def _downhill(worth: ValueFunction, start: Trial) -> Trial:
+def _downhill(worth: ValueFunction, start: SearchedPoint) -> SearchedPoint:
     """The best of whole searches downhill from a point, by a trust region without derivatives.
 
     Their values are noisy by their tolerance, so that differences of near points say nothing.
@@ -233,21 +233,21 @@ def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePo
 
 def _along(
     worth: ValueFunction, start: Array, position: int, count: int, fixed: float | None = None
-) -> list[Trial]:
+) -> list[SearchedPoint]:
     points = worth.free_parameters.points_along(start, position, count)
     return [worth.solved(u, ROUGH, fixed) for u in points]
 
 
-def _best(trials: Sequence[Trial]) -> Trial:
+def _best(trials: Sequence[SearchedPoint]) -> SearchedPoint:
     return min(trials, key=lambda trial: trial.value)
 
 
 def _closer(
-    worth: ValueFunction, trials: list[Trial], position: int, close: float,
+    worth: ValueFunction, trials: list[SearchedPoint], position: int, close: float,
     fixed: float | None = None,
-) -> list[Trial]:  # fmt: skip
+) -> list[SearchedPoint]:  # fmt: skip
     """Points between the neighbours of the best one, to a relative distance."""
-    parameters, more, best = worth.free_parameters, list[Trial](), _best(trials)
+    parameters, more, best = worth.free_parameters, list[SearchedPoint](), _best(trials)
     if best.cam is None:
         return []
     at, last = trials.index(best), len(trials) - 1
@@ -343,19 +343,19 @@ class ValueFunction:
 
         return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
-    def solved(self, u: Array, tolerance: float, fixed: float | None) -> Trial:
+    def solved(self, u: Array, tolerance: float, fixed: float | None) -> SearchedPoint:
         """The best cam that a whole search finds at u; ``fixed``: a value for what can be fixed."""
         problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
-            return Trial(u, NOTHING, None)
+            return SearchedPoint(u, NOTHING, None)
         self.calls += 1
         fixable = problem.machine.follower.fixable_dimension()
         if fixed is not None and fixable is not None:
             problem = problem.with_follower(fixable.fixed_at(fixed))
         cam = optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
         if cam is None:
-            return Trial(u, NOTHING, None)
-        return Trial(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
+            return SearchedPoint(u, NOTHING, None)
+        return SearchedPoint(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
 
     def excess(self, mesh: Mesh) -> Function:
         """By how much limits must be exceeded at least, in all; 0 where everything fits."""
