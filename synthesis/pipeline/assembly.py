@@ -60,7 +60,7 @@ class Bounded:
 
     objective: Objective
     lower: float
-    over: str
+    valid_for: str
     infimum: bool = False
 
 
@@ -98,10 +98,10 @@ def with_size(question: NondimensionalSpec, spec: DesignSpec, cam: Cam, size: Ve
 
 
 def in_wire_units(
-    question: NondimensionalSpec, built: DesignSpec, bounds: Iterable[Bounded]
+    question: NondimensionalSpec, final_spec: DesignSpec, bounds: Iterable[Bounded]
 ) -> list[Bounded]:
-    """Bounds [core, in the question's own units] of a cam that was built so, on the wire."""
-    machine, converted = built.machine(), list[Bounded]()
+    """Bounds [core, in the question's own units] of a cam of the final spec, on the wire."""
+    machine, converted = final_spec.machine(), list[Bounded]()
     for each in bounds:
         objective, known = each.objective, isfinite(each.lower)
         unit = question.units.of_field(objective.name_on_wire(machine))
@@ -136,15 +136,17 @@ def restate_problem(
     return formulate_problem(solved_spec, solved.objective, tuple(held), segments, 0.0)
 
 
-def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
+def certify_cam(spec: DesignSpec, cam: Cam, final_spec: DesignSpec | None = None) -> list[Extreme]:
     """Every limit, every dimension and every promise of the motion, measured on the cam.
 
-    ``built`` is the spec with what was chosen after the size; None: nothing was.
+    ``final_spec`` is the spec with what was chosen after the size; None: nothing was.
     """
-    motion, built = cam.motion, built or spec
+    motion, final_spec = cam.motion, final_spec or spec
     return [
-        *certify(motion, built.machine(), cam.size, built.all_limits(), built.continuity),
-        *certify_size(spec, cam.size, built.follower),
+        *certify(
+            motion, final_spec.machine(), cam.size, final_spec.all_limits(), final_spec.continuity
+        ),
+        *certify_size(spec, cam.size, final_spec.follower),
     ]
 
 
@@ -164,7 +166,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
                 objective=objective.name_on_wire(machine),
                 value=value if isfinite(value) else None,
                 lower_bound=lower,
-                bound_valid_for=bounded.over,
+                bound_valid_for=bounded.valid_for,
                 gap=gap,
                 infimum=bounded.infimum and lower is not None,
             )

@@ -26,17 +26,9 @@ from synthesis.certify import certify_size
 from synthesis.design.design import Effort
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
-from synthesis.pipeline.attempt import (
-    Attempt,
-    Goal,
-    approach_infimum,
-    enlarge_until_simple,
-    prepare,
-    solve_and_certify,
-    solve_spec,
-    with_bound_of,
-)
+from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify, with_bound_of
 from synthesis.pipeline.infeasibility import infeasibility_proof
+from synthesis.pipeline.radius_search import approach_infimum, enlarge_until_simple, solve_spec
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
@@ -62,7 +54,7 @@ class Smallest:
     radius: float
     most: float
     lower: float
-    over: str
+    valid_for: str
 
     @property
     def is_bounded(self) -> bool:
@@ -71,7 +63,7 @@ class Smallest:
         A bound at numbers that were chosen says nothing of other numbers, one over splines on some
         knots nothing of other laws, and one above a cam is none.
         """
-        sound = self.lower <= self.radius * (1.0 + ROUNDING) and not self.attempt.numbers
+        sound = self.lower <= self.radius * (1.0 + ROUNDING) and not self.attempt.chosen_values
         return sound and all(search.covers_all_laws for search in self.attempt.searches[:1])
 
     @property
@@ -185,7 +177,7 @@ def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
     little acceleration leaves the size all the room that there is. Bounds remain those known.
     """
-    if known.certified or known.crosses_itself or known.numbers or infeasibility_proof(known):
+    if known.certified or known.crosses_itself or known.chosen_values or infeasibility_proof(known):
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
@@ -219,7 +211,7 @@ def _restart_from(
     """The question solved from the smallest cam on; that cam itself where this finds none."""
     behind = smallest.attempt.searches[0].local_optimum
     alone = all(objective.kind == "base_radius" for objective in spec.objectives())
-    if alone or behind is None or smallest.attempt.numbers or clock.now() >= goal.stop:
+    if alone or behind is None or smallest.attempt.chosen_values or clock.now() >= goal.stop:
         return smallest.attempt
     again = solve_spec(spec, replace(goal, warm_start=behind), stages)
     return again if again.certified else smallest.attempt
@@ -249,26 +241,26 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
         "tolerance": spec.tolerance, "proof": spec.proof,
     }  # fmt: skip
     question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
-    built = question.to_physical(wider.built)
-    radius = built.follower.dimensions(wider.cam.size)["base_radius_mm"]
-    (bounded,) = in_wire_units(wider.question, wider.built, wider.bounds[:1])
+    final_spec = question.to_physical(wider.final_spec)
+    radius = final_spec.follower.dimensions(wider.cam.size)["base_radius_mm"]
+    (bounded,) = in_wire_units(wider.question, wider.final_spec, wider.bounds[:1])
     least, most = ends(spec.base_radius_mm)
     cam, bounds = wider.cam, wider.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least allowed
         nearest = min(max(radius, least), most)
-        cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
+        cam = Cam(cam.segments, cam.splines, _resized(final_spec.follower, cam.size, nearest))
     if spec.objectives() != wider.solved_spec.objectives() or radius < least:
         bounds = _bounds(spec, wider, least / question.units.length)
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
-        before = certify_size(wider.question.physical, cam.size, built.follower)
+        before = certify_size(wider.question.physical, cam.size, final_spec.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]
-        extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
+        extremes = [*traced, *certify_size(question.physical, cam.size, final_spec.follower)]
     else:
-        extremes = certify_cam(question.physical, cam, built)
+        extremes = certify_cam(question.physical, cam, final_spec)
     attempt = replace(wider, question=question, cam=cam, bounds=bounds, extremes=extremes)
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])
-    return Smallest(attempt, radius, most, bounded.lower, bounded.over)
+    return Smallest(attempt, radius, most, bounded.lower, bounded.valid_for)
 
 
 def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
@@ -281,11 +273,11 @@ def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
         return unknown
     first, *_ = smallest.bounds
     if least > 0.0:
-        requested = first.objective.from_wire(least, smallest.built.machine()) * (
+        requested = first.objective.from_wire(least, smallest.final_spec.machine()) * (
             1.0 - ROUNDING_DOWN
         )
         if requested > first.lower:
-            first = replace(first, lower=requested, over="the least base radius asked for")
+            first = replace(first, lower=requested, valid_for="the least base radius asked for")
     return [first, *unknown[1:]]
 
 

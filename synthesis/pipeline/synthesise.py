@@ -78,14 +78,14 @@ def synthesise(
     #    Questions on the way had objectives, tolerances and proofs of their own.
     question = attempt.question
     own = {name: getattr(question.physical, name) for name in ("objective", "tolerance", "proof")}
-    built = question.to_physical(attempt.built).model_copy(update=own)
-    bounds = in_wire_units(question, attempt.built, attempt.bounds)
-    objective_proofs = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
+    final_spec = question.to_physical(attempt.final_spec).model_copy(update=own)
+    bounds = in_wire_units(question, attempt.final_spec, attempt.bounds)
+    objective_proofs = [] if attempt.cam is None else proofs(final_spec, attempt.cam, bounds)
     seconds = time.perf_counter() - began
     answer = design(
-        built, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
+        final_spec, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
-    answer = with_free_parameters(answer, spec, attempt.numbers)
+    answer = with_free_parameters(answer, spec, attempt.chosen_values)
     if spec.report_smoothness_cost:
         cost = _smoothness_cost(answer, spec, stop)
         answer = answer.model_copy(update={"smoothness_cost": cost})
