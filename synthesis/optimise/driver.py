@@ -121,7 +121,7 @@ def optimise(
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a
         # problem for this driver.
-        return _with_coverage(bisect_pressure_angle(state, optimise))
+        return _with_valid_for(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
     if incumbent is not None and not presolved:
         state = state.with_incumbent(
@@ -138,7 +138,7 @@ def optimise(
         if not children:
             break
         tree = tree.with_children(node, children)
-    state = _with_coverage(tree.next_node.conclude(state, tree))
+    state = _with_valid_for(tree.next_node.conclude(state, tree))
     return state.with_exit(_exit(state, tree))
 
 
@@ -187,7 +187,7 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
     return state.with_stage(stage), True
 
 
-def _with_coverage(state: SolveState) -> SolveState:
+def _with_valid_for(state: SolveState) -> SolveState:
     """The state with what its bound covers: no less than a circle that is a part of the cam."""
     problem = state.problem
     if problem.least_base_circle and problem.objective.norm(problem.machine) is not None:

@@ -56,7 +56,7 @@ class Node(ABC):
 
     @abstractmethod
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
-        """Propagate, relax, solve and bound in turns, until a turn gains too little."""
+        """Propagate, relax, solve and bound, until a repeat gains too little."""
 
     @abstractmethod
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
@@ -70,7 +70,7 @@ class Node(ABC):
     def node_limit(self, state: SolveState) -> float:
         """Nodes to process at most, the root among them; asked of a root that was processed."""
 
-    def raised(self, bound: Bound, most: float = inf) -> Self:
+    def with_bound(self, bound: Bound, most: float = inf) -> Self:
         """The node with a bound, no larger than ``most``, if that is better than its own."""
         value = min(bound.value, most)
         better = value > self.lower

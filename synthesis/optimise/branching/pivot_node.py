@@ -218,7 +218,7 @@ def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> Pi
         laws, size = model.recover(solution.x)
         node = replace(node, about=TangentPoint(tuple(law.curve() for law in laws), size))
         # Above the incumbent there is nothing left to bound: no cam of this box is better.
-        node = node.raised(bound, best.value)
+        node = node.with_bound(bound, best.value)
         cam = recover_cam(problem, laws, size, keep_hint=True)
         if state.is_close(best, bound.value) or state.time_left <= 0.0:
             break

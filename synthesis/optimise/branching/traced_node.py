@@ -308,7 +308,7 @@ def solve_relaxation(
             solution, multipliers=density.distribute_single(solution.multipliers, ends)
         )
         if solution.stopped is StopReason.INFEASIBLE:
-            node = node.raised(infeasibility_bound(density.model, distributed, ends))
+            node = node.with_bound(infeasibility_bound(density.model, distributed, ends))
             if node.is_empty or state.time_left <= 0.0:
                 break
             grids = halve_intervals(problem, grids)
@@ -323,7 +323,7 @@ def solve_relaxation(
         region = replace(
             node.region, reference=TangentPoint(tuple(law.curve() for law in laws), size)
         )
-        node = replace(node.raised(bound), region=region)
+        node = replace(node.with_bound(bound), region=region)
         if number <= EARLY_ROUNDS:
             node = replace(node, grids=grids)
         cam = recover_cam(problem, laws, size, keep_hint=True)

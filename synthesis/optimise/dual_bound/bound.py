@@ -71,7 +71,9 @@ class Bound:
     """A lower bound of the objective [core units], and what it covers.
 
     Attributes:
-        switching: ψ of every free law; empty where the bound covers a spline family only.
+        valid_for: the cams that it covers, in words.
+        switching: ψ of every free law; empty where all laws are given, and where the bound covers a
+            spline family only.
         order: m, the highest derivative that is capped or weighed: the control of every law.
         controls: the caps and weights of every free law, caps at the level found.
     """
