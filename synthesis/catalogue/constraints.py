@@ -215,7 +215,7 @@ class NonconvexConstraint(ABC):
     Attributes:
         source: as of a ``LinearInequality``.
         order: highest derivative of s in it.
-        linearises: whether the cone program approximates it from outside, round by round; where
+        linearises: whether the cone program approximates it from outside, by iteration; where
             not, only local solvers and branch and bound see it.
     """
 

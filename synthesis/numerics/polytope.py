@@ -100,23 +100,23 @@ _Tangent = tuple[Array, float, Array]  # a point, the function's value and its s
 
 
 def minimise(
-    function: Function, polytope: Polytope, start: BundlePoint, radius: float, rounds: int
+    function: Function, polytope: Polytope, start: BundlePoint, radius: float, steps: int
 ) -> BundlePoint:
     """A point where the function, None where it has no value, is locally least.
 
-    ``radius``: how far the first step may go in each direction; ``rounds``: most steps.
+    ``radius``: how far the first step may go in each direction; ``steps``: most steps.
     """
     best, tangents = start, list[_Tangent]()
     if not polytope.directions.shape[1]:
         return best
     tangents.append(_tangent(function, polytope, best))
-    while rounds > 0 and radius >= CLOSEST:
+    while steps > 0 and radius >= CLOSEST:
         tangents = [t for t in tangents if np.max(np.abs(t[0] - best.u)) <= NEAR * radius]
         step, promised = _step(polytope, best, tangents, radius)
         if promised <= ENOUGH * abs(best.value):
             radius *= SHORTER
             continue
-        rounds -= 1
+        steps -= 1
         at = best.u + polytope.directions @ step
         value = function(at)
         gain = -inf if value is None else best.value - value

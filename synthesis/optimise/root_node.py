@@ -43,7 +43,7 @@ from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
-MOST_MESHES = 8  # one finer than the other
+MAX_MESHES = 8  # one finer than the other
 COARSEST, FINEST = 24, 96
 """Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
 INTERVALS_AT_UNIT_TOLERANCE = 3.7
@@ -183,7 +183,7 @@ class RootNode(Node):
     def _next(self, state: SolveState, **changed: Any) -> tuple[SolveState, Node]:
         """The same domain on the state's mesh."""
         node = replace(self, mesh_number=self.mesh_number + 1, **changed)
-        return node._finish(state) if node.mesh_number > MOST_MESHES else (state, node)
+        return node._finish(state) if node.mesh_number > MAX_MESHES else (state, node)
 
     def _finish(self, state: SolveState) -> tuple[SolveState, Node]:
         """End the root: polish the last digits of convex problems; search least dimensions."""

@@ -167,7 +167,7 @@ def scp_search(
             state, violations = offer_local_optimum(state, cam.laws, cam.size, enough)
             state = replace(state, local_optimum=WarmStart(state.grids, cam.laws, cam.size))
         report = Stage(
-            stage, f"{result.rounds} SOCPs", "Clarabel", model.program.matrix.shape[1],
+            stage, f"{result.programs} SOCPs", "Clarabel", model.program.matrix.shape[1],
             result.rows, result.iterations, state.stopwatch - started, stopped.value,
         )  # fmt: skip
         state = state.with_stage(report)

@@ -44,8 +44,8 @@ CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner, where samples lie
 STARTS = 3  # of descents
 DISTANCE = 0.1  # of the box, between starts: nearer ones lead to the same place
-RADIUS, ROUNDS = 0.15, 25  # first step of a descent, of the box, and steps at most
-LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # the same on the knots of the full search
+RADIUS, MAX_STEPS = 0.15, 25  # first step of a descent, of the box, and steps at most
+LAST_RADIUS, LAST_MAX_STEPS = 0.03, 20  # the same on the knots of the full search
 POLISHED = 4  # descents on such knots at most; each gives new ones
 DESCENTS, EACH_DIRECTION = 2, 8  # by whole searches; how many of these a direction is worth
 LAST_STEP = 2e-3  # of the box: where a descent by whole searches ends
@@ -129,7 +129,7 @@ def _search_program(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     around = _best_of(worth.on(rough), points) or _possible(worth, points)
     coarse = worth.on(worth.uniform(middle, COARSE))
     starts = _best_of(coarse, [one.u for one in _distant(around)])
-    ends = [minimise(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
+    ends = [minimise(coarse, polytope, start, RADIUS, MAX_STEPS) for start in starts]
     if not ends:
         return next(iter(around), None)
     best = _polished(worth, min(ends, key=lambda one: one.value))
@@ -173,7 +173,7 @@ def _polished(worth: ValueFunction, best: BundlePoint) -> BundlePoint:
     for _ in range(POLISHED):
         before, fine = best, worth.on(worth.refined(best.u))
         for start in _best_of(fine, [best.u]):
-            before, best = start, minimise(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
+            before, best = start, minimise(fine, polytope, start, LAST_RADIUS, LAST_MAX_STEPS)
         if before.value - best.value <= 0.1 * worth.spec.tolerance * abs(best.value):
             break
     return best
@@ -187,7 +187,7 @@ def _possible(worth: ValueFunction, points: Iterable[Array]) -> list[BundlePoint
     mesh = worth.uniform(next(iter(points)), COARSE)
     excess = worth.excess(mesh)
     for start in _best_of(excess, points)[:1]:
-        end = minimise(excess, worth.free_parameters.polytope, start, RADIUS, ROUNDS)
+        end = minimise(excess, worth.free_parameters.polytope, start, RADIUS, MAX_STEPS)
         return _best_of(worth.on(mesh), [end.u]) or [BundlePoint(end.u, inf)]
     return []
 

@@ -25,7 +25,7 @@ from synthesis.optimise.recovery.smooth_limits import Samples, peaks, sample, vi
 from synthesis.spec.design_spec import DesignSpec
 
 DENSE, EVEN = 24, 36  # places tried, towards the nearest one and all over the range
-ROUNDS = 4  # of adding peaks to the samples
+MAX_ITERATIONS = 4  # of adding peaks to the samples
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class _CounterCam:
     def nearest_feasible(self, low: float, high: float) -> float | None:
         """The least distance between two ends that keeps every limit, None where none does."""
         samples, size = sample(self.cam.problem), self.cam.size
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             # 1. The first place tried that does at the samples, and where its limit just holds.
             places = _trial_places(low, high)
             good = (k for k, place in enumerate(places) if self.excess(place, samples) <= 0.0)

@@ -21,7 +21,7 @@ from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
 DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
-PEAK_ROUNDS = 4  # of enlarging; each samples the peaks that the last one left
+PEAK_ITERATIONS = 4  # of enlarging; each samples the peaks that the last one left
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
 CROSSED = 1e-9  # relative: how closely a size is raised
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
@@ -101,7 +101,7 @@ def enlarged_size(problem: Problem, size: Vector, margin: float, *, densely: boo
     if not densely and _is_far_from_binding(problem, size):
         return size
     samples, follower = sample(problem), problem.machine.follower
-    for _ in range(PEAK_ROUNDS):
+    for _ in range(PEAK_ITERATIONS):
         result = _raise_until_feasible(problem, samples, size, margin)
         if result is None:
             return None

@@ -27,8 +27,8 @@ from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state import SolveState
 
-MAX_ROUNDS = 24  # cone programs on one mesh
-STALLED = 0.05  # of the tolerance, or of the open gap: a round that gains less has stalled
+MAX_ITERATIONS = 24  # cone programs on one mesh
+STALLED = 0.05  # of the tolerance, or of the open gap: an iteration that gains less has stalled
 TIGHTENING_GAIN = 0.1  # of the open gap: what bound tightening has to gain before it is done again
 ROW_SHARE = 0.3  # of the gap: the part left by the rows from which on the region is narrowed
 KEPT_POINTS = 4  # solutions at which rows are kept tangent
@@ -49,7 +49,7 @@ def relax(state: SolveState, level: float) -> Relaxed:
     curved = state.problem.has_curved_limits
     if curved and state.relaxed is None and state.region is None:
         state, _ = smooth_start(state)  # any cam at all bounds the sizes of better ones
-    for _ in range(MAX_ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         # 1. Solve the relaxation with the rows at hand; its bound is valid whatever these are.
         model = formulate(state.problem, state.grids, level, state.tightening, state.region)
         solution = solve(model.program, state.time_left)

@@ -37,11 +37,11 @@ from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
 
-ROUNDS = 8  # of moving knots to the switches of the ideal law
-PROOF_ROUNDS = 12  # of finer knots in a proof that limits exclude each other
+MAX_ITERATIONS = 8  # of moving knots to the switches of the ideal law
+PROOF_ITERATIONS = 12  # of finer knots in a proof that limits exclude each other
 PROVEN = 1e-9  # what a bound has to lie above 1, or an excess above 0, by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
-GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do
+GAIN = 1e-4  # of the share, by an iteration: less is not worth another where no law would do
 INTERVALS = 24  # of a mesh where none is known
 NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
@@ -179,7 +179,7 @@ def minimise_excess(
     )
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -269,7 +269,7 @@ def excess_proof(problem: Problem) -> str:
     if not any(objective.rows(s, problem.machine, 0.0) for s in problem.segments):
         return ""
     least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
-    for _ in range(PROOF_ROUNDS):
+    for _ in range(PROOF_ITERATIONS):
         model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program)
         if solution.stopped not in USABLE:
