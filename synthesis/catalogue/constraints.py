@@ -1,6 +1,6 @@
 """Constraints that limits and objectives state and the optimiser reads.
 
-Symbols, used throughout this room:
+Symbols, used throughout the catalogue:
 
     s, s', s'', s'''  displacement and its derivatives per radian of cam angle
     z                 the follower's size variables: (e, s0) of a roller on a slide, (Rb) of a face

@@ -34,7 +34,7 @@ from synthesis.spec.design_spec import DesignSpec
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
-GENTLE = (1.0, 1e-3)  # tolerances of a search for the gentlest law: on few knots, then on many
+LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
 
@@ -124,8 +124,8 @@ def complete(
             return smallest.attempt if smallest is not None else attempt, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
         attempt = solve_spec(spec, goal, stages)
-    # 3. A cam of the gentlest law, where none was found.
-    attempt = _with_gentle_law(spec, attempt, goal, stages)
+    # 3. A cam of the least peak acceleration, where none was found.
+    attempt = _with_least_acceleration(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:
         attempt = with_bound_of(first, attempt)
     if not limited or minimised or attempt.certified:
@@ -171,29 +171,31 @@ def _minimises_radius(spec: DesignSpec) -> bool:
     return spec.objectives()[0].kind == "base_radius" and least < most
 
 
-def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
-    """What came out, or a cam of the gentlest law where none was found and none is excluded.
+def _with_least_acceleration(
+    spec: DesignSpec, known: Attempt, goal: Goal, stages: list[Effort]
+) -> Attempt:
+    """What came out, or a cam of the least peak acceleration where none was found or excluded.
 
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
-    little acceleration leaves the size all the room that there is. Bounds remain those known.
+    little acceleration leaves the size the most slack. Bounds remain those known.
     """
     if known.certified or known.crosses_itself or known.chosen_values or infeasibility_proof(known):
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
-    if any(search.least_excess for search in known.searches):  # that of the gentlest law there is
+    if any(search.least_excess for search in known.searches):  # phase 1 found no law
         return known
-    for tolerance in GENTLE:
+    for tolerance in LEAST_ACCELERATION:
         changes = {"objective": PeakAcceleration(), "tolerance": tolerance, "proof": "quick"}
-        gentlest = spec.model_copy(update=changes)
-        gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
-        if gentle.certified:
+        changed = spec.model_copy(update=changes)
+        other = solve_spec(changed, Goal(goal.stop, sufficient=ANY), stages)
+        if other.certified:
             break
     else:
         return known
     unknown = [Bounded(each, -inf, "") for each in known.question.scaled.objectives()]
-    gentle = replace(gentle, question=known.question, bounds=unknown)
-    return with_bound_of(known, gentle)
+    other = replace(other, question=known.question, bounds=unknown)
+    return with_bound_of(known, other)
 
 
 def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:

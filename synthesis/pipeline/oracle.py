@@ -97,8 +97,8 @@ class Oracle:
     ) -> Trial:
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
-        A gentle law leaves the size what room there is, and limits on size and curvature ease with
-        it; a smallest cam would be sought where they bind.
+        For any cam the peak acceleration is minimised, since a law of little acceleration leaves
+        limits on size and curvature the most slack; a smallest cam is sought where they bind.
         """
         low, high = ends(spec.base_radius_mm)
         limited = low < high < inf

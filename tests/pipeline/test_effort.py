@@ -60,7 +60,7 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     assert exits(synthesise(EASY)) == ["tolerance"]
     rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-3)
     assert exits(synthesise(rough)) == ["the lowest node is not divided"]
-    for name in ("MAX_NODES", "FIRST_TURNS", "TURNS", "GAIN"):
+    for name in ("MAX_NODES", "FIRST_ITERATIONS", "ITERATIONS", "GAIN"):
         monkeypatch.setattr(traced_node, name, 1)
     assert exits(synthesise(HARD.model_copy(update={"proof": "thorough"}))) == ["node limit"]
 

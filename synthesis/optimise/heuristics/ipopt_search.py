@@ -142,7 +142,7 @@ def _holds_enlarged(problem: Problem, size: tuple[float, ...], growth: float) ->
         return False  # what growing costs is not known
     follower = problem.machine.follower
     step = growth * follower.radius_norm().value(size)
-    larger = enlarged(size, min(step, problem.room(size)))
+    larger = enlarged(size, min(step, problem.max_enlargement(size)))
     samples = sample(problem)
     return violation(problem, samples + peaks(problem, samples, larger), larger) < 0.0
 
@@ -237,8 +237,8 @@ class NonlinearModel:
                 matrix = np.array(cone.norm.matrix)
                 centre = np.linalg.solve(matrix, -np.array(cone.norm.shift))
                 across = np.linalg.norm(np.linalg.solve(matrix.T, block.size.T), axis=0)
-                room = block.rhs * self.model.scales.size - block.size @ centre
-                idle = room - cone.upper * across >= -1e-9 * cone.upper
+                slack = block.rhs * self.model.scales.size - block.size @ centre
+                idle = slack - cone.upper * across >= -1e-9 * cone.upper
                 implied += (at + np.flatnonzero(idle)).tolist()
             at += len(block.rhs)
         return implied
@@ -259,7 +259,7 @@ class NonlinearModel:
                 yield ball, shares[position] if position < len(shares) else 0.0
 
     def _ball(self, ball: ConeBlock, share: float) -> None:
-        """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they leave no room."""
+        """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they coincide."""
         image, here = self._image(ball)
         least = (share * ball.radius) ** 2
         most = max((ball.radius * (1.0 - ball.tightening)) ** 2, least)

@@ -227,8 +227,8 @@ def _block(
         )
     size = cuts.size.T * model.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
-    room = cuts.upper - np.sum(cuts.coefficients * samples.s, axis=0)
-    return LinearBlock.of_size(size / scale[:, None], room / scale, SOURCE)
+    slack = cuts.upper - np.sum(cuts.coefficients * samples.s, axis=0)
+    return LinearBlock.of_size(size / scale[:, None], slack / scale, SOURCE)
 
 
 def _expressions(problem: Problem, samples: ConstraintSamples) -> Callable[[Array, Vector], Array]:

@@ -153,8 +153,8 @@ def _downhill(worth: ValueFunction, start: SearchedPoint) -> SearchedPoint:
     def value(step: Array) -> float:
         offset = directions @ step
         with np.errstate(divide="ignore", invalid="ignore"):  # as far as the ranges allow
-            room = np.where(offset > 0.0, 1.0 - start.u, start.u) / np.abs(offset)
-        share = float(np.min(room[offset != 0.0], initial=1.0))
+            reach = np.where(offset > 0.0, 1.0 - start.u, start.u) / np.abs(offset)
+        share = float(np.min(reach[offset != 0.0], initial=1.0))
         trials.append(worth.solved(start.u + share * offset, ROUGH, None))
         return min(trials[-1].value, WORST * start.value)
 

@@ -59,7 +59,7 @@ def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Ca
     """The cam with this size, raised to the least prime radius and off the rows that bind it."""
     follower, size = problem.machine.follower, project_size(problem, size)
     clear = CLEARANCE * follower.radius_norm().value(size)
-    size = enlarged(size, min(clear, problem.room(size)))
+    size = enlarged(size, min(clear, problem.max_enlargement(size)))
     return Candidate(problem, tuple(laws), size, objective_value(problem, size))
 
 
@@ -92,7 +92,7 @@ def enlarge_for_rows(cam: Candidate) -> Candidate:
     # and by more than the certificate's enclosures are wide, or that could not tell
     clear = CLEARANCE * follower.radius_norm().value(cam.size)
     needed = (1.0 + CLEARANCE) * needed + clear
-    size = enlarged(cam.size, min(needed, problem.room(cam.size)))
+    size = enlarged(cam.size, min(needed, problem.max_enlargement(cam.size)))
     return replace(cam, size=size, value=objective_value(problem, size))
 
 

@@ -35,7 +35,7 @@ class CounterRollerPlacement:
     Attributes:
         spec: the specification, the place being a number.
         holds: whether the counter cam keeps its limits beside this main cam.
-        farthest: where it does not, whether no other place would leave the main cam more room.
+        farthest: where it does not, whether no other place would leave the main cam more slack.
     """
 
     spec: DesignSpec

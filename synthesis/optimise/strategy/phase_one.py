@@ -1,9 +1,10 @@
 """Where nothing fits on the first knots: the least that limits on the motion have to allow.
 
-Limits that leave little room are met by laws that switch at places of their own: on knots that are
+Limits that leave little slack are met by laws that switch at places of their own: on knots that are
 elsewhere nothing fits, though there are such laws. So the share of the limits on the highest
-derivative that is needed is made small first, on knots that move to the switches of the ideal law.
-If it comes below 1, there are the knots; if its bound over all laws lies above 1, there is no law.
+derivative that a law needs is minimised first, on knots that move to the switches of the ideal law.
+The law with the least share is the gentlest law. If its share lies below 1, its knots serve; if the
+bound of the share over all laws lies above 1, no law keeps the limits.
 
 The loop is not the driver's: moving all knots to the switches finds these laws in a tenth of the
 time that refining the driver's meshes takes, and where the size is tight it finds them at all.
@@ -48,7 +49,7 @@ LOCATIONS = 24  # of the switches, each from the law before
 LITTLE = 0.1  # of what a share exceeds 1 by: a smaller change brings it no nearer
 VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
 MULTIPLIER = 1e-6  # of the objective's: rows with a smaller one hold nothing back
-SPARE = 1e-6  # of 1: a share as far below it leaves a solver room
+SPARE = 1e-6  # of 1: a share as far below it leaves a solver slack
 MET = 3e-10
 """Of 1: a share that exceeds it by no more is that of a law that just meets the limits: one that
 ends as much short of its lift keeps them; the certificate allows three times that at a joint."""
@@ -112,7 +113,7 @@ class PhaseOneResult:
 
     Attributes:
         jumps: whether the ideal law jumps in a derivative in which the laws asked for may not.
-        laws: those with this share, one per grid. tight: positions of those that leave no room.
+        laws: those with this share, one per grid. tight: positions of those that leave no slack.
     """
 
     grids: tuple[Grid, ...]
@@ -130,7 +131,7 @@ class PhaseOneResult:
 
     @property
     def just_meets(self) -> bool:
-        """Whether that law meets the limits, and no other leaves a solver room."""
+        """Whether that law meets the limits, and no other leaves a solver slack."""
         return bool(self.tight) and 1.0 - SPARE <= self.share <= 1.0 + MET
 
     @property
