@@ -23,7 +23,7 @@ from synthesis.optimise.branching.pivot_node import PivotNode
 from synthesis.optimise.branching.size_search import search_sizes
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.program import ConicModel, formulate
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import local_search
 from synthesis.optimise.problem.derivative_caps import without_highest_caps
 from synthesis.optimise.problem.grid import Grid, uniform_grid
@@ -318,7 +318,7 @@ def _needs_no_finer_mesh(
         return True
     if not state.problem.omits_curved_rows or bound is None:
         return False
-    value = in_core_units(model, model.program.value(solution.x))
+    value = in_problem_units(model, model.program.value(solution.x))
     close = value - bound.value <= 0.5 * state.tolerance * abs(value)
     return close or _count(state.grids) > FINEST_WITHOUT_ROWS
 

@@ -52,7 +52,7 @@ class Cam:
 
 @dataclass(frozen=True)
 class Bounded:
-    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire].
+    """An objective with the lower bound that was found [problem units; ``in_wire_units``: wire].
 
     ``infimum``: whether the bound is the open end of the size, and the cam as near to it as was
     sought.
@@ -100,7 +100,7 @@ def with_size(question: NondimensionalSpec, spec: DesignSpec, cam: Cam, size: Ve
 def in_wire_units(
     question: NondimensionalSpec, final_spec: DesignSpec, bounds: Iterable[Bounded]
 ) -> list[Bounded]:
-    """Bounds [core, in the question's own units] of a cam of the final spec, on the wire."""
+    """Bounds [problem units] of a cam of the final spec, on the wire."""
     machine, converted = final_spec.machine(), list[Bounded]()
     for each in bounds:
         objective, known = each.objective, isfinite(each.lower)

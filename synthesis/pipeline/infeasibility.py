@@ -3,6 +3,11 @@
 Each covers everything that was asked: all motion laws where laws are free, all sizes, all numbers.
 A solver's status, an end of our own of an open range, numbers that were chosen and a clock prove
 nothing; where only these speak, the question is unsolved.
+
+``infeasibility_proof`` lists the theorems, each a function. Those that are proven on the way stand
+where they are: ``Problem.base_circle_conflict`` and ``Problem.constant_conflict``; of phase 1
+``PhaseOneResult.impossible``, kept in the state, and ``excess_proof``. One more is that of a maximum
+of the base radius: ``Smallest.excludes`` in ``largest_radius``.
 """
 
 from __future__ import annotations

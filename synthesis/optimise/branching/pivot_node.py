@@ -28,7 +28,7 @@ from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint, cuts_on_law
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
@@ -197,7 +197,7 @@ def _value_to_hold(
     solution = solve(model.program, state.time_left)
     if solution.stopped not in USABLE:
         return best.value
-    family = in_core_units(model, model.program.value(solution.x))
+    family = in_problem_units(model, model.program.value(solution.x))
     return max(best.value, family * (1.0 + REACHED))
 
 

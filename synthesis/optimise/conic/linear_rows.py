@@ -32,7 +32,7 @@ MONOTONE = 0.02  # share of the tightening that coefficients in order get: there
 
 @dataclass(frozen=True)
 class Scales:
-    """Units of the dimensionless unknowns: size variables [length], level [core units]."""
+    """Units of the dimensionless unknowns: size variables [length], level [problem units]."""
 
     size: float
     level: float

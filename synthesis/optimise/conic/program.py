@@ -140,7 +140,7 @@ def formulate(
     """State the problem on given grids.
 
     Args:
-        level: trial level of a fractional objective [core units], otherwise without effect.
+        level: trial level of a fractional objective [problem units], otherwise without effect.
         tightening: how far the rows are drawn in for the solver's sake.
         region: where curved limits are written as rows; None: all over what is allowed.
         paired: state rows that are equalities as two inequalities each, which may give way.

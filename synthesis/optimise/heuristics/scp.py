@@ -54,7 +54,7 @@ class ScpTarget:
         close: how far above what the tangents allow its value may lie.
         tightened: by how much smooth limits are tightened at the points where they are written.
         anew: whether a larger cam than that of the start is welcome: it keeps these.
-        sufficient: a value of the objective [core units] at which to stop.
+        sufficient: a value of the objective [problem units] at which to stop.
     """
 
     close: float
@@ -99,7 +99,7 @@ def solve_scp(
 
     Args:
         model: the relaxation; its objective is a norm of the size.
-        laws, size: where to begin [core length units], best at a cam that keeps all limits.
+        laws, size: where to begin [length], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
         goal: how near an optimum shall be.
     """

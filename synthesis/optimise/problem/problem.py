@@ -44,7 +44,7 @@ class NoObjective(Objective):
 
 @dataclass(frozen=True)
 class ObjectiveCap:
-    """An earlier objective of an ordered list, and the value it may not exceed [core units]."""
+    """An earlier objective of an ordered list, and the value it may not exceed [problem units]."""
 
     objective: Objective
     value: float

@@ -27,7 +27,7 @@ class Candidate:
 
     Attributes:
         problem: the question with these laws fixed. laws: one per free segment.
-        size: size variables [length]. value: the objective in core units.
+        size: size variables [length]. value: the objective in problem units.
         fitted: the size meets every row that speaks of it, all along the laws, but for what
             growing costs in the last size variable.
     """
@@ -163,7 +163,7 @@ def smallest_size(problem: Problem) -> Vector | None:
 
 
 def objective_value(problem: Problem, size: Vector) -> float:
-    """The objective of a finished cam, in core units."""
+    """The objective of a finished cam, in problem units."""
     objective, machine = problem.objective, problem.machine
     norm, order = objective.norm(machine), objective.energy_order()
     if norm is not None:

@@ -20,7 +20,7 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
 from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import recover_cam
@@ -64,7 +64,7 @@ def relax(state: SolveState, level: float) -> Relaxed:
         if state.problem.omits_curved_rows:
             break
         # 3. Go on while new tangents raise the optimum.
-        before, value = value, in_core_units(model, model.program.value(solution.x))
+        before, value = value, in_problem_units(model, model.program.value(solution.x))
         best = state.smallest_value
         missing = best - value if isfinite(best) else 0.0
         if value - before > STALLED * max(state.tolerance * abs(value), missing):
@@ -139,7 +139,7 @@ def _linearise(
     points = (TangentPoint(curves, cam.size), TangentPoint(curves, size), *region.tangent_points)
     region = replace(region, sizes=_sizes(state), tangent_points=points[:KEPT_POINTS])
     state = replace(state, region=region)
-    value = in_core_units(model, model.program.value(solution.x))
+    value = in_problem_units(model, model.program.value(solution.x))
     if state.smallest_value - value <= SIZE_GAIN * state.tolerance * abs(value):
         return state, set()
     loose = set[int]()
