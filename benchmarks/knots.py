@@ -66,7 +66,7 @@ class _Round:
     grids: tuple[Grid, ...]
 
     def __call__(self) -> tuple[float, float, int] | None:
-        """Value and bound [core units], number of unknowns; None where nothing fits."""
+        """Value and bound [problem units], number of unknowns; None where nothing fits."""
         plan = formulate(self.problem, self.grids)
         solution = solve(plan.program)
         if solution.stopped is StopReason.INFEASIBLE:

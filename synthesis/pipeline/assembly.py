@@ -54,8 +54,8 @@ class Cam:
 class Bounded:
     """An objective with the lower bound that was found [problem units; ``in_wire_units``: wire].
 
-    ``infimum``: whether the bound is the open end of the size, and the cam as near to it as was
-    sought.
+    ``valid_for``: the cams that it covers. ``infimum``: whether the bound is the open end of the
+    size, and the cam as near to it as was sought.
     """
 
     objective: Objective

@@ -46,8 +46,8 @@ class Smallest:
     Attributes:
         attempt: its certificate is that of the question with the maximum.
         radius: its base radius. most: the maximum [mm].
-        lower: no cam has a smaller base radius [mm], −inf where that is not known. over: the
-            family of cams that this covers.
+        lower: no cam has a smaller base radius [mm], −inf where that is not known. valid_for: the
+            cams that this covers.
     """
 
     attempt: Attempt

@@ -152,14 +152,14 @@ def bound_from_lagrangian(
     lagrangian.reduce()
     model, psi = lagrangian.model, lagrangian.psi()
     total = _minimum(solution, lagrangian, controls, psi)
-    over = (
+    valid_for = (
         f"all motion laws with a bounded {NAMES[lagrangian.order]}"
         if controls
         else _family_name(model)
     )
     level = 0.0 if model.epigraph is None else abs(float(solution.x[model.epigraph]))
     result = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in controls)
-    return Bound(in_problem_units(model, total), over, psi, result)
+    return Bound(in_problem_units(model, total), valid_for, psi, result)
 
 
 def _family_name(model: ConicModel) -> str:

@@ -115,8 +115,8 @@ def _knots_of_costly_intervals(
     counts = np.bincount(inside, minlength=len(costly))
     single = costly & (counts == 1)
     halved = _halved(breaks, costly & ~single)
-    # Beside the ends of windows knots lie as close as they may: the ideal law may switch there
-    # several times within a small angle.
+    # Beside the ends of windows knots lie as close as they may: a bound or a value that ends there
+    # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order
     ends, step = np.array(free.knots), ramp_step(softer)
     ramps = ramp_knots(switches[single[inside]], softer)
