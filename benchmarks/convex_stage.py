@@ -12,7 +12,7 @@ from benchmarks.timing import Call, in_turns, timed
 from synthesis import synthesise
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.dual_bound.bound import dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import dual_bound, in_problem_units
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.spec.design_spec import DesignSpec
@@ -72,7 +72,7 @@ def _stage(kind: str, intervals: int, effort: Effort) -> tuple[str, ...]:
         "bound": lambda: dual_bound(plan, solution),
     }
     times = in_turns(calls, effort.repeats(20), effort.warm_up(2))
-    value = in_core_units(plan, plan.program.value(solution.x))
+    value = in_problem_units(plan, plan.program.value(solution.x))
     rows, unknowns = plan.program.matrix.shape
     gap = f"{(value - lower.value) / value:.2%}"
     return kind, str(intervals), f"{unknowns} × {rows}", *map(str, times.values()), gap

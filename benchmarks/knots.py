@@ -66,7 +66,7 @@ class _Round:
     grids: tuple[Grid, ...]
 
     def __call__(self) -> tuple[float, float, int] | None:
-        """Value and bound [core units], number of unknowns; None where nothing fits."""
+        """Value and bound [problem units], number of unknowns; None where nothing fits."""
         plan = formulate(self.problem, self.grids)
         solution = solve(plan.program)
         if solution.stopped is StopReason.INFEASIBLE:
@@ -94,7 +94,7 @@ def _outcomes(scene: Scene, effort: Effort) -> list[Outcome]:
     times = in_turns(calls, effort.repeats(7), 0)
     outcomes = []
     for (kind, intervals), (value, lower, unknowns) in solved.items():
-        exact = _in_core_units(scene, rounds[kind, intervals].problem)
+        exact = _in_problem_units(scene, rounds[kind, intervals].problem)
         error, gap = max(1.0 - exact / value, scene.known_to), 1.0 - lower / value
         time = times[f"{kind} {intervals}"]
         outcomes.append(Outcome(kind, intervals, unknowns, time, error, gap))
@@ -115,7 +115,7 @@ def _grid(segment: PlacedSegment, intervals: int, softer: int) -> Grid:
     return grid_through(segment, merge_knots(equal, ramp_knots(np.zeros(0), softer)))
 
 
-def _in_core_units(scene: Scene, problem: Problem) -> float:
+def _in_problem_units(scene: Scene, problem: Problem) -> float:
     """The optimum: of the base radius the prime radius."""
     if scene is BASE_RADIUS:
         return PRIME

@@ -1,4 +1,4 @@
-"""Units: the four systems in use, and the functions that change from one to the next.
+"""Units: the systems in use, and the functions that change from one to the next.
 
 ====================  ========  =========  ==================  ======  ======  ==================
 system                length    cam angle  derivatives of s    time    force   where
@@ -6,7 +6,7 @@ system                length    cam angle  derivatives of s    time    force   w
 wire, sliding         mm        deg        mm/s, mm/s², …      s, rpm  N, MPa  bodies, files
 wire, swinging (arm)  deg of s  deg        deg/s, deg/s², …    s, rpm  N, MPa  bodies, files
 core                  mm        rad        s', s'', … per rad  s       N       catalogue, certify
-nondimensional        L         rad        s', s'', … per rad  T       N       optimise
+problem               L         rad        s', s'', … per rad  T       N       optimise
 conic program         stroke    x in 0..1  g', g'', … of g(x)  –       –       optimise/conic
 ====================  ========  =========  ==================  ======  ======  ==================
 
@@ -17,10 +17,10 @@ Masses are in kg everywhere. Every change of units happens in one place:
   limits and objectives when they state their rows. The displacement of an arm is the arc of its
   roller's centre, a length: ``Travel.per_unit`` of it is one unit on the wire.
 * core → wire: ``MotionUnits.to_wire``, ``Machine.wire_factor`` and ``Objective.to_wire``.
-* wire → nondimensional and back: ``optimise/problem/nondimensional.py``, which divides every field
+* wire → problem and back: ``optimise/problem/nondimensional.py``, which divides every field
   of a spec by the unit of length L (the longest travel of a segment) and of time T. The result is
-  a spec again, so what the core calls mm is L throughout ``optimise``.
-* core → conic program: the larger of ``Problem.length`` and the least norm scales the size
+  a spec again, so that every mm of ``catalogue`` is L throughout ``optimise``.
+* problem → conic program: the larger of ``Problem.length`` and the least norm scales the size
   variables, ``PlacedSegment.scale`` the laws.
 """
 

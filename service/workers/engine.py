@@ -55,12 +55,12 @@ CONFIGURATION = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }
-WATCH_S = 2.0  # between looks at workers that are lost, and at a task that has not begun
-REPAIR_S = 60.0  # at most, until a restarted worker is there, on a busy machine too
-CANCEL_AGAIN_S = 0.1  # cancellation is repeated: the work may not have begun at the first
-CANCEL_S = 0.5  # that work has to end in; then its worker is restarted
-RETRY = {"Retry-After": "2"}  # [s]: a lost worker is there again by then
-BATCH_S = 0.001  # Dask gathers messages for 10 ms before it sends them: longer than many designs
+WATCH_S = 2.0  # from one look to the next at lost workers, and at a task that has not started
+REPAIR_S = 60.0  # at most, to wait for a restarted worker: long enough on a busy machine
+CANCEL_AGAIN_S = 0.1  # from one request to cancel to the next: work not yet started ignores them
+CANCEL_S = 0.5  # that cancelled work has to end in; after that its worker is restarted
+RETRY = {"Retry-After": "2"}  # [s]: by then a lost worker has been replaced
+BATCH_S = 0.001  # of messages to the scheduler; Dask's 10 ms is longer than many designs take
 
 
 def run_cancellable(name: str, work: Callable[..., T], *arguments: Any) -> T:
@@ -243,8 +243,9 @@ class Engine:
             if not self.closing and not (
                 await self.cancel([future.key], result) and _worker_survived(result)
             ):
-                # The worker is restarted before the task is cancelled: once that is, the scheduler
-                # takes the worker for free, and may send it a design that the restart would lose.
+                # The worker is restarted before the task is cancelled. As soon as a task is
+                # cancelled, the scheduler counts its worker as idle and may send it another design,
+                # which the restart would lose.
                 running = await self._client.processing()
                 stuck = [address for address, keys in running.items() if future.key in keys]
                 if stuck:

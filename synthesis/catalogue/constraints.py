@@ -1,6 +1,6 @@
 """Constraints that limits and objectives state and the optimiser reads.
 
-Symbols, used throughout this room:
+Symbols, used throughout the catalogue:
 
     s, s', s'', s'''  displacement and its derivatives per radian of cam angle
     z                 the follower's size variables: (e, s0) of a roller on a slide, (Rb) of a face
@@ -215,7 +215,7 @@ class NonconvexConstraint(ABC):
     Attributes:
         source: as of a ``LinearInequality``.
         order: highest derivative of s in it.
-        linearises: whether the cone program approximates it from outside, round by round; where
+        linearises: whether the cone program approximates it from outside, by iteration; where
             not, only local solvers and branch and bound see it.
     """
 

@@ -2,8 +2,10 @@
 
 In: a motion, a machine (follower, speed, load), the follower's size, and the spec's limits. Out:
 the lines of the certificate (``Extreme``), each with value, bound, proven width and verdict; values
-of objectives; what the forces come to. Nothing here imports the optimiser, and no formula is
-shared with it: geometry comes from the path of the traced point alone.
+of objectives; what the forces come to. Nothing here imports the optimiser. Contact, pressure angle
+and curvature come from the path of the traced point alone, by no formula of the optimiser's. Shared
+with it are formulas of the catalogue: the dimensions of a size, the norm that stands for a radius,
+and how a load becomes a force.
 
 Open ``certificate.py`` first; ``quantities.py`` has the measured quantities, ``motion_checks.py``
 what every motion must satisfy, ``self_intersection.py`` and ``roller_interference.py`` the proof

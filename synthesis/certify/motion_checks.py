@@ -1,4 +1,7 @@
-"""What every cam must satisfy: continuity, end states, tables, no overshoot; a follower driven out.
+"""What every cam must satisfy besides the limits of its spec.
+
+Of the motion: continuity, the states required at segment ends, tables, no overshoot. Of the
+follower: a positive base radius, and a cam that drives it outwards. Of the size: its ranges.
 
 Each check returns lines of the certificate. Rounding allows a share of 1e-9 of the lift throughout.
 """
@@ -126,7 +129,7 @@ def _promised_orders(motion: PiecewiseMotion) -> Array:
 
 
 def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
-    """The required velocity, and the required acceleration, that is missed most at segment ends."""
+    """The largest deviation from a velocity, and from an acceleration, required at segment ends."""
     for order in (1, 2):
         # for every required s^(order): deviation, allowed deviation, cam angle, field of the spec
         misses = list[tuple[float, float, float, str]]()
@@ -147,7 +150,7 @@ def _end_states(motion: PiecewiseMotion, machine: Machine) -> Iterator[Extreme]:
         if misses:
             miss, allowed, angle, field = max(misses, key=lambda each: each[0] / each[1])
             yield _deviation(
-                f"{DERIVATIVES[order]}_asked", machine, order, miss, allowed, angle, field,
+                f"{DERIVATIVES[order]}_required", machine, order, miss, allowed, angle, field,
                 f"one-sided values at {len(misses)} ends of segments; bound: 1e-9 of "
                 f"lift/β^{order}",
             )  # fmt: skip
@@ -294,13 +297,13 @@ def _prime_circle_angle(limit: str, trace: TracePoint, size: Size, stroke: float
 
 
 def certify_size(
-    spec: DesignSpec, size: tuple[float, ...], built: Follower | None = None
+    spec: DesignSpec, size: tuple[float, ...], final_follower: Follower | None = None
 ) -> list[Extreme]:
     """Every dimension that the spec names, against its range.
 
-    ``built``: the follower as built, with values chosen after the size; None: the spec's own.
+    ``final_follower``: with values chosen after the size; None: the spec's own.
     """
-    dimensions = (built or spec.follower).dimensions(size)
+    dimensions = (final_follower or spec.follower).dimensions(size)
     scales = {"mm": prime_radius(spec.follower, size), "deg": 180.0}
     # 1. what is limited: name, range, field of the spec, size to which rounding is relative
     wanted = [

@@ -27,8 +27,8 @@ CONTROL_POINT_ROUNDING: Final = 1e-13
 
 ANGLE_ROUNDING: Final = 4.0 * 2.0**-53 * FULL_TURN  # rounding of a junction's cam angle [rad]
 
-# The first boxes of an enclosure. More of them cost time in the first round; with fewer, too few
-# are excluded by it. They change the speed only, never what is proven.
+# The first boxes of an enclosure. More of them cost time in the first iteration; with fewer, too
+# few are excluded by it. They change the speed only, never what is proven.
 BOXES_PER_SEGMENT: Final = 12.0
 WIDEST_BOX: Final = 0.06  # [rad]
 LARGEST_WAVE_ANGLE: Final = 0.4  # phase over which a law's sinusoid runs in one box [rad]

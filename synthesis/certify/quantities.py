@@ -2,9 +2,10 @@
 
 A point p(θ) of the machine frame traces its curve on the turning cam. With D = d/dθ + J,
 J (x, y) = (y, −x), the curve's tangent is T = D p and its second derivative is D T, both with
-components in the machine frame. Every follower is measured by these formulas; none of the closed
-forms that the optimiser uses occurs here, so that an error in one cannot confirm the other. For
-forces too, pressure angle and curvature come from the tangent and its turning.
+components in the machine frame. The geometry of every follower is measured by these formulas. None
+of the closed forms that the optimiser has for it occurs here, so that an error in one cannot
+confirm the other. Forces take pressure angle and curvature from the tangent and its turning; how a
+load becomes a force, and a force a Hertz pressure, is the catalogue's, used by the optimiser too.
 """
 
 from __future__ import annotations

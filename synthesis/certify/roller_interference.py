@@ -63,7 +63,7 @@ MAX_INTERVALS: Final = 2_000
 MAX_GROUPS: Final = 96
 MAX_PAIRS: Final = 400_000
 PARTS: Final = 4  # into which an interval is divided
-MAX_ROUNDS: Final = 10
+MAX_LEVELS: Final = 10
 
 # Tolerances, relative to the roller's radius.
 HARMLESS_DEPTH: Final = 1e-9  # interference of so little depth counts as none
@@ -300,7 +300,7 @@ class _Search(BoxSearch[_Pairs]):
     def nearest(self, pairs: _Pairs) -> NearestPair:
         """The smallest distance of these pairs and its lower bound."""
         if len(pairs.first):
-            self.run(pairs, Budget(MAX_ROUNDS, MAX_PAIRS))
+            self.run(pairs, Budget(MAX_LEVELS, MAX_PAIRS))
         # of pruned pairs it is enough to know that they are at least at the threshold
         lower = max(min(-self.threshold(), -float(self.proven)), 0.0)
         return NearestPair(self.distance, lower, self.profile_angle, self.roller_angle, self.pairs)

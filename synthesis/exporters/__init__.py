@@ -1,7 +1,7 @@
 """Files made from a design. A new format is a ``design_format`` and its name in a registry here.
 
 In: a Design and the options of a format. Out: bytes with metadata, the same for the same question.
-Formats stand in rooms by what comes out: ``tables``, ``points``, ``curves``, ``solids``,
+Formats stand in packages by what comes out: ``tables``, ``points``, ``curves``, ``solids``,
 ``figures``, ``diagrams``, ``animations``, ``machining``, ``drives``. What they share is below them:
 ``samples`` (the cam at its angles), ``fidelity`` (what readers make of points) and ``drawing`` (SVG
 HTML, PNG); above them ``report`` and ``bundle``. Open ``exporter`` first, then ``samples/cam``.

@@ -1,7 +1,7 @@
 """Proven extremes by branch and bound over boxes, for many questions at once.
 
 Where the functions are at hand in plain numbers too, these say first where each extreme seems to
-be. The boxes are small there from the start, and as a rule the first round proves it.
+be. The boxes are small there from the start, and as a rule the first iteration proves it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from synthesis.numerics.taylor import Taylor
 Models = Callable[[Indices, Array, Array, Sequence[int]], Sequence[Taylor]]
 Values = Callable[[Indices, Array, Sequence[int]], Sequence[Array]]
 
-MOST_ROUNDS: Final = 12  # of dividing; after that open boxes keep their bounds
+MOST_LEVELS: Final = 12  # of dividing; after that open boxes keep their bounds
 MOST_BOXES: Final = 100_000  # of each function
 FEWEST_PARTS: Final = 16  # of a box that is divided
 MOST_PARTS: Final = 64  # of a box that is divided
-ROUND: Final = 256  # boxes that cost little more than one
+CHEAP_BATCH: Final = 256  # boxes that cost little more than one
 UNBOUNDED: Final = 1e300  # stands for "nothing is known on this box"
 ULPS: Final = 2.0**-50  # relative: eight unit roundoffs
 CLEAR: Final = 3.0  # roundings of a value: two lie between its ends, of a box there are some more
@@ -185,9 +185,9 @@ class _ExtremumSearch(BoxSearch[Boxes]):
 
     def split(self, boxes: Boxes, keep: Mask) -> Boxes:
         self.points = self.leaders()
-        # into many where there are few: a round costs much, whatever its boxes
+        # into many where there are few: an iteration costs much, whatever its boxes
         still = boxes.keep(keep)
-        return still.split(max(FEWEST_PARTS, min(MOST_PARTS, ROUND // len(still))))
+        return still.split(max(FEWEST_PARTS, min(MOST_PARTS, CHEAP_BATCH // len(still))))
 
     def _note(self, question: Indices, at: Array, value: Array, sure: Array, blur: Array) -> None:
         """Keep what was reached at points: values, their excess over a bound, their roundings."""
@@ -238,7 +238,7 @@ def enclose(
 ) -> list[Extremum]:
     """Answer all questions about functions of one variable, defined piece by piece.
 
-    All of them share their boxes: a round costs little more for several functions than for one.
+    All of them share their boxes: an iteration costs little more for several functions.
 
     Args:
         models: Taylor models of the functions wanted on boxes (piece, lo, hi).
@@ -251,7 +251,7 @@ def enclose(
         return []
     search = _ExtremumSearch(models, questions, enough)
     boxes = _first_boxes(breaks, counts, questions)
-    budget = Budget(MOST_ROUNDS, MOST_BOXES * len(set(search.function)))
+    budget = Budget(MOST_LEVELS, MOST_BOXES * len(set(search.function)))
     with np.errstate(all="ignore"):
         if values is not None and len(search.closely):
             search.points, cuts = search.look(boxes, values)

@@ -39,10 +39,10 @@ class Polytope:
     def centre(self) -> Array | None:
         """A point as far from the box's sides as can be; None where there is no point."""
         m, n = self.matrix.shape
-        room = np.vstack([np.eye(n), -np.eye(n)])
+        sides = np.vstack([np.eye(n), -np.eye(n)])
         found = minimise_linear(
             np.append(np.zeros(n), -1.0),
-            (np.hstack([room, np.ones((2 * n, 1))]), np.append(np.ones(n), np.zeros(n))),
+            (np.hstack([sides, np.ones((2 * n, 1))]), np.append(np.ones(n), np.zeros(n))),
             (np.hstack([self.matrix, np.zeros((m, 1))]), self.rhs),
             [*[(0.0, 1.0)] * n, (0.0, 0.5)],
         )
@@ -100,23 +100,23 @@ _Tangent = tuple[Array, float, Array]  # a point, the function's value and its s
 
 
 def minimise(
-    function: Function, polytope: Polytope, start: BundlePoint, radius: float, rounds: int
+    function: Function, polytope: Polytope, start: BundlePoint, radius: float, steps: int
 ) -> BundlePoint:
     """A point where the function, None where it has no value, is locally least.
 
-    ``radius``: how far the first step may go in each direction; ``rounds``: most steps.
+    ``radius``: how far the first step may go in each direction; ``steps``: most steps.
     """
     best, tangents = start, list[_Tangent]()
     if not polytope.directions.shape[1]:
         return best
     tangents.append(_tangent(function, polytope, best))
-    while rounds > 0 and radius >= CLOSEST:
+    while steps > 0 and radius >= CLOSEST:
         tangents = [t for t in tangents if np.max(np.abs(t[0] - best.u)) <= NEAR * radius]
         step, promised = _step(polytope, best, tangents, radius)
         if promised <= ENOUGH * abs(best.value):
             radius *= SHORTER
             continue
-        rounds -= 1
+        steps -= 1
         at = best.u + polytope.directions @ step
         value = function(at)
         gain = -inf if value is None else best.value - value
@@ -152,9 +152,9 @@ def _step(
         # the function is not convex: a tangent may not cut off the best point
         table.append(np.append(slope, -1.0))
         rhs.append(best.value - min(here, best.value))
-    for sign, room in ((1.0, 1.0 - best.u), (-1.0, best.u)):
-        table += list(np.hstack([sign * directions, np.zeros((len(room), 1))]))
-        rhs += list(np.maximum(room, 0.0))
+    for sign, slack in ((1.0, 1.0 - best.u), (-1.0, best.u)):
+        table += list(np.hstack([sign * directions, np.zeros((len(slack), 1))]))
+        rhs += list(np.maximum(slack, 0.0))
     found = minimise_linear(
         np.append(np.zeros(count), 1.0), (np.array(table), np.array(rhs)), (None, None),
         [*[(-radius, radius)] * count, (None, None)],

@@ -28,7 +28,7 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.dual_bound.bound import Bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, in_problem_units
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import (
@@ -61,7 +61,11 @@ LEVEL_STAYS = 1e-7
 of it over steps a thousand times larger."""
 ESTIMATE_TOLERANCE = 1e-2  # relative; an estimate refines no mesh
 
-NODE_LIMIT, BUDGET = "node limit", "budget of the proof"
+# Exits that the report names otherwise than the table below, which says when the loop ends.
+TOLERANCE, SUFFICIENT = "tolerance", "sufficient"  # the incumbent is good enough, whatever ended it
+BUDGET = "budget of the proof"  # a longer proof would process more nodes
+NODE_LIMIT = "node limit"
+UNDIVIDED = "the lowest node is not divided"
 
 Test = Callable[[SolveState, Tree, Node], bool]
 
@@ -81,8 +85,7 @@ EXITS: tuple[tuple[str, Test], ...] = (
         ),
     ),
 )
-"""The only places where the loop ends, besides a lowest node that cannot be divided."""
-UNDIVIDED = "the lowest node is not divided"
+"""When the loop ends, besides a lowest node that cannot be divided (``UNDIVIDED``)."""
 
 
 def optimise(
@@ -121,7 +124,7 @@ def optimise(
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a
         # problem for this driver.
-        return _with_coverage(bisect_pressure_angle(state, optimise))
+        return _with_valid_for(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
     if incumbent is not None and not presolved:
         state = state.with_incumbent(
@@ -138,7 +141,7 @@ def optimise(
         if not children:
             break
         tree = tree.with_children(node, children)
-    state = _with_coverage(tree.next_node.conclude(state, tree))
+    state = _with_valid_for(tree.next_node.conclude(state, tree))
     return state.with_exit(_exit(state, tree))
 
 
@@ -146,7 +149,7 @@ def _exit(state: SolveState, tree: Tree) -> str:
     """Why the loop has ended, for the report."""
     tests = ((name, holds(state, tree, tree.next_node)) for name, holds in EXITS)
     if state.solved:
-        return "sufficient" if state.suffices else "tolerance"
+        return SUFFICIENT if state.suffices else TOLERANCE
     name = next((name for name, holds in tests if holds), UNDIVIDED)
     # What only a longer proof would raise: more nodes, or any at all where curvature decides.
     short = name == NODE_LIMIT or (name == UNDIVIDED and state.needs_local_search)
@@ -187,7 +190,7 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
     return state.with_stage(stage), True
 
 
-def _with_coverage(state: SolveState) -> SolveState:
+def _with_valid_for(state: SolveState) -> SolveState:
     """The state with what its bound covers: no less than a circle that is a part of the cam."""
     problem = state.problem
     if problem.least_base_circle and problem.objective.norm(problem.machine) is not None:
@@ -200,14 +203,14 @@ def _with_coverage(state: SolveState) -> SolveState:
 def estimate(
     problem: Problem, grids: Sequence[Grid], guess: float = 1.0, deadline: float = inf
 ) -> float | None:
-    """Estimate a problem's optimum on given grids [core units]; None where nothing fits.
+    """Estimate a problem's optimum on given grids [problem units]; None where nothing fits.
 
     A smooth function of the problem's numbers, but for kinks: one cone program and the enlargement
     that nonconvex limits need. For derivative-free searches over such numbers.
 
     Args:
         problem: the problem. grids: one per free law.
-        guess: first trial level of a fractional objective [core units].
+        guess: first trial level of a fractional objective [problem units].
         deadline: ``time.monotonic()`` at which the solver stops.
     """
     state = SolveState(problem, ESTIMATE_TOLERANCE, deadline, DEFAULT_TIGHTENING)
@@ -223,7 +226,7 @@ def estimate(
             return None
         fractional = problem.objective.quasiconvex
         if problem.objective.norm(problem.machine) is None and not fractional:
-            return in_core_units(model, model.program.value(solution.x))
+            return in_problem_units(model, model.program.value(solution.x))
         cam = recover_cam(model.problem, *model.recover(solution.x))
         if not fractional or abs(cam.value - guess) <= LEVEL_STAYS * cam.value:
             break

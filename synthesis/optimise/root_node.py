@@ -23,7 +23,7 @@ from synthesis.optimise.branching.pivot_node import PivotNode
 from synthesis.optimise.branching.size_search import search_sizes
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.program import ConicModel, formulate
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import local_search
 from synthesis.optimise.problem.derivative_caps import without_highest_caps
 from synthesis.optimise.problem.grid import Grid, uniform_grid
@@ -43,28 +43,28 @@ from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
-ROUNDS = 8  # meshes at most
+MAX_MESHES = 8  # one finer than the other
 COARSEST, FINEST = 24, 96
 """Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
 INTERVALS_AT_UNIT_TOLERANCE = 3.7
-"""So that the first mesh of example 13-6's class is a little too coarse: two rounds as a rule."""
+"""The first mesh is too coarse as a rule; the second has knots where its law needs them."""
 FINEST_CURVED = 16
 """Intervals of the first mesh at most where curved limits are to be linearised on it."""
 FINEST_WITHOUT_ROWS = 150
 """Intervals of all laws at most where curved limits have no rows: a local search follows."""
 CURVATURE_GAP = 0.05
-"""A gap below which further rounds do not pay where curvature decides."""
+"""A gap below which finer meshes do not pay where curvature decides."""
 FINE_ENOUGH = 2.0
 """Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
 GROWTH = 1.1
-"""Factor on the number of intervals: a round that adds fewer says nothing about finer knots."""
+"""Factor on the number of intervals: a mesh that adds fewer says nothing about finer knots."""
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
-IDLE = 0.9  # a round that leaves more of the gap is idle
+IDLE = 0.9  # a mesh that leaves more of the gap is idle
 MARGIN_BITS = 16
 """Of the margin for rows written at points: it is known no better."""
-LEVEL_ROOMS = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
-"""Tolerances below the level reached at which it is proven that no cam is so good."""
-LEVEL_ROUNDS = 12  # trial levels of a fractional objective on one mesh
+PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
+"""Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
+MOST_LEVELS = 12  # of a fractional objective on one mesh
 
 Optimise = Callable[[Problem, float, float, float], SolveState]
 
@@ -76,16 +76,16 @@ class RootNode(Node):
     Attributes:
         optimise: solves a problem of the same kind, with a dimension fixed.
         presolved: whether the closed form has given the answer.
-        number: of the mesh, from 1. intervals: of the mesh before.
-        solvable: the last mesh with a law: other knots need not be finer.
+        mesh_number: of the mesh, from 1. previous_interval_count: of the mesh before.
+        last_solvable_mesh: the last mesh on which the relaxation had a point.
         dimension_searched: whether a dimension was searched, each value a problem of its own.
     """
 
     optimise: Optimise
     presolved: bool
-    number: int = 1
-    solvable: tuple[Grid, ...] = ()
-    intervals: int = 0
+    mesh_number: int = 1
+    last_solvable_mesh: tuple[Grid, ...] = ()
+    previous_interval_count: int = 0
     dimension_searched: bool = False
     is_root: bool = field(default=True, kw_only=True)
 
@@ -97,37 +97,38 @@ class RootNode(Node):
         if problem.has_curved_limits and _fixable(problem):
             node = replace(self, processed=True, dimension_searched=True)
             return search_dimension(state, self.optimise), node
-        if self.number == 1:
+        if self.mesh_number == 1:
             state = _first_mesh(state)
         # 1. Relax and solve; the dual bound holds over all laws where their jerk is capped.
         started = time.perf_counter()
         gap_before, bound_before = state.relaxation_gap, state.lower
-        solve_round = _solve_fractional if problem.objective.quasiconvex else relax
-        state, model, solution, bound = solve_round(state, 0.0)
+        solve_mesh = _solve_fractional if problem.objective.quasiconvex else relax
+        state, model, solution, bound = solve_mesh(state, 0.0)
         # 2. Recover a cam, and the points at which it violates rows.
         state, cam, violations = _recover(state, model, solution, bound)
         seconds = time.perf_counter() - started
-        state = state.with_stage(program_stage(f"convex {self.number}", model, solution, seconds))
+        name = f"convex {self.mesh_number}"
+        state = state.with_stage(program_stage(name, model, solution, seconds))
         # 3. No spline of this mesh satisfies the rows, or next to none: other knots may have one.
         if solution.stopped not in USABLE:
             other_knots = self._seek_knots(state, violations)
             if other_knots is not None:
                 return other_knots
-        if problem.omits_curved_rows and state.incumbent is None and self.number == 1:
-            state = local_search(state)  # these rounds give the bound alone: a cam at once
+        if problem.omits_curved_rows and state.incumbent is None and self.mesh_number == 1:
+            state = local_search(state)  # the meshes give the bound alone: a cam at once
         # 4. Stop, or refine the mesh where the law costs more than the ideal one.
-        failed = bound is None and self.number > 1
+        failed = bound is None and self.mesh_number > 1
         if failed or _needs_no_finer_mesh(state, model, solution, bound):
             mesh = _mesh_for_local_search(state, cam, bound, violations)
             return self._finish(replace(state, grids=mesh))
         idle = IDLE * over_bound(gap_before) < over_bound(state.relaxation_gap) < inf
         intervals = _count(state.grids)
-        few_added = intervals < GROWTH * self.intervals and not state.nonconvex_limits_cost
+        many_added = intervals >= GROWTH * self.previous_interval_count
         gained = state.lower - bound_before
         if (
             (_rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower))
-            or (idle and not few_added)
-            or (self.number > 1 and _is_fine_enough(state))
+            or (idle and (many_added or state.nonconvex_limits_cost))
+            or (self.mesh_number > 1 and _is_fine_enough(state))
         ):
             return self._finish(state)
         solvable = state.grids if bound is not None else ()
@@ -138,21 +139,21 @@ class RootNode(Node):
         if state.nonconvex_limits_cost and state.relaxation_gap < CURVATURE_GAP:
             # The local search finds its cam on this mesh, and far above this bound.
             return self._finish(state)
-        return self._next(state, solvable=solvable, intervals=intervals)
+        return self._next(state, last_solvable_mesh=solvable, previous_interval_count=intervals)
 
     def _seek_knots(
         self, state: SolveState, violations: list[Array]
     ) -> tuple[SolveState, Node] | None:
         """Where no spline of the mesh fits: other knots, or the end; None where neither is known.
 
-        The gentlest law (phase 1) has knots of its own; its bound may prove that no law fits.
+        Phase 1 finds the gentlest law, whose knots are tried next; or proves that no law fits.
         """
         problem = state.problem
-        if self.solvable:
-            state = replace(state, grids=self.solvable, margin=0.0)
+        if self.last_solvable_mesh:
+            state = replace(state, grids=self.last_solvable_mesh, margin=0.0)
             grids = halve_intervals(problem, state.grids, violations)
-            return self._next(replace(state, grids=grids), solvable=())
-        if self.number > 1 or not state.grids:
+            return self._next(replace(state, grids=grids), last_solvable_mesh=())
+        if self.mesh_number > 1 or not state.grids:
             return self._finish(replace(state, infeasible=state.relaxed is None))
         if problem.has_curved_limits:
             return None
@@ -170,9 +171,9 @@ class RootNode(Node):
         return self._next(state) if result.fits else self._finish(state)
 
     def _bound_of_wider_limits(self, state: SolveState, grids: tuple[Grid, ...]) -> SolveState:
-        """The bound of limits a little wider, which leave a solver room: it holds for these too."""
+        """The bound of limits a little wider, which leave slack: it holds for these too."""
         wider = replace(state, grids=grids, tighten=-WIDER)
-        node: Node = replace(self, number=2)
+        node: Node = replace(self, mesh_number=2)
         while not node.processed:
             wider, node = node.process(wider)
         if not wider.covers_all_laws:
@@ -181,11 +182,11 @@ class RootNode(Node):
 
     def _next(self, state: SolveState, **changed: Any) -> tuple[SolveState, Node]:
         """The same domain on the state's mesh."""
-        node = replace(self, number=self.number + 1, **changed)
-        return node._finish(state) if node.number > ROUNDS else (state, node)
+        node = replace(self, mesh_number=self.mesh_number + 1, **changed)
+        return node._finish(state) if node.mesh_number > MAX_MESHES else (state, node)
 
     def _finish(self, state: SolveState) -> tuple[SolveState, Node]:
-        """What the meshes have left: the last digits of convex problems, and least dimensions."""
+        """End the root: polish the last digits of convex problems; search least dimensions."""
         problem, node = state.problem, replace(self, processed=True)
         if not self.presolved:
             state = polish_knots(state, _solve_once)
@@ -213,7 +214,7 @@ class RootNode(Node):
             state = state.raise_bound(wider.lower, wider.valid_for)
         if not wider.grids or state.time_left <= 0.0:
             return state
-        finer, _ = _solve_once(replace(state, grids=wider.grids), self.number + 1)
+        finer, _ = _solve_once(replace(state, grids=wider.grids), self.mesh_number + 1)
         better = finer.relaxation_gap < state.relaxation_gap
         return finer if better else replace(finer, grids=state.grids)
 
@@ -266,7 +267,7 @@ def _refined(
     *,
     every: bool,
 ) -> tuple[Grid, ...]:
-    """The mesh of the next round; ``every``: all intervals halved, as single knots were idle."""
+    """The next mesh; ``every``: all intervals halved, as knots at single places gained little."""
     if every:
         return halve_intervals(state.problem, state.grids, violations)
     if state.relaxed is not None and bound is not None and not bound.switching:
@@ -309,16 +310,15 @@ def _needs_no_finer_mesh(
 ) -> bool:
     """Whether the relaxation is solved to the tolerance, or there is no time for more.
 
-    Where curved limits have no rows, no cam of these rounds tells: the relaxation's own optimum is
+    Where curved limits have no rows, no cam of the meshes tells: the relaxation's own optimum is
     compared with its bound. Too many knots would make the local search slow there.
     """
-    if state.suffices or state.is_close(state.relaxed):
-        return True
-    if state.time_left <= 0.0 or not state.grids:
+    done = state.suffices or state.is_close(state.relaxed)
+    if done or state.time_left <= 0.0 or not state.grids:
         return True
     if not state.problem.omits_curved_rows or bound is None:
         return False
-    value = in_core_units(model, model.program.value(solution.x))
+    value = in_problem_units(model, model.program.value(solution.x))
     close = value - bound.value <= 0.5 * state.tolerance * abs(value)
     return close or _count(state.grids) > FINEST_WITHOUT_ROWS
 
@@ -361,10 +361,10 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
 
     The level is lowered to the value of the last solution until it stays; a program at a level just
     below that has a positive optimum, which proves that no cam reaches that level. Where the
-    splines of the mesh leave the proof no room so near, lower levels are tried.
+    splines of the mesh do not suffice for the proof so near, lower levels are tried.
     """
     level = 1.0 if state.relaxed is None else state.relaxed.value
-    for _round in range(LEVEL_ROUNDS):
+    for _ in range(MOST_LEVELS):
         state, model, solution, bound = relax(state, level)
         if solution.stopped not in USABLE:
             return state, model, solution, None
@@ -373,8 +373,8 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
         level = reached
         if stays:
             break
-    for room in LEVEL_ROOMS:
-        below = level * (1.0 - room * state.tolerance)
+    for distance in PROOF_DISTANCES:
+        below = level * (1.0 - distance * state.tolerance)
         if below <= 0.0:
             break
         state, _plan, _solution, excess = relax(state, below)

@@ -53,7 +53,7 @@ class WarmStart:
 
     Attributes:
         grids: knots and collocation points of every free law.
-        laws, size: the laws, and the size variables [core length units].
+        laws, size: the laws, and the size variables [length].
     """
 
     grids: tuple[Grid, ...]
@@ -96,7 +96,7 @@ class SolveState:
         margin: relative tightening of rows written at points, against their excess in between.
         incumbent: best cam that satisfies all limits.
         relaxed: best cam of the relaxation, which may violate nonconvex limits.
-        lower, valid_for: best lower bound [core units] and the cams that it holds for.
+        lower, valid_for: best lower bound [problem units] and the cams that it holds for.
         infeasible: the relaxation has no point.
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
         undecided: what is known where neither a law nor a proof that there is none was found.
@@ -281,7 +281,7 @@ class SolveState:
 
     @property
     def sufficient_value(self) -> float:
-        """The value at which to stop in core units; −inf where there is none."""
+        """The value at which to stop in problem units; −inf where there is none."""
         if not isfinite(self.sufficient):
             return -inf
         return self.problem.objective.from_wire(self.sufficient, self.problem.machine)
@@ -305,7 +305,7 @@ class SolveState:
         return self.nonconvex_limits_cost or (self.problem.has_curved_limits and not self.solved)
 
     def allowance(self, tolerance: float) -> float:
-        """The largest value [core units] that is still within a tolerance of the best.
+        """The largest value [problem units] that is still within a tolerance of the best.
 
         A later objective of an ordered list may use it up.
         """
@@ -329,6 +329,12 @@ def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds:
         name, f"{kind}, {intervals} spline intervals", "Clarabel",
         unknowns, rows, solution.iterations, seconds, solution.stopped.value,
     )  # fmt: skip
+
+
+def solvers_of(state: SolveState, known: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """The solvers that a solve's stages have used, after those known, each named once."""
+    used = (name for stage in state.stages for name in stage.solver.split(", ") if name != "none")
+    return tuple(dict.fromkeys((*known, *used)))
 
 
 def over_bound(gap: float) -> float:

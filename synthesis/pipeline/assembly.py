@@ -54,15 +54,15 @@ class Cam:
 
 @dataclass(frozen=True)
 class Bounded:
-    """An objective with the lower bound that was found [core units; ``in_wire_units``: wire].
+    """An objective with the lower bound that was found [problem units; ``in_wire_units``: wire].
 
-    ``infimum``: whether the bound is the open end of the size, and the cam as near to it as was
-    sought.
+    ``valid_for``: the cams that it covers. ``infimum``: whether the bound is the open end of the
+    size, and the cam as near to it as was sought.
     """
 
     objective: Objective
     lower: float
-    over: str
+    valid_for: str
     infimum: bool = False
 
 
@@ -100,10 +100,10 @@ def with_size(question: NondimensionalSpec, spec: DesignSpec, cam: Cam, size: Ve
 
 
 def in_wire_units(
-    question: NondimensionalSpec, built: DesignSpec, bounds: Iterable[Bounded]
+    question: NondimensionalSpec, final_spec: DesignSpec, bounds: Iterable[Bounded]
 ) -> list[Bounded]:
-    """Bounds [core, in the question's own units] of a cam that was built so, on the wire."""
-    machine, converted = built.machine(), list[Bounded]()
+    """Bounds [problem units] of a cam of the final spec, on the wire."""
+    machine, converted = final_spec.machine(), list[Bounded]()
     for each in bounds:
         objective, known = each.objective, isfinite(each.lower)
         unit = question.units.of_field(objective.name_on_wire(machine))
@@ -138,15 +138,17 @@ def restate_problem(
     return formulate_problem(solved_spec, solved.objective, tuple(held), segments, 0.0)
 
 
-def certify_cam(spec: DesignSpec, cam: Cam, built: DesignSpec | None = None) -> list[Extreme]:
+def certify_cam(spec: DesignSpec, cam: Cam, final_spec: DesignSpec | None = None) -> list[Extreme]:
     """Every limit, every dimension and every promise of the motion, measured on the cam.
 
-    ``built`` is the spec with what was chosen after the size; None: nothing was.
+    ``final_spec`` is the spec with what was chosen after the size; None: nothing was.
     """
-    motion, built = cam.motion, built or spec
+    motion, final_spec = cam.motion, final_spec or spec
     return [
-        *certify(motion, built.machine(), cam.size, built.all_limits(), built.continuity),
-        *certify_size(spec, cam.size, built.follower),
+        *certify(
+            motion, final_spec.machine(), cam.size, final_spec.all_limits(), final_spec.continuity
+        ),
+        *certify_size(spec, cam.size, final_spec.follower),
     ]
 
 
@@ -166,7 +168,7 @@ def proofs(spec: DesignSpec, cam: Cam, bounds: Iterable[Bounded]) -> list[Proof]
                 objective=objective.name_on_wire(machine),
                 value=value if isfinite(value) else None,
                 lower_bound=lower,
-                bound_valid_for=bounded.over,
+                bound_valid_for=bounded.valid_for,
                 gap=gap,
                 infimum=bounded.infimum and lower is not None,
             )
@@ -316,7 +318,7 @@ def with_free_parameters(
     each = [proof, *proof.other_objectives]
     proven = [_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
     first, *others = (*proven, *map(_limited_to_values, each[len(proven) :]))
-    covered = len(proven) == len(each) and all(p.gap is not None for p in proven)
+    covered = [p.bound_valid_for for p in (first, *others)] == [b.valid_for for b in over_numbers]
     close = covered and all(p.gap is not None and p.gap <= question.tolerance for p in proven)
     solved = answer.status in ("optimal", "feasible")
     return answer.model_copy(
@@ -337,14 +339,15 @@ def _over_numbers(proof: ProofLine, bounded: Bounded) -> ProofLine:
         return _limited_to_values(proof)
     infimum = proof.infimum and proof.lower_bound is not None and lower >= proof.lower_bound
     gap = relative_gap(proof.value, lower)
-    changes = {"lower_bound": lower, "gap": gap, "bound_valid_for": bounded.over}
+    changes = {"lower_bound": lower, "gap": gap, "bound_valid_for": bounded.valid_for}
     return proof.model_copy(update={**changes, "infimum": infimum})
 
 
 def _limited_to_values(proof: ProofLine) -> ProofLine:
     """A proof whose bound was found with numbers chosen."""
-    over = f"{proof.bound_valid_for}, at the chosen numbers alone" if proof.bound_valid_for else ""
-    return proof.model_copy(update={"bound_valid_for": over})
+    own = proof.bound_valid_for
+    limited = f"{own}, at the chosen numbers alone" if own else ""
+    return proof.model_copy(update={"bound_valid_for": limited})
 
 
 def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:

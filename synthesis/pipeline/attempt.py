@@ -1,7 +1,6 @@
 """One question of given numbers: laws and size from the optimiser, judged by the certificate.
 
-A cam that the certificate refuses is sought again with limits drawn in a little more. One that
-only crosses itself is made larger until it does not.
+A cam that the certificate refuses is sought again with limits tightened a little more.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
-from synthesis.catalogue.fields import Range
 from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Effort, Extreme
 from synthesis.numerics import clock
@@ -23,30 +21,18 @@ from synthesis.optimise.problem.problem import (
     formulate_problem,
     with_smoother_laws,
 )
-from synthesis.optimise.recovery.candidate import (
-    Candidate,
-    cam_at_size,
-    enlarge_until_feasible,
-    given_cam,
-    objective_value,
-    smallest_size,
-)
+from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST
 from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState, WarmStart
-from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam, with_size
+from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
-FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved
-SMALL = 5e-2  # strokes: a smaller base radius is no measure of how much it has to grow
 ROUNDING = 1e-12  # strokes: a bound so near to the open end of the size is that
-FURTHER_DOWN = (1e-9, 1e-6, 1e-5, 1e-4)
-"""Strokes: base radii from which on smaller cams are sought, in turn, near an open end."""
-GROWTHS = 14  # radii tried at most
-BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that the largest of them cannot mend
+BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that no tightening below repairs
 AUTO_PROGRAMS = 100
-"""Programs for a proof that goes on by itself: 2 to 4 s. A program takes 0.02 to 0.04 s of them,
-whatever the family, with all that is computed around it."""
+"""Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
+0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
 SINGLE_SHARE = 0.4
 """Of the tolerance, for the gap at numbers that were chosen: the rest is for all others."""
@@ -75,20 +61,23 @@ class Attempt:
     """A question of given numbers, and what solving it came to.
 
     Attributes:
-        question: the spec, with numbers in place of what it leaves free. numbers: these [wire].
+        question: the spec, with numbers in place of what it leaves free.
+        chosen_values: these numbers [wire].
         number_bound: of the first objective over all numbers; None where that is not known.
         tables: its measured laws, smoothed.
-        solved_spec: what was solved; built: the spec of the cam that came out. They differ from the
-            question where the place of a counter roller is chosen after the size.
-        searches: what the optimiser came to, objective by objective.
+        solved_spec: what the optimiser solves. final_spec: the spec of the finished cam. Both
+            differ from the question where the place of a counter roller is chosen after the size.
+        first: the attempt with the counter roller's place open, where it had none for that cam.
+        searches: the optimiser's final states, objective by objective.
         best, bounds: in the question's own units. cam, extremes: in the wire's.
     """
 
     question: NondimensionalSpec
-    numbers: list[float]
+    chosen_values: list[float]
     tables: Tables
     solved_spec: DesignSpec
-    built: DesignSpec
+    final_spec: DesignSpec
+    first: Attempt | None = None
     number_bound: Bounded | None = None
     searches: list[SolveState] = field(default_factory=list)
     best: Candidate | None = None
@@ -103,13 +92,13 @@ class Attempt:
 
     @property
     def crosses_itself(self) -> bool:
-        """Whether the cam keeps everything but that its profile crosses itself."""
+        """Whether the cam keeps every limit, but its profile crosses itself."""
         broken = [extreme.limit for extreme in self.extremes if not extreme.holds]
         return bool(broken) and all(limit.startswith(SELF_CROSSING) for limit in broken)
 
     @property
     def is_smallest_sought(self) -> bool:
-        """Whether the base radius is made small, is open below, and as small as was sought."""
+        """Whether the cam is the smallest sought, its base radius minimised and open below."""
         if self.best is None or not self.certified or not self.searches:
             return False
         first = replace(self.searches[0], incumbent=self.best)
@@ -135,6 +124,16 @@ class Attempt:
         )  # fmt: skip
         return last.infeasible or not last.problem.free or last.incumbent is None or missing
 
+    def tolerance(self, rank: int) -> float:
+        """The tolerance of an objective: each but the last leaves half of it to those after it.
+
+        That of the first one leaves a part to numbers that were not chosen.
+        """
+        tolerance, last = self.solved_spec.tolerance, len(self.solved_spec.objectives()) - 1
+        if rank == 0 and self.number_bound is not None:
+            return SINGLE_SHARE * tolerance
+        return tolerance if rank == last else 0.5 * tolerance
+
     def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.
 
@@ -156,7 +155,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     Returns:
         an attempt with nothing solved.
     """
-    question, numbers, bounded = NondimensionalSpec.of(spec), list[float](), None
+    question, chosen_values, bounded = NondimensionalSpec.of(spec), list[float](), None
     free_parameters = spec.free_parameters
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
@@ -167,10 +166,11 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
         stages.append(Effort(**vars(stage)))
         question = question.with_scaled(numbered)
         physical = question.physical
-        numbers = free_parameters.values_in(physical.program, physical.follower)
+        chosen_values = free_parameters.values_in(physical.program, physical.follower)
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [Effort(**vars(stage)) for stage in tables.stages]
-    return Attempt(question, numbers, tables, question.scaled, question.scaled, bounded)
+    scaled = question.scaled
+    return Attempt(question, chosen_values, tables, scaled, scaled, number_bound=bounded)
 
 
 def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -179,14 +179,32 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     Only the first solve uses the warm start: a cam that the certificate refuses is no start. The
     bound is the best of all: it is that of the limits as they are.
     """
-    attempt = prepared
+    question, attempt = prepared.question, prepared
+    spec, sufficient = question.scaled, goal.sufficient / question.units.length
     for tighten in TIGHTENINGS:
-        attempt = with_bound_of(attempt, _solve_tightened(prepared, goal, tighten))
+        known = attempt
+        next_attempt: Attempt | None = unsolved(prepared, spec.without_deferred())
+        while next_attempt is not None:
+            attempt = next_attempt
+            # 1. Minimise one objective after the other.
+            for rank, problem in enumerate(attempt.problems(goal.smallest)):
+                from_start = rank == 0 and attempt.first is None
+                state = optimise(
+                    problem, attempt.tolerance(rank), goal.stop, tighten, proof=_proof_budget(spec),
+                    warm_start=goal.warm_start if from_start else None,
+                    incumbent=attempt.searches[-1].incumbent if rank else None,
+                    sufficient=sufficient if from_start else -inf,
+                )  # fmt: skip
+                attempt.searches.append(state)
+            _take_best(attempt)
+            # 2. What is fixed after the size: the place of a counter roller.
+            next_attempt = _place_counter_roller(attempt, goal.stop)
+        attempt = with_bound_of(known, attempt)
+        # 3. Certify the cam in the wire's units.
         if attempt.cam is not None:
-            question = attempt.question
             attempt.cam = to_physical_cam(question, attempt.solved_spec, attempt.cam)
             attempt.extremes = certify_cam(
-                question.physical, attempt.cam, question.to_physical(attempt.built)
+                question.physical, attempt.cam, question.to_physical(attempt.final_spec)
             )
         for state in attempt.searches:
             stages += [Effort(**vars(stage)) for stage in state.stages]
@@ -197,47 +215,33 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     return attempt
 
 
-def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
-    """Solve with limits tightened by a relative amount; the cam is left in the question's units."""
-    question, numbers, tables = prepared.question, prepared.numbers, prepared.tables
-    spec = question.scaled
-    sufficient = goal.sufficient / question.units.length
-    solved_spec, first, place = spec.without_deferred(), None, None
-    while True:
-        # 1. Minimise one objective after the other.
-        attempt = Attempt(
-            question, numbers, tables, solved_spec, solved_spec, prepared.number_bound
-        )
-        last = len(spec.objectives()) - 1
-        for rank, problem in enumerate(attempt.problems(goal.smallest)):
-            from_start = rank == 0 and first is None
-            share = 1.0 if rank == last else 0.5
-            if rank == 0 and prepared.number_bound is not None:
-                share = SINGLE_SHARE  # the rest of the tolerance is for other numbers
-            state = optimise(
-                problem, share * spec.tolerance, goal.stop, tighten, proof=_proof_budget(spec),
-                warm_start=goal.warm_start if from_start else None,
-                incumbent=attempt.searches[-1].incumbent if rank else None,
-                sufficient=sufficient if from_start else -inf,
-            )  # fmt: skip
-            attempt.searches.append(state)
-        _take_best(attempt)
-        if attempt.best is None or first is not None:
-            break
-        # 2. What is fixed after the size: the place of a counter roller. Where none suits this
-        #    cam, seek the cam again with the farthest place given: the counter cam then has its
-        #    say in the laws and the size.
-        place = place_counter_roller(spec, attempt.best, goal.stop)
-        if place.holds:
-            break
-        first, solved_spec = attempt, place.spec
+def unsolved(attempt: Attempt, spec: DesignSpec, first: Attempt | None = None) -> Attempt:
+    """An attempt at the same question, to be solved with another spec."""
+    return Attempt(
+        attempt.question, attempt.chosen_values, attempt.tables, spec, spec, first,
+        attempt.number_bound,
+    )  # fmt: skip
+
+
+def _place_counter_roller(attempt: Attempt, stop: float) -> Attempt | None:
+    """Choose the place of a counter roller for the best cam, if the spec leaves it open.
+
+    Returns:
+        an attempt still to be solved, with the farthest place given, where no place suits this cam:
+        its laws and size are then chosen under the limits of both rollers. None otherwise.
+    """
+    first = attempt.first
+    if first is None and attempt.best is not None:
+        place = place_counter_roller(attempt.question.scaled, attempt.best, stop)
+        if not place.holds:
+            bounds = [] if place.farthest else attempt.bounds
+            return unsolved(attempt, place.spec, replace(attempt, bounds=bounds))
+        attempt.final_spec = place.spec
     if first is not None:
         attempt.searches = [*first.searches, *attempt.searches]
-        if place is not None and not place.farthest:
-            attempt.bounds = first.bounds  # another place might suit better: valid for all
-    if place is not None:
-        attempt.built = place.spec
-    return attempt
+        # Where another place might suit better, only the bound without a place is valid for all.
+        attempt.bounds = first.bounds or attempt.bounds
+    return None
 
 
 def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
@@ -254,98 +258,8 @@ def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
     )
     if known.lower <= own.lower:
         return attempt
-    own = replace(own, lower=known.lower, over=known.over)
+    own = replace(own, lower=known.lower, valid_for=known.valid_for)
     return replace(attempt, bounds=[own, *later])
-
-
-def solve_spec(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
-    """Solve a question with everything in it a constraint; its cam does not cross itself."""
-    attempt = solve_and_certify(prepare(spec, goal, stages), goal, stages)
-    return enlarge_until_simple(attempt, goal, stages)
-
-
-def approach_infimum(found: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
-    """The cam of an open base radius nearer to the open end, if it is the smallest that was sought.
-
-    Where the bound is the open end the laws found will do. Where it is not, a best cam may lie
-    below where the search began: the question is solved again, further down.
-    """
-    if not found.is_smallest_sought or found.best is None:
-        return found
-    trials = _solved_and_resized(found, goal, stages)
-    smaller = (t for t in trials if t.certified and _base_radius(t) < _base_radius(found))
-    return next(smaller, found)
-
-
-def _solved_and_resized(found: Attempt, goal: Goal, stages: list[Effort]) -> Iterator[Attempt]:
-    """The question solved from further down on, where that may help; the laws found, resized."""
-    alone = len(found.searches) == 1  # later objectives would have to be worked through again
-    if not (alone and found.bounds[0].infimum) and clock.now() < goal.stop:
-        further = replace(goal, smallest=FURTHER_DOWN[0], warm_start=None)
-        yield solve_spec(found.question.physical, further, stages)
-    for smallest in FURTHER_DOWN if alone else ():
-        yield _resized_for(found, smallest)
-
-
-def _resized_for(found: Attempt, smallest: float) -> Attempt:
-    """The laws found with the smallest cam that keeps the limits, sought from a base radius on."""
-    (search,), best, cam, question = found.searches, found.best, found.cam, found.question
-    assert best is not None
-    assert cam is not None
-    sought = found.solved_spec.searched_radii(smallest)[0]
-    given = replace(best.problem, smallest_sought=sought)
-    size = smallest_size(given)
-    resized = enlarge_until_feasible(cam_at_size(given, best.laws, size or best.size))
-    if resized is None:
-        return found
-    cam = with_size(question, question.to_physical(found.solved_spec), cam, resized.size)
-    extremes = certify_cam(question.physical, cam, question.to_physical(found.built))
-    problem = replace(search.problem, smallest_sought=sought)
-    search = replace(search, problem=problem, incumbent=resized)
-    return replace(found, searches=[search], best=resized, cam=cam, extremes=extremes)
-
-
-def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
-    """The smallest base radius, by trial, whose cam does not cross itself; else what there was.
-
-    No formulation knows of crossing. The lower bound remains that of the spec as asked, so the
-    gap says honestly what the growth has cost; later objectives, which hold what earlier ones
-    had reached, keep no bound.
-    """
-    if not crossing.crosses_itself:
-        return crossing
-    question, again = crossing.question, replace(goal, warm_start=None)
-    spec = question.scaled
-    least, largest = _base_radius(crossing), spec.base_radius_range()[1]
-    most, best = largest, crossing
-    step = FIRST_GROWTH * max(least, SMALL * spec.stroke())
-    accuracy = min(spec.tolerance, FIRST_GROWTH)
-    for _ in range(GROWTHS):
-        trial_radius = min(least + step, largest) if best is crossing else 0.5 * (least + most)
-        if clock.now() >= goal.stop or trial_radius <= least * (1.0 + 0.1 * accuracy):
-            break
-        raised = Range(min=trial_radius, max=largest)
-        larger = spec.model_copy(update={"base_radius_mm": raised, "proof": "quick"})
-        trial = question.with_scaled(larger)
-        larger_cam = solve_and_certify(
-            Attempt(trial, crossing.numbers, crossing.tables, larger, larger), again, stages
-        )
-        if larger_cam.cam is not None and larger_cam.certified:
-            built = larger_cam.built.model_copy(update={"base_radius_mm": spec.base_radius_mm})
-            extremes = certify_cam(question.physical, larger_cam.cam, question.to_physical(built))
-            most = _base_radius(larger_cam)
-            best = replace(larger_cam, question=question, built=built, extremes=extremes)
-            if larger_cam.searches[0].suffices:
-                break
-        elif larger_cam.crosses_itself:
-            least, step = trial_radius, 2.0 * step
-        else:
-            break
-    if best is crossing:
-        return crossing
-    first, *later = crossing.bounds
-    unknown = [replace(bounded, lower=-inf) for bounded in later]
-    return replace(best, bounds=[first, *unknown])
 
 
 def _proof_budget(spec: DesignSpec) -> ProofBudget:
@@ -357,11 +271,6 @@ def _proof_budget(spec: DesignSpec) -> ProofBudget:
     programs = AUTO_PROGRAMS if spec.time_budget_s is None else inf
     auto = ProofBudget(programs, AUTO_SHARE)
     return {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
-
-
-def _base_radius(attempt: Attempt) -> float:
-    assert attempt.best is not None
-    return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
 def _nears_open_end(state: SolveState, best: Candidate) -> bool:
@@ -382,7 +291,9 @@ def _take_best(attempt: Attempt) -> None:
             Bounded(objective, state.lower, state.valid_for, _nears_open_end(state, best))
             for objective, state in zip(objectives, solved, strict=False)
         ]
-    else:  # laws and size are given: the only cam there is, its values their own bounds
+    else:
+        # Where laws and size are given, the one cam has no search: each of its values is its own
+        # lower bound.
         best = given_cam(searches[0].problem)
     if best is None:
         return

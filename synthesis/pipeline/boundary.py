@@ -223,7 +223,7 @@ class Boundary:
         if self.number.sense == "=":
             self.direction = copysign(1.0, reached - self.number.tightest)
         way = reached - self.number.tightest or abs(reached)
-        for beyond in SLACK:  # it may have no room with the number
+        for beyond in SLACK:  # it may have no slack with the number
             if self._tried(reached + beyond * way).certified:
                 return True
         self.note = ALONE

@@ -130,7 +130,7 @@ def _evidence(original: Trial, members: Members) -> str:
     smallest = original.smallest
     if smallest is not None and smallest.radius > smallest.most:
         bound = "" if smallest.excludes or smallest.lower <= 0.0 else (
-            f", and none below {smallest.lower:.6g} mm is possible ({smallest.over})"
+            f", and none below {smallest.lower:.6g} mm is possible ({smallest.valid_for})"
         )  # fmt: skip
         size = f"{smallest.radius:.6g} mm"
         parts.append(f"without base_radius_mm/max a cam of {size} was found{bound}")

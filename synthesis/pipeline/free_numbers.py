@@ -42,11 +42,11 @@ def over_all_numbers(
         attempt: what it came to. smallest: its smallest cam, where a maximum was compared with it.
         goal: when to stop. stages: appended to.
     """
-    if not attempt.numbers:
+    if not attempt.chosen_values:
         return conflict
     proof = next(_proofs(spec, smallest, goal, stages), "")
     fields = (parameter.field for parameter in spec.free_parameters.parameters)
-    chosen = zip(fields, attempt.numbers, strict=True)
+    chosen = zip(fields, attempt.chosen_values, strict=True)
     words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen)
     at_chosen = f"{conflict.evidence}; all this at {words}, where nothing better was found"
     relaxations = [each.model_copy(update={"at_least": None}) for each in conflict.relaxations]
@@ -63,21 +63,22 @@ def _proofs(
 ) -> Iterator[str]:
     """Why no numbers at all have a cam, as sentences."""
     if smallest is not None and smallest.excludes:
-        yield f"proven: no cam has a base radius below {smallest.lower:.6g} mm ({smallest.over})"
+        least = f"{smallest.lower:.6g} mm ({smallest.valid_for})"
+        yield f"proven: no cam has a base radius below {least}"
     for kind, objective in PEAKS:
         caps = [limit for limit in spec.limits if isinstance(limit, kind)]
         if not caps:
             continue
         others = [limit for limit in spec.limits if limit not in caps]
         changes = {"limits": others, "objective": objective, "tolerance": ROUGH, "proof": "auto"}
-        least = prepare(spec.model_copy(update=changes), goal, stages)
-        if least.number_bound is None:
+        prepared = prepare(spec.model_copy(update=changes), goal, stages)
+        if prepared.number_bound is None:
             continue
-        (bounded,) = in_wire_units(least.question, least.built, [least.number_bound])
+        (bounded,) = in_wire_units(prepared.question, prepared.final_spec, [prepared.number_bound])
         most = min(limit.bound for limit in caps)
         if bounded.lower > most * (1.0 + ROUNDING):
             unit = spec.machine().derivative_unit(kind.order)
             yield (
                 f"proven: the peak {caps[0].kind} is {bounded.lower:.6g} {unit} at least "
-                f"({bounded.over})"
+                f"({bounded.valid_for})"
             )

@@ -3,6 +3,11 @@
 Each covers everything that was asked: all motion laws where laws are free, all sizes, all numbers.
 A solver's status, an end of our own of an open range, numbers that were chosen and a clock prove
 nothing; where only these speak, the question is unsolved.
+
+``infeasibility_proof`` lists the theorems, each a function. Those that are proven on the way stand
+where they are: ``Problem.base_circle_conflict`` and ``Problem.constant_conflict``; of phase 1
+``PhaseOneResult.impossible``, kept in the state, and ``excess_proof``. One more is that of a
+maximum of the base radius: ``Smallest.excludes`` in ``largest_radius``.
 """
 
 from __future__ import annotations
@@ -36,7 +41,7 @@ def infeasibility_proof(attempt: Attempt) -> str:
     Args:
         attempt: the question, and what solving it came to.
     """
-    if attempt.numbers or not attempt.searches:
+    if attempt.chosen_values or not attempt.searches:
         return ""  # other numbers might do
     # The first search is bound by the question alone, later ones by what earlier ones reached.
     search, question = attempt.searches[0], attempt.question
@@ -98,7 +103,7 @@ def _given_cam_conflict(problem: Problem, attempt: Attempt, given: set[int]) -> 
         names = ", ".join(dict.fromkeys(e.limit.replace("_", " ") for e in of_motion))
         return f"proven: the motion is given there, and breaks {names}"
     everything = len(given) == len(attempt.question.scaled.program)
-    fixed = attempt.solved_spec.without_deferred() == attempt.built
+    fixed = attempt.solved_spec.without_deferred() == attempt.final_spec
     if everything and fixed and given_cam(attempt.searches[0].problem) is not None:
         names = ", ".join(
             dict.fromkeys(e.limit.replace("_", " ") for e in _broken(attempt.extremes))

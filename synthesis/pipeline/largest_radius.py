@@ -26,23 +26,15 @@ from synthesis.certify import certify_size
 from synthesis.design.design import Effort
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
-from synthesis.pipeline.attempt import (
-    Attempt,
-    Goal,
-    approach_infimum,
-    enlarge_until_simple,
-    prepare,
-    solve_and_certify,
-    solve_spec,
-    with_bound_of,
-)
+from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify, with_bound_of
 from synthesis.pipeline.infeasibility import infeasibility_proof
+from synthesis.pipeline.radius_search import approach_infimum, enlarge_until_simple, solve_spec
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
-GENTLE = (1.0, 1e-3)  # tolerances of a search for the gentlest law: on few knots, then on many
+LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
 
@@ -54,15 +46,15 @@ class Smallest:
     Attributes:
         attempt: its certificate is that of the question with the maximum.
         radius: its base radius. most: the maximum [mm].
-        lower: no cam has a smaller base radius [mm], −inf where that is not known. over: the
-            family of cams that this covers.
+        lower: no cam has a smaller base radius [mm], −inf where that is not known. valid_for: the
+            cams that this covers.
     """
 
     attempt: Attempt
     radius: float
     most: float
     lower: float
-    over: str
+    valid_for: str
 
     @property
     def is_bounded(self) -> bool:
@@ -71,7 +63,7 @@ class Smallest:
         A bound at numbers that were chosen says nothing of other numbers, one over splines on some
         knots nothing of other laws, and one above a cam is none.
         """
-        known = not self.attempt.numbers or self.attempt.number_bound is not None
+        known = not self.attempt.chosen_values or self.attempt.number_bound is not None
         sound = known and self.lower <= self.radius * (1.0 + ROUNDING)
         return sound and all(search.covers_all_laws for search in self.attempt.searches[:1])
 
@@ -133,8 +125,8 @@ def complete(
             return smallest.attempt if smallest is not None else attempt, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
         attempt = solve_spec(spec, goal, stages)
-    # 3. A cam of the gentlest law, where none was found.
-    attempt = _with_gentle_law(spec, attempt, goal, stages)
+    # 3. A cam of the least peak acceleration, where none was found.
+    attempt = _with_least_acceleration(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:
         attempt = with_bound_of(first, attempt)
     if not limited or minimised or attempt.certified:
@@ -180,29 +172,31 @@ def _minimises_radius(spec: DesignSpec) -> bool:
     return spec.objectives()[0].kind == "base_radius" and least < most
 
 
-def _with_gentle_law(spec: DesignSpec, known: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
-    """What came out, or a cam of the gentlest law where none was found and none is excluded.
+def _with_least_acceleration(
+    spec: DesignSpec, known: Attempt, goal: Goal, stages: list[Effort]
+) -> Attempt:
+    """What came out, or a cam of the least peak acceleration where none was found or excluded.
 
     The best cam strains limits that no relaxation states, and may be refused for them. A law of
-    little acceleration leaves the size all the room that there is. Bounds remain those known.
+    little acceleration leaves the size the most slack. Bounds remain those known.
     """
-    if known.certified or known.crosses_itself or known.numbers or infeasibility_proof(known):
+    if known.certified or known.crosses_itself or known.chosen_values or infeasibility_proof(known):
         return known
     if spec.objectives()[0].kind == "peak_acceleration" or clock.now() >= goal.stop:
         return known
-    if any(search.least_excess for search in known.searches):  # that of the gentlest law there is
+    if any(search.least_excess for search in known.searches):  # phase 1 found no law
         return known
-    for tolerance in GENTLE:
+    for tolerance in LEAST_ACCELERATION:
         changes = {"objective": PeakAcceleration(), "tolerance": tolerance, "proof": "quick"}
-        gentlest = spec.model_copy(update=changes)
-        gentle = solve_spec(gentlest, Goal(goal.stop, sufficient=ANY), stages)
-        if gentle.certified:
+        changed = spec.model_copy(update=changes)
+        other = solve_spec(changed, Goal(goal.stop, sufficient=ANY), stages)
+        if other.certified:
             break
     else:
         return known
     unknown = [Bounded(each, -inf, "") for each in known.question.scaled.objectives()]
-    gentle = replace(gentle, question=known.question, bounds=unknown)
-    return with_bound_of(known, gentle)
+    other = replace(other, question=known.question, bounds=unknown)
+    return with_bound_of(known, other)
 
 
 def _wider_questions(spec: DesignSpec) -> list[DesignSpec]:
@@ -220,7 +214,7 @@ def _restart_from(
     """The question solved from the smallest cam on; that cam itself where this finds none."""
     behind = smallest.attempt.searches[0].local_optimum
     alone = all(objective.kind == "base_radius" for objective in spec.objectives())
-    if alone or behind is None or smallest.attempt.numbers or clock.now() >= goal.stop:
+    if alone or behind is None or smallest.attempt.chosen_values or clock.now() >= goal.stop:
         return smallest.attempt
     again = solve_spec(spec, replace(goal, warm_start=behind), stages)
     return again if again.certified else smallest.attempt
@@ -250,27 +244,27 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
         "tolerance": spec.tolerance, "proof": spec.proof,
     }  # fmt: skip
     question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
-    built = question.to_physical(wider.built)
-    radius = built.follower.dimensions(wider.cam.size)["base_radius_mm"]
+    final_spec = question.to_physical(wider.final_spec)
+    radius = final_spec.follower.dimensions(wider.cam.size)["base_radius_mm"]
     first = wider.number_bound or wider.bounds[0]
-    (bounded,) = in_wire_units(wider.question, wider.built, [first])
+    (bounded,) = in_wire_units(wider.question, wider.final_spec, [first])
     least, most = ends(spec.base_radius_mm)
     cam, bounds = wider.cam, wider.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least allowed
         nearest = min(max(radius, least), most)
-        cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
+        cam = Cam(cam.segments, cam.splines, _resized(final_spec.follower, cam.size, nearest))
     if spec.objectives() != wider.solved_spec.objectives() or radius < least:
         bounds = _bounds(spec, wider, least / question.units.length)
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
-        before = certify_size(wider.question.physical, cam.size, built.follower)
+        before = certify_size(wider.question.physical, cam.size, final_spec.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]
-        extremes = [*traced, *certify_size(question.physical, cam.size, built.follower)]
+        extremes = [*traced, *certify_size(question.physical, cam.size, final_spec.follower)]
     else:
-        extremes = certify_cam(question.physical, cam, built)
+        extremes = certify_cam(question.physical, cam, final_spec)
     attempt = replace(wider, question=question, cam=cam, bounds=bounds, extremes=extremes)
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])
-    return Smallest(attempt, radius, most, bounded.lower, bounded.over)
+    return Smallest(attempt, radius, most, bounded.lower, bounded.valid_for)
 
 
 def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
@@ -283,11 +277,11 @@ def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
         return unknown
     first, *_ = smallest.bounds
     if least > 0.0:
-        requested = first.objective.from_wire(least, smallest.built.machine()) * (
+        requested = first.objective.from_wire(least, smallest.final_spec.machine()) * (
             1.0 - ROUNDING_DOWN
         )
         if requested > first.lower:
-            first = replace(first, lower=requested, over="the least base radius asked for")
+            first = replace(first, lower=requested, valid_for="the least base radius asked for")
     return [first, *unknown[1:]]
 
 

@@ -64,9 +64,9 @@ class Trial:
         Bounds at numbers that were chosen, or over splines on some knots, are left out.
         """
         attempt = self.attempt
-        if attempt.numbers or not all(each.covers_all_laws for each in attempt.searches[:1]):
+        if attempt.chosen_values or not all(each.covers_all_laws for each in attempt.searches[:1]):
             return None
-        bounds = in_wire_units(attempt.question, attempt.built, attempt.bounds[:1])
+        bounds = in_wire_units(attempt.question, attempt.final_spec, attempt.bounds[:1])
         return next((each.lower for each in bounds if isfinite(each.lower)), None)
 
     @property
@@ -75,7 +75,7 @@ class Trial:
         if self.smallest is not None and self.smallest.excludes:
             return (
                 f"proven: no cam has a base radius below {self.smallest.lower:.6g} mm "
-                f"({self.smallest.over})"
+                f"({self.smallest.valid_for})"
             )
         return "" if self.certified else infeasibility_proof(self.attempt)
 
@@ -97,8 +97,8 @@ class Oracle:
     ) -> Trial:
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
-        A gentle law leaves the size what room there is, and limits on size and curvature ease with
-        it; a smallest cam would be sought where they bind.
+        For any cam the peak acceleration is minimised, since a law of little acceleration leaves
+        limits on size and curvature the most slack; a smallest cam is sought where they bind.
         """
         low, high = ends(spec.base_radius_mm)
         limited = low < high < inf
@@ -139,10 +139,10 @@ class Oracle:
         attempt, question = trial.attempt, trial.attempt.question
         if attempt.cam is None:  # the smallest cam is the value itself
             return None, ""
-        built = question.to_physical(attempt.built)
+        final_spec = question.to_physical(attempt.final_spec)
         if number.dimension:
-            return built.follower.dimensions(attempt.cam.size)[number.dimension], ""
-        motion, machine = attempt.cam.motion, built.machine()
+            return final_spec.follower.dimensions(attempt.cam.size)[number.dimension], ""
+        motion, machine = attempt.cam.motion, final_spec.machine()
         worst, note = -inf, ""
         for extreme in certify(motion, machine, attempt.cam.size, self.spec.all_limits(), None):
             if extreme.field != number.claim:

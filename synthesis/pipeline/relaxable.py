@@ -120,16 +120,16 @@ def without(spec: DesignSpec, numbers: Iterable[Relaxable]) -> DesignSpec:
     }
     empty = set[str]()
     for path in sorted(removed):
-        room, *place = path.split("/")
+        top, *place = path.split("/")
         item = "/".join(path.split("/")[:4])
-        if room == "limits":
+        if top == "limits":
             fields = {f"limits/{place[0]}/{field}" for field in claimed[int(place[0])]}
             empty |= {f"limits/{place[0]}"} if fields <= removed else set()
-        elif room == "program" and "/points/" in path and "/velocity_" not in path:
+        elif top == "program" and "/points/" in path and "/velocity_" not in path:
             empty.add(item)  # a point is its travel
         if path == "base_radius_mm/max":
-            spec = _with(spec, [room], _without_maximum(spec))
-        elif room != "limits" or f"limits/{place[0]}" not in empty:
+            spec = _with(spec, [top], _without_maximum(spec))
+        elif top != "limits" or f"limits/{place[0]}" not in empty:
             spec = _with(spec, path.split("/"), None)
     for item in sorted(empty):
         spec = _with(spec, item.split("/"), None)

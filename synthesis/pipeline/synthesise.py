@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 
 from synthesis.design.design import Design, Effort, SmoothnessCost
-from synthesis.errors import SolverFailed, TimeBudgetExceeded
+from synthesis.errors import TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.state import WarmStart
 from synthesis.pipeline.assembly import (
@@ -57,7 +57,7 @@ def synthesise(
 
     Raises:
         TimeBudgetExceeded: time ran out before the tolerance was reached; carries the best.
-        SolverFailed: no stage gave a usable point, and not even why could be found.
+        SolverFailed: the spec leaves its spring free, and the linear program of the spring failed.
     """
     if spec.load is not None and spec.load.free_spring:
         from synthesis.optimise.parameters.spring_design import design_with_spring
@@ -82,17 +82,17 @@ def synthesise(
     #    Questions on the way had objectives, tolerances and proofs of their own.
     question = attempt.question
     own = {name: getattr(question.physical, name) for name in ("objective", "tolerance", "proof")}
-    built = question.to_physical(attempt.built).model_copy(update=own)
-    bounds = in_wire_units(question, attempt.built, attempt.bounds)
-    objective_proofs = [] if attempt.cam is None else proofs(built, attempt.cam, bounds)
+    final_spec = question.to_physical(attempt.final_spec).model_copy(update=own)
+    bounds = in_wire_units(question, attempt.final_spec, attempt.bounds)
+    objective_proofs = [] if attempt.cam is None else proofs(final_spec, attempt.cam, bounds)
     seconds = time.perf_counter() - began
     answer = design(
-        built, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
+        final_spec, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
     # What is proven of all numbers is of the question itself, whatever came after it.
     known = [] if prepared.number_bound is None else [prepared.number_bound]
-    over_numbers = in_wire_units(question, attempt.built, known)
-    answer = with_free_parameters(answer, spec, attempt.numbers, over_numbers)
+    over_numbers = in_wire_units(question, attempt.final_spec, known)
+    answer = with_free_parameters(answer, spec, attempt.chosen_values, over_numbers)
     if spec.report_smoothness_cost:
         cost = _smoothness_cost(answer, spec, stop)
         answer = answer.model_copy(update={"smoothness_cost": cost})
@@ -120,8 +120,6 @@ def _smoothness_cost(found: Design, question: DesignSpec, stop: float) -> Smooth
         if error.best is None:
             return smoothness_cost(proof, None, "the time budget ended before there was a C2 cam")
         other = error.best
-    except SolverFailed as error:
-        return smoothness_cost(proof, None, str(error))
     if not other.motion:
         return smoothness_cost(proof, None, "no C2 cam was certified, although this one is")
     return smoothness_cost(proof, other.certificate, "")

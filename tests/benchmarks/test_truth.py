@@ -62,7 +62,7 @@ def test_more_knots_are_nearer_to_the_truth() -> None:
         once = knots._posed(scene, 2, False, intervals)()
         assert once is not None
         values.append(once)
-    exact = knots._in_core_units(scene, knots._posed(scene, 2, False, 13).problem)
+    exact = knots._in_problem_units(scene, knots._posed(scene, 2, False, 13).problem)
     for value, lower, _ in values:
         assert lower <= exact * (1.0 + 1e-9)
         assert value >= exact * (1.0 - 1e-9)

@@ -234,7 +234,7 @@ def test_when_boxes_run_out_the_width_is_honest(monkeypatch, side):
 
 
 def test_when_rounds_run_out_the_width_is_honest(monkeypatch):
-    monkeypatch.setattr("synthesis.numerics.enclosure.MOST_ROUNDS", 2)
+    monkeypatch.setattr("synthesis.numerics.enclosure.MOST_LEVELS", 2)
     (answer,) = enclose(wave(33.0), BREAKS, COUNTS, [ExtremumQuery(EVERYWHERE, -math.inf, 1.0)])
     assert answer.enclosure.lower <= 1.0 < answer.enclosure.upper
     assert answer.enclosure.width > 1e-9

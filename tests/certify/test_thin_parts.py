@@ -86,7 +86,7 @@ def test_a_search_without_time_proves_no_more_than_it_saw(
     path = roller_path(base)
     whole = roller_interference.nearest_far_pair(path)
     assert whole.excludes_interference(7.6) == sound
-    monkeypatch.setattr(roller_interference, "MAX_ROUNDS", 1)
+    monkeypatch.setattr(roller_interference, "MAX_LEVELS", 1)
     first = roller_interference.nearest_far_pair(path)
     assert not first.excludes_interference(7.6)
     assert first.lower_bound < min(whole.lower_bound, 7.6 * (1.0 - 1e-3))

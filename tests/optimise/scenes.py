@@ -123,7 +123,7 @@ def direct(question: Problem, grids: Sequence[Grid], level: float = 0.0) -> Dire
 
 
 def measured(model: ConicModel, solution: ConeSolution) -> float:
-    """The objective in core units, from the recovered laws and size."""
+    """The objective in problem units, from the recovered laws and size."""
     question = model.problem
     laws, size = model.recover(solution.x)
     norm, order = question.objective.norm(question.machine), question.objective.energy_order()

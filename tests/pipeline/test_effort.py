@@ -12,7 +12,9 @@ from synthesis.numerics import clock
 from synthesis.optimise.branching import traced_node
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.state import solvers_of
 from synthesis.pipeline import attempt
+from tests.optimise.arms import scene
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 from tests.pipeline.test_auto_proof import EASY, HARD
 
@@ -58,7 +60,7 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     assert exits(synthesise(EASY)) == ["tolerance"]
     rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-3)
     assert exits(synthesise(rough)) == ["the lowest node is not divided"]
-    for name in ("MAX_NODES", "FIRST_TURNS", "TURNS", "GAIN"):
+    for name in ("MAX_NODES", "FIRST_ITERATIONS", "ITERATIONS", "GAIN"):
         monkeypatch.setattr(traced_node, name, 1)
     assert exits(synthesise(HARD.model_copy(update={"proof": "thorough"}))) == ["node limit"]
 
@@ -75,3 +77,12 @@ def test_time_that_runs_out_is_named() -> None:
     problem = formulate_problem(EASY, EASY.objectives()[0])
     stages = optimise(problem, 1e-6, clock.now()).stages
     assert [each.exit for each in stages] == ["time"]
+
+
+def test_a_search_around_whole_problems_names_their_solvers() -> None:
+    given = scene(law="cycloidal", distance=101.9, objective={"kind": "peak_pressure_angle"})
+    (stage,) = (e for e in synthesise(given).report.stages if e.stage == "peak pressure angle")
+    assert stage.solver == "none"  # closed forms
+    solved = optimise(formulate_problem(EASY, EASY.objectives()[0]), 1e-3)
+    assert solvers_of(solved, ("IPOPT",)) == ("IPOPT", "Clarabel")
+    assert solvers_of(solved, solvers_of(solved)) == ("Clarabel",)

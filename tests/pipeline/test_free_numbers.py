@@ -218,8 +218,8 @@ def test_no_proof_at_chosen_numbers_excludes_others() -> None:
     """A window in a free angle has no bound over all angles, so that nothing is excluded."""
     window = {"from_deg": 21.7, "to_deg": 36.3, "velocity_mm_per_s": 130.0}
     design = synthesise(
-        cam(rise({"min": 40.0, "max": 240.0}, 22.1, windows=[window]), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
-            limits=[{"kind": "jerk", "max_mm_per_s3": 1e3}])
+        cam(rise({"min": 40.0, "max": 240.0}, 22.1, windows=[window]), dwell(33.0),
+            fall(FREE, 22.1), dwell(87.0), limits=[{"kind": "jerk", "max_mm_per_s3": 1e3}])
     )  # fmt: skip
     assert design.status == "unsolved"
     assert not design.conflict.proven

@@ -12,7 +12,8 @@ from synthesis import DesignSpec, synthesise
 from synthesis.design.design import Design
 from synthesis.pipeline import largest_radius
 from synthesis.pipeline.assembly import in_wire_units
-from synthesis.pipeline.attempt import Goal, solve_spec
+from synthesis.pipeline.attempt import Goal
+from synthesis.pipeline.radius_search import solve_spec
 
 pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
@@ -129,13 +130,13 @@ def test_a_radius_given_above_the_smallest_cam_is_a_bound_of_its_own() -> None:
     """A cam found without it is enlarged; that no cam is smaller then follows from the question."""
     free = solve_spec(DesignSpec.model_validate(CONVEX), Goal(inf), [])
     assert free.cam is not None
-    least = 1.013 * free.built.follower.dimensions(free.cam.size)["base_radius_mm"]
+    least = 1.013 * free.final_spec.follower.dimensions(free.cam.size)["base_radius_mm"]
     given = DesignSpec.model_validate({**CONVEX, "base_radius_mm": least})
     smallest = largest_radius._smallest(given, free)
     assert smallest is not None
-    (bound,) = in_wire_units(smallest.attempt.question, free.built, smallest.attempt.bounds)
+    (bound,) = in_wire_units(smallest.attempt.question, free.final_spec, smallest.attempt.bounds)
     assert bound.lower == pytest.approx(least, rel=1e-9)
-    assert bound.over == "the least base radius asked for"
+    assert bound.valid_for == "the least base radius asked for"
 
 
 def test_a_maximum_between_bound_and_cam_claims_no_proof(

@@ -181,7 +181,7 @@ def test_every_task_of_vdi_2143_is_certified(law: str, task: str) -> None:
     found = analyse(question)
     assert found.holds, found.violated
     names = {extreme.limit for extreme in found.extremes}
-    assert {"velocity_asked", "acceleration_asked"} <= names
+    assert {"velocity_required", "acceleration_required"} <= names
     motion = Motion.of(question.placed_segments())
     left, right = both_sides(motion, 143.7, 2)
     assert left[1:] == pytest.approx([v1 / OMEGA, a1 / OMEGA**2], abs=1e-11)
@@ -214,7 +214,7 @@ def test_a_spline_between_states_reaches_the_least_jerk(task: str) -> None:
     for end in ("start", "end"):  # whichever of them the certificate names
         lines = [
             line.model_copy(update={"field": f"program/0/{end}"})
-            if line.limit.endswith("_asked")
+            if line.limit.endswith("_required")
             else line
             for line in found.extremes
         ]
@@ -245,7 +245,7 @@ def test_an_acceleration_asked_for_that_the_neighbour_has_not_is_a_jump_and_no_p
     found = extremes(design)
     assert found["acceleration_jump"].value == pytest.approx(700.0, rel=1e-9)
     assert found["acceleration_jump"].angle_deg == pytest.approx(101.3)
-    assert found["acceleration_asked"].holds
+    assert found["acceleration_required"].holds
 
 
 def test_two_splines_share_the_acceleration_at_a_velocity_asked_for() -> None:

@@ -54,8 +54,8 @@ def test_states_in_degrees_are_met_and_told_in_degrees() -> None:
     velocity = 5.2 / 31.1 * OMEGA / pi * 180.0
     found = analyse(spec(program(velocity_deg_per_s=velocity, acceleration_deg_per_s2=-40.0)))
     extremes = {extreme.limit: extreme for extreme in found.extremes}
-    assert extremes["velocity_asked"].unit == "deg/s"
-    assert extremes["acceleration_asked"].holds
+    assert extremes["velocity_required"].unit == "deg/s"
+    assert extremes["acceleration_required"].holds
     (jump,) = [j for j in found.jumps if j.curve == "acceleration" and j.angle_deg < 100.0]
     assert jump.angle_deg == pytest.approx(88.7)
     assert (jump.before, jump.after) == pytest.approx((-40.0, 0.0), abs=1e-8)

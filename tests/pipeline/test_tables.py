@@ -208,7 +208,7 @@ def test_states_asked_for_are_met() -> None:
     ]  # fmt: skip
     found = analyse(spec(program, base_radius_mm=70.0, continuity=2, limits=[]))
     assert found.holds, found.violated
-    assert extremes(found)["acceleration_asked"].value <= 1e-4
+    assert extremes(found)["acceleration_required"].value <= 1e-4
 
 
 def wrong(**changes: Any) -> dict[str, Any]:

@@ -147,17 +147,19 @@ class FixedPivotPressureAngle(NonconvexConstraint):
         low = np.clip((box.s_min + w_low) / self.arm, 0.0, pi)
         high = np.clip((box.s_max + w_high) / self.arm, 0.0, pi)
         for sign, turn in ((1.0, -self._angle), (-1.0, pi - self._angle)):
-            # v = sign ψ + turn, and −π/2 < v ≤ π
+            # v = sign ψ + turn, and −α_max ≤ v ≤ π − α_max
             ends = np.sort(np.stack([sign * low + turn, sign * high + turn]), axis=0)
+            at = ends[0]
+            if about is not None:
+                at = sign * np.clip((about[0][0] + about[1][0]) / self.arm, low, high) + turn
             # Only angles at which the constraint can be active matter; over them the cosine is
             # replaced by its concave hull, and the hull by tangents.
-            ends = self._active_range(sign, box, ends)
+            ends = self._active_range(sign, box, ends, at)
             hull = ConcaveHull.over(ends[0], ends[1])
+            where = [at]
             if about is None:
                 where = [ends[0] + share * (hull.touch - ends[0]) for share in TANGENT_SHARES]
                 where.append(ends[1])
-            else:
-                where = [sign * np.clip((about[0][0] + about[1][0]) / self.arm, low, high) + turn]
             for v in where:
                 value, slope = hull.line(v)
                 # sign (l + σ s') ≤ D [value + slope (sign (w + s)/l + turn)]
@@ -168,17 +170,22 @@ class FixedPivotPressureAngle(NonconvexConstraint):
                 found.append(PointInequalities(coefficients, steep[None, :], upper))
         return tuple(found)
 
-    def _active_range(self, sign: float, box: MotionSizeBox, ends: Array) -> Array:
+    def _active_range(self, sign: float, box: MotionSizeBox, ends: Array, at: Array) -> Array:
         """The part of a range of v over which a row has to hold, s' being bounded.
 
-        cos v ≥ sign (l + σ s')/D, and the cosine falls: below the v of the largest right side the
-        row always holds, beyond that of the smallest it never does.
+        The row reads cos v ≥ sign (l + σ s')/D. With inner and outer the arccosines of the largest
+        and the smallest right side, it always holds where |v| ≤ inner, and never where |v| > outer.
+        So it is active on one side of 0 or on both. Where it is active below 0, the part below is
+        left out if the place ``at`` of the tangents, (n,), is above: lines that touch the cosine
+        above ``inner`` fall, and hold below it as well.
         """
-        reach = np.stack([box.v_min, box.v_max])
+        speeds = np.stack([box.v_min, box.v_max])
         with np.errstate(invalid="ignore"):
-            share = np.sort(sign * (self.arm + self.sense * reach) / self._reach, axis=0)
-        v = np.arccos(np.clip(share[::-1], -1.0, 1.0))
-        nearer = np.stack([np.maximum(ends[0], v[0]), np.minimum(ends[1], v[1])])
+            share = np.sort(sign * (self.arm + self.sense * speeds) / self._reach, axis=0)
+        inner, outer = np.arccos(np.clip(share[::-1], -1.0, 1.0))
+        below = (ends[0] < -inner) & (at < 0.0)
+        low = np.maximum(ends[0], np.where(below, -outer, inner))
+        nearer = np.stack([low, np.minimum(ends[1], outer)])
         return np.asarray(np.where(nearer[0] < nearer[1], nearer, ends))
 
 

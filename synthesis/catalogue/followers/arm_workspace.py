@@ -134,10 +134,10 @@ class ArmGeometry:
 
     def _check_swing(self, prime: Ends, segments: Segments) -> None:
         start = max(self.angle[0], 0.0) if self.pivot is None else self.angles(prime)[0]
-        room = self.length * (math.pi - start)
-        if max(max(s.s_start, s.s_end) for s in segments) < room:
+        limit = self.length * (math.pi - start)
+        if max(max(s.s_start, s.s_end) for s in segments) < limit:
             return
-        segment = next(s for s in segments if max(s.s_start, s.s_end) >= room)
+        segment = next(s for s in segments if max(s.s_start, s.s_end) >= limit)
         base = None if self.pivot is None else third_side(self.length, self.pivot, start)
         raise PydanticCustomError(
             "swing_too_large",
@@ -145,7 +145,7 @@ class ArmGeometry:
             "{where}: at 180° it is stretched along the line of centres and can be driven no "
             "further. Make the lift smaller{way}.",
             {"swing": round(180.0 - start / DEGREE, 6), "index": segment.index,
-             "at": round(_crossing(segment, room) / DEGREE, 4), "start": round(start / DEGREE, 6),
+             "at": round(_crossing(segment, limit) / DEGREE, 4), "start": round(start / DEGREE, 6),
              "where": "" if base is None else f" (base radius {base - self.gap:.6g} mm)",
              "way": "" if base is None else ", the base radius smaller, or the pivot farther"},
         )  # fmt: skip

@@ -165,11 +165,11 @@ class SegmentBound(Limit):
         factor, start = self._to_wire(segment, machine)
         sides = ((1.0, self.max), (-1.0, None if self.equality else self.min))
         scale = abs(factor)
-        room = inf if self.min is None or self.max is None else (self.max - self.min) / scale
+        width = inf if self.min is None or self.max is None else (self.max - self.min) / scale
         return tuple(
             LinearInequality(
                 derivative(self.order, sign * factor / scale), (), sign * (value + start) / scale,
-                source=self.name, interval=self.interval, equality=self.equality, range_width=room,
+                source=self.name, interval=self.interval, equality=self.equality, range_width=width,
             )
             for sign, value in sides
             if value is not None

@@ -1,9 +1,10 @@
 """The second judge: the certificate of a finished design measured again, in ball arithmetic.
 
 In: a design as delivered (degrees, spline coefficients, size). Out: a ``Confirmation``, with every
-line of the certificate to 25 digits and whether both judges agree. It derives everything from the
-bare output link and shares neither enclosures nor formulas with ``certify``. It takes some tenths
-of a second and needs python-flint, which the optional extra ``exact`` installs.
+line of the certificate to 25 digits and whether both judges agree. It starts from the bare output
+link at rest and shares neither enclosures nor other formulas with ``certify``; dimensions besides
+base radius and centre distance are taken as the design states them. It takes some tenths of a
+second and needs python-flint, which the optional extra ``exact`` installs.
 
 Open ``recertify.py`` first; ``claims.py`` measures the limits, ``invariants.py`` the other lines.
 """

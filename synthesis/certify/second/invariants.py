@@ -37,7 +37,7 @@ def measure_invariant(design: ExactDesign, extreme: Extreme) -> Remeasured:
         return _prime_circle_angle(design, extreme)
     if name.endswith(("_join", "_jump")):
         return _junction(design, extreme)
-    if name.endswith("_asked"):
+    if name.endswith("_required"):
         return _end_state(design, extreme)
     if name == "base_radius_positive":
         base, allowed = _base_radius(design), SIZE_ROUNDING * _cam_size(design)
@@ -139,7 +139,7 @@ def junctions_at(
 
 def _end_state(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """Deviation from the required velocity or acceleration that the certificate names."""
-    order = DERIVATIVES.index(extreme.limit.removesuffix("_asked"))
+    order = DERIVATIVES.index(extreme.limit.removesuffix("_required"))
     _, index, end = extreme.field.split("/")
     segment = design.design.curve.segments[int(index)]
     pieces = design.motion.pieces_of([int(index)])

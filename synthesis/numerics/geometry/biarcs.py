@@ -19,8 +19,8 @@ from synthesis.numerics.piecewise import Array
 PROBES = np.linspace(0.0, 1.0, 33)[1::2]
 BEYOND = 1.02  # what may lie between the probes
 MOST_ARCS = 20_000  # of one curve
-ROUNDS = 40  # of spreading arcs by their departures anew
-MERGING = 4  # rounds in which pieces of a span may be merged too
+MAX_ITERATIONS = 40  # of spreading arcs by their departures anew
+MERGING = 4  # iterations in which pieces of a span may be merged too
 POWER = 3  # of a piece's length, in proportion to which it departs
 FLAT = 1e-12  # half the angle of an arc that is a straight line [rad]
 
@@ -45,13 +45,13 @@ def fit_biarcs(curve: ClosedCurve, tolerance: float) -> Arcs:
         InputError: the tolerance needs more arcs than anybody could want.
     """
     mesh = Mesh.initial(curve.span_sizes)
-    for turn in range(ROUNDS):
+    for iteration in range(MAX_ITERATIONS):
         found, departures = _through(curve, mesh)
-        if turn and found.error <= tolerance:
+        if iteration and found.error <= tolerance:
             return found
         if len(mesh.span) > MOST_ARCS:
             break
-        mesh = mesh.equidistribute(departures / tolerance, POWER, growing=turn >= MERGING)
+        mesh = mesh.equidistribute(departures / tolerance, POWER, growing=iteration >= MERGING)
     raise InputError(
         "/tolerance_um",
         float(f"{tolerance * 1e3:.12g}"),

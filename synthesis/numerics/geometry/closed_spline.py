@@ -29,9 +29,9 @@ from synthesis.numerics.piecewise import Array, Indices, Mask
 
 DEGREE = 5  # curvature continuous, its slope too
 MOST_NODES = 20_000  # of one curve
-ROUNDS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
+MAX_ITERATIONS, PATIENCE = 40, 20  # tries, with every span by itself and with some of them joined
 WIDEST = 1.0 / 24.0  # of the curve: spacing of nodes
-MERGING = 4  # rounds in which pieces of a span may be merged too
+MERGING = 4  # iterations in which pieces of a span may be merged too
 SAME = 1e-8  # a step of the tangent [rad], or of the curvature against its size: rounding
 ROUNDING = 2.0**-46  # of the curve's size: no tolerance is below it
 JUMP_SHARES = 1.0 / 300.0, 1.0 / 1200.0  # of J h³ and K h⁴ in the departure
@@ -101,7 +101,7 @@ def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
         found = _fit(merged, tolerance, PATIENCE)
         if found.error <= tolerance:
             return found
-    found = _fit(curve, tolerance, ROUNDS)
+    found = _fit(curve, tolerance, MAX_ITERATIONS)
     if found.error <= tolerance:
         return found
     size = float(np.max(np.abs(found.points)))
@@ -114,14 +114,14 @@ def fit_closed_spline(curve: ClosedCurve, tolerance: float) -> ClosedSpline:
     )
 
 
-def _fit(curve: ClosedCurve, tolerance: float, rounds: int) -> ClosedSpline:
+def _fit(curve: ClosedCurve, tolerance: float, iterations: int) -> ClosedSpline:
     """The first spline within the tolerance, or the last that was tried."""
     mesh = Mesh.initial(curve.span_sizes)
-    for turn in range(rounds):
+    for iteration in range(iterations):
         found, departures = _through(curve, mesh, tolerance)
-        if (turn and found.error <= tolerance) or len(mesh.span) > MOST_NODES:
+        if (iteration and found.error <= tolerance) or len(mesh.span) > MOST_NODES:
             break
-        mesh = mesh.equidistribute(departures / tolerance, DEGREE + 1, growing=turn >= MERGING)
+        mesh = mesh.equidistribute(departures / tolerance, DEGREE + 1, growing=iteration >= MERGING)
     return found
 
 

@@ -39,7 +39,7 @@ class Node(ABC):
     """A part of the domain of sizes, with what is known of the better cams in it.
 
     Attributes:
-        lower, valid_for: no cam of this part is below ``lower`` [core units], and what that covers.
+        lower, valid_for: no cam of this part is below ``lower`` [problem units]; what that covers.
         processed: whether ``process`` has nothing more to do; then the node is branched on.
         upper_half: whether a node was divided by the objective's value and this is the part with
             the larger values, which is processed only while the node limit allows.
@@ -56,7 +56,7 @@ class Node(ABC):
 
     @abstractmethod
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
-        """Propagate, relax, solve and bound in turns, until a turn gains too little."""
+        """Propagate, relax, solve and bound, until a repeat gains too little."""
 
     @abstractmethod
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
@@ -70,7 +70,7 @@ class Node(ABC):
     def node_limit(self, state: SolveState) -> float:
         """Nodes to process at most, the root among them; asked of a root that was processed."""
 
-    def raised(self, bound: Bound, most: float = inf) -> Self:
+    def with_bound(self, bound: Bound, most: float = inf) -> Self:
         """The node with a bound, no larger than ``most``, if that is better than its own."""
         value = min(bound.value, most)
         better = value > self.lower
@@ -126,7 +126,7 @@ def halve(sizes: Sizes, axis: int) -> tuple[Sizes, Sizes]:
 
 @dataclass(frozen=True, eq=False)
 class BoundTask:
-    """What is to be proven: no cam has a value below ``target`` [core units].
+    """What is to be proven: no cam has a value below ``target`` [problem units].
 
     Attributes:
         problem: its laws free to jump in their third derivative, as all laws are.

@@ -28,7 +28,7 @@ from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint, cuts_on_law
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
@@ -41,15 +41,15 @@ from synthesis.optimise.state import SolveState, Stage
 COARSE = 20  # intervals of the mesh on which laws and sizes are bounded
 NODES = 7  # points of a law at which it is bounded
 SAMPLES = 200  # points of a segment at which limits are looked at
-ROUNDS = 5  # meshes of one relaxation, each finer than the one before
+MAX_MESHES = 5  # meshes of one relaxation, each finer than the one before
 FEWEST_ROWS = 40  # points along the bounded part of a law at which implied rows are written
 SPARE = 1e-9
 """Relative slack of a value that is held, and least excess of a proof, against rounding."""
 REACHED = 1e-5
 """Relative amount beyond what laws on coarse knots reach, so that there is a choice left."""
-TURNS, QUICK_TURNS = 4, 2
-"""Turns of bounds and rows; few where the incumbent is a local optimum already."""
-LEAST_GAIN = 0.15  # of the gap: what a turn must gain for another one
+ITERATIONS, QUICK_ITERATIONS = 4, 2
+"""Iterations of bounds and rows; few where the incumbent is a local optimum already."""
+LEAST_GAIN = 0.15  # of the gap: what an iteration must gain for another one
 KNOT_GAIN = 0.3  # of the gap: what knots must have to gain for a finer mesh
 MAX_NODES = 15  # of a thorough proof
 
@@ -96,7 +96,7 @@ class PivotNode(Node):
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         node, quick = self, self.is_root and state.problem.omits_curved_rows and not state.thorough
-        for _ in range(QUICK_TURNS if quick else TURNS):
+        for _ in range(QUICK_ITERATIONS if quick else ITERATIONS):
             best, before = _incumbent(state), node.lower
             tighter = tighten_node(state, best, node)
             if tighter is None or (self.is_root and state.time_left <= 0.0):
@@ -197,14 +197,14 @@ def _value_to_hold(
     solution = solve(model.program, state.time_left)
     if solution.stopped not in USABLE:
         return best.value
-    family = in_core_units(model, model.program.value(solution.x))
+    family = in_problem_units(model, model.program.value(solution.x))
     return max(best.value, family * (1.0 + REACHED))
 
 
 def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode:
     """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound."""
     problem = node.problem
-    for _ in range(ROUNDS):
+    for _ in range(MAX_MESHES):
         relaxed = formulate(problem, node.grids)
         model = with_rows(relaxed, list(_implied_rows(relaxed, node)))
         solution = solve(model.program, state.time_left)
@@ -218,7 +218,7 @@ def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> Pi
         laws, size = model.recover(solution.x)
         node = replace(node, about=TangentPoint(tuple(law.curve() for law in laws), size))
         # Above the incumbent there is nothing left to bound: no cam of this box is better.
-        node = node.raised(bound, best.value)
+        node = node.with_bound(bound, best.value)
         cam = recover_cam(problem, laws, size, keep_hint=True)
         if state.is_close(best, bound.value) or state.time_left <= 0.0:
             break

@@ -67,7 +67,7 @@ class SizeSearch(BoxSearch[Array]):
 
     @property
     def target(self) -> float:
-        """The value below which no cam is to be left [core units]."""
+        """The value below which no cam is to be left [problem units]."""
         state, best = self.state, self.state.incumbent
         assert best is not None
         objective, machine = state.problem.objective, state.problem.machine

@@ -40,11 +40,11 @@ from synthesis.optimise.state import SolveState, Stage
 INTERVALS = 20  # of the first mesh of every node
 SAMPLES = 200  # points of a segment at which limits are looked at
 SPARE = 1e-9  # relative slack of a value that is held, against rounding
-FIRST_TURNS, TURNS, FEW_TURNS = 3, 8, 2
+FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
-WIDTH_KEPT = 0.85  # of the bounds' width: a turn that leaves more is idle
-ROUNDS = 5  # meshes of one relaxation, each finer than the one before
-EARLY_ROUNDS = 2
+WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
+MAX_MESHES = 5  # meshes of one relaxation, each finer than the one before
+EARLY_MESHES = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
 MESH_LOSS = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
 SPREAD = 14  # points between two rows over which their multipliers are distributed
@@ -120,10 +120,10 @@ class TracedNode(Node):
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_root:
-            return state, tighten(inside, replace(self, upper_half=False), TURNS)._processed()
+            return state, tighten(inside, replace(self, upper_half=False), ITERATIONS)._processed()
         node = solve_relaxation(inside, self)
-        for turns in (FIRST_TURNS, TURNS):
-            node = tighten(inside, node, turns)
+        for iterations in (FIRST_ITERATIONS, ITERATIONS):
+            node = tighten(inside, node, iterations)
             if node.is_pruned(state) or inside.time_left <= 0.0 or not state.thorough:
                 break
             inside, node = _improve_incumbent(inside, node)
@@ -200,18 +200,18 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     return state, replace(node, task=BoundTask.of(state, best, node.task.deadline) or node.task)
 
 
-def tighten(state: SolveState, node: TracedNode, turns: int) -> TracedNode:
-    """Tighten bounds and rows in turns, each from what the other has shown.
+def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:
+    """Tighten bounds and rows in iterations, each from what the other has shown.
 
     All laws are tightened at first, and once more before it is given up; in between only those on
     which the relaxation's solution violates a limit: other bounds would not cut it off. At the root
-    a quick proof has few turns, and so has one whose budget has ended.
+    a quick proof has few iterations, and so has one whose budget has ended.
     """
     among = every = tuple(range(len(node.task.problem.free)))
-    for turn in range(turns):
+    for iteration in range(iterations):
         if node.is_empty or not node.grids or state.time_left <= 0.0:
             break
-        if node.is_root and turn >= FEW_TURNS and not state.thorough:
+        if node.is_root and iteration >= FEW_ITERATIONS and not state.thorough:
             break
         before, region = node.region.for_laws(among).mean_width, _tighten_region(state, node, among)
         if region is None:
@@ -292,7 +292,7 @@ def solve_relaxation(
     inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
     problem = replace(task.problem, sizing=inside)
     grids = _coarse_mesh(node)
-    for number in range(ROUNDS):
+    for number in range(MAX_MESHES):
         # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
         grids = tuple(grid.knots_only for grid in grids)
         bare = formulate(problem, grids)
@@ -308,7 +308,7 @@ def solve_relaxation(
             solution, multipliers=density.distribute_single(solution.multipliers, ends)
         )
         if solution.stopped is StopReason.INFEASIBLE:
-            node = node.raised(infeasibility_bound(density.model, distributed, ends))
+            node = node.with_bound(infeasibility_bound(density.model, distributed, ends))
             if node.is_empty or state.time_left <= 0.0:
                 break
             grids = halve_intervals(problem, grids)
@@ -323,8 +323,8 @@ def solve_relaxation(
         region = replace(
             node.region, reference=TangentPoint(tuple(law.curve() for law in laws), size)
         )
-        node = replace(node.raised(bound), region=region)
-        if number <= EARLY_ROUNDS:
+        node = replace(node.with_bound(bound), region=region)
+        if number <= EARLY_MESHES:
             node = replace(node, grids=grids)
         cam = recover_cam(problem, laws, size, keep_hint=True)
         node = replace(node, relaxation=(cam, grids, bound))
@@ -332,7 +332,7 @@ def solve_relaxation(
         if node.is_empty or state.time_left <= 0.0:
             break
         missing = node.largest_value - cam.value
-        fine = number >= EARLY_ROUNDS or cam.value - bound.value < MESH_LOSS * missing
+        fine = number >= EARLY_MESHES or cam.value - bound.value < MESH_LOSS * missing
         if missing > 0.0 and fine and not every_mesh:
             break
         grids = refine_mesh(problem, grids, cam, bound)

@@ -25,14 +25,14 @@ from synthesis.numerics.piecewise import Array
 from synthesis.optimise.problem.boundary import BoundaryState
 from synthesis.optimise.problem.grid import TYPICAL, Grid
 
-ROOM = 0.25  # share of what lies between two bounds that they may be drawn in
+SHARE_OF_RANGE = 0.25  # of the range between two bounds: how far at most these are tightened
 CLOSE = 1e-12  # a knot is where a window ends
 MONOTONE = 0.02  # share of the tightening that coefficients in order get: there are many of them
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Units of the dimensionless unknowns: size variables [length], level [core units]."""
+    """Units of the dimensionless unknowns: size variables [length], level [problem units]."""
 
     size: float
     level: float
@@ -228,7 +228,7 @@ def _row_on_window(
     factors, bound = round_mantissa(alpha / scale), np.full(len(x), round_mantissa(rhs / scale))
     tighten = min(
         tightening.every_row + tightening.sampled_rows * is_sampled(row, space),
-        ROOM * row.range_width / scale,
+        SHARE_OF_RANGE * row.range_width / scale,
     )
     laws = space.basis(x, order) * factors[order]
     return LinearBlock(
@@ -284,9 +284,9 @@ def row_on_given_law(
     size = np.array(row.size) * scales.size if row.size else np.zeros(0)
     level = row.level * scales.level
     scale = max(np.abs(size).max(initial=0.0), abs(level))
-    room = round_mantissa(np.array([(row.upper - worst) / scale]))
+    slack = round_mantissa(np.array([(row.upper - worst) / scale]))
     return LinearBlock.of_size(
-        round_mantissa(size / scale), room, row.source, level=float(round_mantissa(level / scale)),
+        round_mantissa(size / scale), slack, row.source, level=float(round_mantissa(level / scale)),
         tighten=tighten, origin=RowOrigin(segment, row, scale),
     )  # fmt: skip
 

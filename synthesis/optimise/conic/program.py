@@ -36,7 +36,7 @@ from synthesis.optimise.problem.residual_vibration import VibrationTerm, vibrati
 
 Vector = tuple[float, ...]
 NO_TIGHTENING = Tightening()
-HALF = 0.5  # of the room between a cone and the nearest size that the bounds allow
+HALF = 0.5  # of the slack between a cone and the nearest size that the bounds allow
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +140,7 @@ def formulate(
     """State the problem on given grids.
 
     Args:
-        level: trial level of a fractional objective [core units], otherwise without effect.
+        level: trial level of a fractional objective [problem units], otherwise without effect.
         tightening: how far the rows are drawn in for the solver's sake.
         region: where curved limits are written as rows; None: all over what is allowed.
         paired: state rows that are equalities as two inequalities each, which may give way.
@@ -293,8 +293,8 @@ def _cone_blocks(
     machine = problem.machine
     for cone in problem.norm_bounds:
         # a ring no wider than the draw-in, a base radius that is given, must keep an inside
-        room = cone.upper - cone.norm.lower_bound(problem.sizing.bounds)
-        drawn = min(tighten, HALF * max(room, 0.0) / max(cone.upper, 1e-300))
+        slack = cone.upper - cone.norm.lower_bound(problem.sizing.bounds)
+        drawn = min(tighten, HALF * max(slack, 0.0) / max(cone.upper, 1e-300))
         yield writer.norm_cone(cone.norm, scales.size, cone.upper, drawn, cone.source)
     norm = problem.objective.norm(machine)
     if norm is not None:

@@ -154,5 +154,5 @@ def cuts_on_given_law(
         normals, offsets = result.normals[worst], result.offsets[worst]
     rows = normals * scales.size
     scale = np.max(np.abs(rows), axis=1)
-    rows, room = round_mantissa(rows / scale[:, None]), round_mantissa(offsets / scale)
-    yield LinearBlock.of_size(rows, room, curve.source, tighten=tighten)
+    rows, slack = round_mantissa(rows / scale[:, None]), round_mantissa(offsets / scale)
+    yield LinearBlock.of_size(rows, slack, curve.source, tighten=tighten)

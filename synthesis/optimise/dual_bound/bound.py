@@ -68,10 +68,12 @@ NAMES = {2: "acceleration", 3: "jerk"}
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A lower bound of the objective [core units], and what it covers.
+    """A lower bound of the objective [problem units], and what it covers.
 
     Attributes:
-        switching: ψ of every free law; empty where the bound covers a spline family only.
+        valid_for: the cams that it covers, in words.
+        switching: ψ of every free law; empty where all laws are given, and where the bound covers a
+            spline family only.
         order: m, the highest derivative that is capped or weighed: the control of every law.
         controls: the caps and weights of every free law, caps at the level found.
     """
@@ -98,7 +100,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     controls, dense = law_controls(model), costates is not None
     if controls is None:
         value = spline_family_bound(model, solution)
-        return Bound(in_core_units(model, value), _family_name(model))
+        return Bound(in_problem_units(model, value), _family_name(model))
     order = controls[0].order if controls else 3
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)
@@ -150,10 +152,10 @@ def bound_from_lagrangian(
     lagrangian.reduce()
     model, psi = lagrangian.model, lagrangian.psi()
     total = _minimum(solution, lagrangian, controls, psi)
-    over = all_laws(lagrangian.order) if controls else _family_name(model)
+    valid_for = all_laws(lagrangian.order) if controls else _family_name(model)
     level = 0.0 if model.epigraph is None else abs(float(solution.x[model.epigraph]))
     result = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in controls)
-    return Bound(in_core_units(model, total), over, psi, result)
+    return Bound(in_problem_units(model, total), valid_for, psi, result)
 
 
 def all_laws(order: int) -> str:
@@ -168,7 +170,7 @@ def _family_name(model: ConicModel) -> str:
     return "splines of " + " and ".join(sorted(parts)) + far if parts else "the given laws"
 
 
-def in_core_units(model: ConicModel, value: float) -> float:
+def in_problem_units(model: ConicModel, value: float) -> float:
     """The program's objective as a value of the quantity that is minimised."""
     if model.energy is not None:
         return sqrt(max(value * model.energy.unit + model.energy.constant, 0.0))

@@ -33,8 +33,8 @@ BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
 BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change of sign
 NOISE = 1e-6  # of the largest |ψ|
 STEP = 0.1  # of the control's range: less is no step
-ROUNDS = 4  # of moving quadrature points to sign changes of ψ
-GAIN = 1e-9  # relative: less is not worth another round
+MAX_ITERATIONS = 4  # of moving quadrature points to sign changes of ψ
+GAIN = 1e-9  # relative: less is not worth another iteration
 
 
 def improve_multipliers(
@@ -51,7 +51,7 @@ def improve_multipliers(
     task = _DualProgram.of(model, solution, controls)
     best, result, until = known, known, clock.now() + time_limit
     sign_changes = [_control_steps(law, task.order) for law in model.recover(solution.x)[0]]
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         # 1. Put quadrature points close about the sign changes of ψ known so far: between them |ψ|
         #    is ±ψ, and the program's integral of it is exact.
         sign_changes = [
@@ -64,7 +64,7 @@ def improve_multipliers(
         if latest is None:
             break
         result = latest
-        # 3. Keep the best; the next round knows where its ψ changes sign.
+        # 3. Keep the best; the next iteration knows where its ψ changes sign.
         best = max(best, result, key=lambda each: each.value)
         if is_sufficient(best) or abs(result.value - value) <= GAIN * abs(value):
             break

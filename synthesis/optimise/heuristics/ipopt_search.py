@@ -36,7 +36,9 @@ from synthesis.optimise.recovery.smooth_limits import (
     violation,
 )
 
-ROUNDS = 6  # programs at most, each with the peaks that violated a limit at the solution before
+MAX_PROGRAMS = (
+    6  # programs at most, each with the peaks that violated a limit at the solution before
+)
 NOWHERE = 1e-24  # added to a norm's square: so its slope is finite at 0 too, where IPOPT may pass
 
 
@@ -62,7 +64,7 @@ class NonlinearSolution:
 def solver_tolerances(tolerance: float) -> tuple[float, float]:
     """What a relative gap asks of rows at points, and of the optimum: see ``solve_ipopt``.
 
-    Rows tightened by a little of what the caller allows save rounds: peaks may lie between them.
+    Rows tightened by a little of what the caller allows save programs: peaks may lie between them.
     """
     spare = float(np.clip(0.04 * tolerance, 1e-7, 1e-3))
     return spare, float(np.clip(1e-5 * tolerance, 1e-9, 1e-7))
@@ -85,7 +87,7 @@ def solve_ipopt(
         start: a point of its unknowns, best one at which the smooth limits hold.
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative amount by which smooth limits are tightened at the points where they are
-            written; peaks between these may rise by as much, so a larger one saves rounds.
+            written; peaks between these may rise by as much, so a larger one saves programs.
         accuracy: of the optimum, relative.
         relaxed_count: how many of the last limits may be exceeded by the level that is minimised.
         growth: relative increase of the value for which limits may hold at last: where a cam that
@@ -112,7 +114,7 @@ def solve_with_exchange(
     """The same from given samples, and multipliers where they are known."""
     end, iterations, rows = start, 0, 0
     end = StartingPoint(with_vibrations(model, start.x), start.rows, start.bounds)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_PROGRAMS):
         stopped, word = StopReason.OUT_OF_TIME, "deadline"
         left = inf if deadline is None else deadline - clock.now()
         if left <= 0.0:
@@ -140,7 +142,7 @@ def _holds_enlarged(problem: Problem, size: tuple[float, ...], growth: float) ->
         return False  # what growing costs is not known
     follower = problem.machine.follower
     step = growth * follower.radius_norm().value(size)
-    larger = enlarged(size, min(step, problem.room(size)))
+    larger = enlarged(size, min(step, problem.max_enlargement(size)))
     samples = sample(problem)
     return violation(problem, samples + peaks(problem, samples, larger), larger) < 0.0
 
@@ -235,8 +237,8 @@ class NonlinearModel:
                 matrix = np.array(cone.norm.matrix)
                 centre = np.linalg.solve(matrix, -np.array(cone.norm.shift))
                 across = np.linalg.norm(np.linalg.solve(matrix.T, block.size.T), axis=0)
-                room = block.rhs * self.model.scales.size - block.size @ centre
-                idle = room - cone.upper * across >= -1e-9 * cone.upper
+                slack = block.rhs * self.model.scales.size - block.size @ centre
+                idle = slack - cone.upper * across >= -1e-9 * cone.upper
                 implied += (at + np.flatnonzero(idle)).tolist()
             at += len(block.rhs)
         return implied
@@ -257,7 +259,7 @@ class NonlinearModel:
                 yield ball, shares[position] if position < len(shares) else 0.0
 
     def _ball(self, ball: ConeBlock, share: float) -> None:
-        """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they leave no room."""
+        """Least ≤ ‖image‖² ≤ radius² over a scale; an equality where they coincide."""
         image, here = self._image(ball)
         least = (share * ball.radius) ** 2
         most = max((ball.radius * (1.0 - ball.tightening)) ** 2, least)

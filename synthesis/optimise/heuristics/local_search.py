@@ -27,7 +27,7 @@ Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
 FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
-GENTLER = (0.3, 0.1, 0.03, 0.01)
+SHARES_OF_CAPS = (0.3, 0.1, 0.03, 0.01)
 """Shares of the caps on the highest derivative, in turn: a factor of three apart."""
 FAR_GAP = 0.2  # gap above which further starts are tried
 EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
@@ -52,27 +52,27 @@ def local_search(state: SolveState) -> SolveState:
         return state
     start = state.incumbent or state.relaxed or state.last
     state = state if start is None else improve_from(state, start)
-    return _continue_from_gentler_laws(state)
+    return _continue_from_tighter_caps(state)
 
 
-def _continue_from_gentler_laws(state: SolveState) -> SolveState:
+def _continue_from_tighter_caps(state: SolveState) -> SolveState:
     """Where the gap stays wide, a continuation in the caps on the highest derivative.
 
     The local optimum may be one of several. That under a share of these caps satisfies the problem
     too, and limits that the relaxation leaves out bind less on laws that bend less sharply: from
-    the gentlest such law on each optimum is the start under wider caps.
+    the law of the smallest share on each optimum is the start under wider caps.
     """
     if not _gap_is_far(state):
         return state
-    # 1. The gentlest law. Whatever satisfies a share satisfies every larger one, so the first
-    #    share that has no law ends the series.
+    # 1. The law under the smallest share. Whatever satisfies a share satisfies every larger one,
+    #    so the first share that has no law ends the series.
     start, shares = None, [1.0]
-    for share in GENTLER:
+    for share in SHARES_OF_CAPS:
         tighter = with_tighter_caps(state.problem, share)
-        gentler = _relaxed_cam(replace(state, problem=tighter)) if tighter else None
-        if gentler is None:
+        tighter_cam = _relaxed_cam(replace(state, problem=tighter)) if tighter else None
+        if tighter_cam is None:
             break
-        start, shares = gentler, [share, *shares]
+        start, shares = tighter_cam, [share, *shares]
     if start is None:
         return state  # the problem itself was searched already
     # 2. Its local optimum, and from there on those under wider caps.
@@ -167,7 +167,7 @@ def scp_search(
             state, violations = offer_local_optimum(state, cam.laws, cam.size, enough)
             state = replace(state, local_optimum=WarmStart(state.grids, cam.laws, cam.size))
         report = Stage(
-            stage, f"{result.rounds} SOCPs", "Clarabel", model.program.matrix.shape[1],
+            stage, f"{result.programs} SOCPs", "Clarabel", model.program.matrix.shape[1],
             result.rows, result.iterations, state.stopwatch - started, stopped.value,
         )  # fmt: skip
         state = state.with_stage(report)

@@ -24,7 +24,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.numerics.solvers.ipopt import SmoothProgram
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.bound import in_core_units
+from synthesis.optimise.dual_bound.bound import in_problem_units
 from synthesis.optimise.heuristics.ipopt_search import (
     NonlinearModel,
     NonlinearSolution,
@@ -144,8 +144,8 @@ class NonlinearOptimum(PerturbedOptimum):
     def remains_optimal(self, model: ConicModel) -> bool:
         program = self._stated(model)
         value, rows = self._at_optimum(program)
-        here = in_core_units(self.model, self.value)
-        same = abs(in_core_units(model, value) - here) <= ACCURACY * abs(here)
+        here = in_problem_units(self.model, self.value)
+        same = abs(in_problem_units(model, value) - here) <= ACCURACY * abs(here)
         kept = (rows >= program.lower - KEPT) & (rows <= program.upper + KEPT)
         return same and bool(np.all(kept))
 

@@ -1,9 +1,9 @@
 """Local optima by cone programs alone: limits that are not convex, each time by their tangents.
 
-Round by round the smooth limits are replaced by their tangents at the last point. What the cone
+In each iteration the smooth limits are replaced by their tangents at the last point. What the cone
 program finds there is grown until the limits themselves hold; a cam no smaller than the best is
 sought half-way back. Under a bounded jerk an optimum is a corner of its rows but for a few
-unknowns: there this is Newton's method and ends after three or four rounds, each on a matrix as
+unknowns: there this is Newton's method and ends after three or four programs, each on a matrix as
 sparse as the laws are many. (Sequential convex programming.)
 """
 
@@ -35,9 +35,9 @@ from synthesis.optimise.recovery.smooth_limits import (
 )
 
 Vector = tuple[float, ...]
-ROUNDS = 12  # convex programs at most; three or four suffice where the iteration converges
+MAX_PROGRAMS = 12  # convex programs at most; three or four suffice where the iteration converges
 NEAR = -0.6  # relative value of a smooth limit below which it gets no tangent
-REACH = 0.4  # share of the value by which a cam may shrink in the first round: the trust region
+REACH = 0.4  # share of the value by which a cam may shrink in the first iteration: the trust region
 BACK = 0.25  # factor on the trust region where no smaller cam lies on the way
 LEAST_STEP, BOLD = 1.0 / 16.0, 0.5
 """Shares of the way to the target: the least that is tried; from which on tangents move there."""
@@ -54,7 +54,7 @@ class ScpTarget:
         close: how far above what the tangents allow its value may lie.
         tightened: by how much smooth limits are tightened at the points where they are written.
         anew: whether a larger cam than that of the start is welcome: it keeps these.
-        sufficient: a value of the objective [core units] at which to stop.
+        sufficient: a value of the objective [problem units] at which to stop.
     """
 
     close: float
@@ -69,12 +69,12 @@ class ScpResult:
 
     Attributes:
         cam: the best cam, None where there is none. converged: whether it is a local optimum.
-        rounds, rows, iterations: cone programs, rows of the last, and iterations of all of them.
+        programs, rows, iterations: cone programs, rows of the last, and iterations of all of them.
     """
 
     cam: Candidate | None
     converged: bool
-    rounds: int
+    programs: int
     rows: int
     iterations: int
 
@@ -99,7 +99,7 @@ def solve_scp(
 
     Args:
         model: the relaxation; its objective is a norm of the size.
-        laws, size: where to begin [core length units], best at a cam that keeps all limits.
+        laws, size: where to begin [length], best at a cam that keeps all limits.
         deadline: ``time.monotonic()`` at which to stop.
         goal: how near an optimum shall be.
     """
@@ -108,8 +108,8 @@ def solve_scp(
     keeps = enlarged is not None and not goal.anew and _satisfies_rows(model, enlarged)
     best = enlarged if keeps else None
     here, reach = enlarged or here, REACH
-    converged, rounds, rows, iterations = False, 0, 0, 0
-    while rounds < ROUNDS and (left := deadline - clock.now()) > 0.0:
+    converged, programs, rows, iterations = False, 0, 0, 0
+    while programs < MAX_PROGRAMS and (left := deadline - clock.now()) > 0.0:
         # 1. Linearise smooth limits where they nearly bind, within a trust region of the size.
         tangents = list(_tangents(model, here, peaks, goal.tightened))
         if not all(np.isfinite(each.cuts.upper).all() for each in tangents):
@@ -120,7 +120,7 @@ def solve_scp(
         full = with_rows(model, [*(each.block for each in tangents), trust])
         # 2. The convex program with these tangents; its cam may violate the limits themselves.
         solution = solve(full.program, left)
-        rounds, rows = rounds + 1, len(full.program.rhs)
+        programs, rows = programs + 1, len(full.program.rhs)
         iterations += solution.iterations
         if solution.stopped not in USABLE:
             break
@@ -149,7 +149,7 @@ def solve_scp(
         # tangents are nearest to the truth at the size where the next optimum lies
         here = target if step >= BOLD else candidate
         reach *= 2.0 if step == 1.0 else step
-    return ScpResult(best, converged, rounds, rows, iterations)
+    return ScpResult(best, converged, programs, rows, iterations)
 
 
 def _satisfies_rows(model: ConicModel, cam: Candidate) -> bool:
@@ -227,8 +227,8 @@ def _block(
         )
     size = cuts.size.T * model.scales.size
     scale = np.maximum(np.max(np.abs(size), axis=1), 1e-300)
-    room = cuts.upper - np.sum(cuts.coefficients * samples.s, axis=0)
-    return LinearBlock.of_size(size / scale[:, None], room / scale, SOURCE)
+    slack = cuts.upper - np.sum(cuts.coefficients * samples.s, axis=0)
+    return LinearBlock.of_size(size / scale[:, None], slack / scale, SOURCE)
 
 
 def _expressions(problem: Problem, samples: ConstraintSamples) -> Callable[[Array, Vector], Array]:

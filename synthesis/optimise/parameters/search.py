@@ -29,7 +29,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.parameters.number_search import NumberProof, NumberSearch
 from synthesis.optimise.parameters.placement import Placement
-from synthesis.optimise.parameters.value_function import Trial, ValueFunction
+from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
 from synthesis.optimise.state import QUICK, ProofBudget, Stage
 from synthesis.spec.design_spec import DesignSpec
 
@@ -44,8 +44,8 @@ CORNERS = 4  # per free direction, towards which samples are taken
 SHARES = (0.5, 0.95)  # of the way from the middle to a corner, where samples lie
 STARTS = 3  # of descents
 DISTANCE = 0.1  # of the box, between starts: nearer ones lead to the same place
-RADIUS, ROUNDS = 0.15, 25  # first step of a descent, of the box, and steps at most
-LAST_RADIUS, LAST_ROUNDS = 0.03, 20  # the same on the knots of the full search
+RADIUS, MAX_STEPS = 0.15, 25  # first step of a descent, of the box, and steps at most
+LAST_RADIUS, LAST_MAX_STEPS = 0.03, 20  # the same on the knots of the full search
 POLISHED = 4  # descents on such knots at most; each gives new ones
 DESCENTS, EACH_DIRECTION = 2, 8  # by whole searches; how many of these a direction is worth
 LAST_STEP = 2e-3  # of the box: where a descent by whole searches ends
@@ -156,7 +156,7 @@ def _descend(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     around = _best_of(worth.on(rough), points) or _possible(worth, points)
     coarse = worth.on(worth.uniform(middle, COARSE))
     starts = _best_of(coarse, [one.u for one in _distant(around)])
-    ends = [minimise(coarse, polytope, start, RADIUS, ROUNDS) for start in starts]
+    ends = [minimise(coarse, polytope, start, RADIUS, MAX_STEPS) for start in starts]
     if not ends:
         return next(iter(around), None)
     best = _polished(worth, min(ends, key=lambda one: one.value))
@@ -170,7 +170,7 @@ def _descend(worth: ValueFunction, middle: Array) -> BundlePoint | None:
     return best if chosen.cam is None else chosen
 
 
-def _downhill(worth: ValueFunction, start: Trial) -> Trial:
+def _downhill(worth: ValueFunction, start: SearchedPoint) -> SearchedPoint:
     """The best of whole searches downhill from a point, by a trust region without derivatives.
 
     Their values are noisy by their tolerance, so that differences of near points say nothing.
@@ -180,8 +180,8 @@ def _downhill(worth: ValueFunction, start: Trial) -> Trial:
     def value(step: Array) -> float:
         offset = directions @ step
         with np.errstate(divide="ignore", invalid="ignore"):  # as far as the ranges allow
-            room = np.where(offset > 0.0, 1.0 - start.u, start.u) / np.abs(offset)
-        share = float(np.min(room[offset != 0.0], initial=1.0))
+            reach = np.where(offset > 0.0, 1.0 - start.u, start.u) / np.abs(offset)
+        share = float(np.min(reach[offset != 0.0], initial=1.0))
         trials.append(worth.solved(start.u + share * offset, ROUGH, None))
         return min(trials[-1].value, WORST * start.value)
 
@@ -200,7 +200,7 @@ def _polished(worth: ValueFunction, best: BundlePoint) -> BundlePoint:
     for _ in range(POLISHED):
         before, fine = best, worth.on(worth.refined(best.u))
         for start in _best_of(fine, [best.u]):
-            before, best = start, minimise(fine, polytope, start, LAST_RADIUS, LAST_ROUNDS)
+            before, best = start, minimise(fine, polytope, start, LAST_RADIUS, LAST_MAX_STEPS)
         if before.value - best.value <= 0.1 * worth.spec.tolerance * abs(best.value):
             break
     return best
@@ -214,7 +214,7 @@ def _possible(worth: ValueFunction, points: Iterable[Array]) -> list[BundlePoint
     mesh = worth.uniform(next(iter(points)), COARSE)
     excess = worth.excess(mesh)
     for start in _best_of(excess, points)[:1]:
-        end = minimise(excess, worth.free_parameters.polytope, start, RADIUS, ROUNDS)
+        end = minimise(excess, worth.free_parameters.polytope, start, RADIUS, MAX_STEPS)
         return _best_of(worth.on(mesh), [end.u]) or [BundlePoint(end.u, inf)]
     return []
 
@@ -260,21 +260,21 @@ def search_length(worth: ValueFunction, start: Array, position: int) -> BundlePo
 
 def _along(
     worth: ValueFunction, start: Array, position: int, count: int, fixed: float | None = None
-) -> list[Trial]:
+) -> list[SearchedPoint]:
     points = worth.free_parameters.points_along(start, position, count)
     return [worth.solved(u, ROUGH, fixed) for u in points]
 
 
-def _best(trials: Sequence[Trial]) -> Trial:
+def _best(trials: Sequence[SearchedPoint]) -> SearchedPoint:
     return min(trials, key=lambda trial: trial.value)
 
 
 def _closer(
-    worth: ValueFunction, trials: list[Trial], position: int, close: float,
+    worth: ValueFunction, trials: list[SearchedPoint], position: int, close: float,
     fixed: float | None = None,
-) -> list[Trial]:  # fmt: skip
+) -> list[SearchedPoint]:  # fmt: skip
     """Points between the neighbours of the best one, to a relative distance."""
-    parameters, more, best = worth.free_parameters, list[Trial](), _best(trials)
+    parameters, more, best = worth.free_parameters, list[SearchedPoint](), _best(trials)
     if best.cam is None:
         return []
     at, last = trials.index(best), len(trials) - 1

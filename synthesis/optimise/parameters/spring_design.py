@@ -39,10 +39,10 @@ from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.state import Stage
 from synthesis.spec.design_spec import DesignSpec
 
-CAM_ROUNDS: Final = 3  # of cam and spring
+CAM_ITERATIONS: Final = 3  # of cam and spring
 SAME: Final = 1e-3  # of the peak force: springs nearer than this are as good as one
 FIRST, DENSE = 9, 33  # points on a piece: of the first rows, of the search for what they miss
-ROUNDS, ZOOMS = 12, 10  # of adding rows; of narrowing the place of a peak
+MAX_ITERATIONS, ZOOMS = 12, 10  # of adding rows; of narrowing the place of a peak
 FAN: Final = np.linspace(-1.0, 1.0, 9)
 MISSED = 1e-10  # of the peak: what rows between their points may miss
 SPARE = 1e-4  # of the largest force without a spring: kept off float, for the certificate's sake
@@ -66,7 +66,7 @@ def design_with_spring(spec: DesignSpec, solve: Solver) -> Design:
     numbers = {name: low for name, (low, _) in load.free_spring.items()}
     first = solve(given(numbers).model_copy(update={"limits": kept}))
     design, peak, stages = first, float("inf"), list[Effort]()
-    for _ in range(CAM_ROUNDS if first.motion else 0):
+    for _ in range(CAM_ITERATIONS if first.motion else 0):
         # 2. The best spring for its motion; the end where that is no better than the last one.
         spring, chosen = _best_spring(spec, design)
         if design is not first and spring.peak >= peak * (1.0 - SAME):
@@ -203,7 +203,7 @@ class SpringProgram:
         curve, _ = self.motion.curve.split_at(self.load.process.breaks[1:-1])
         piece, x = _spread(curve, FIRST)
         rows, steps, spring = self._at(curve, piece, x), 0, (0.0, 0.0, 0.0, 0.0)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             steps += 1
             spring = self._solved(rows)
             violated = self._violated(curve, *spring)

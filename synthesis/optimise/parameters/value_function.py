@@ -28,11 +28,11 @@ from synthesis.spec.free_parameters import FreeParameters
 
 NOTHING = 1e30  # value of a length at which nothing fits
 INSIDE = 0.01
-"""Relative tightening of limits while any feasible point is sought: the next search needs room."""
+"""Relative tightening of limits while any feasible point is sought: the next search needs slack."""
 
 
 @dataclass(frozen=True, eq=False)
-class Trial(BundlePoint):
+class SearchedPoint(BundlePoint):
     """A point with its value, and the cam of a whole search there."""
 
     cam: Candidate | None
@@ -122,19 +122,19 @@ class ValueFunction:
         self.calls += 1
         return optimise(problem, tolerance, self.deadline)
 
-    def solved(self, u: Array, tolerance: float, fixed: float | None) -> Trial:
+    def solved(self, u: Array, tolerance: float, fixed: float | None) -> SearchedPoint:
         """The best cam that a whole search finds at u; ``fixed``: a value for what can be fixed."""
         problem = self.problem(u) if clock.now() < self.deadline else None
         if problem is None:
-            return Trial(u, NOTHING, None)
+            return SearchedPoint(u, NOTHING, None)
         self.calls += 1
         fixable = problem.machine.follower.fixable_dimension()
         if fixed is not None and fixable is not None:
             problem = problem.with_follower(fixable.fixed_at(fixed))
         cam = optimise(problem, max(self.spec.tolerance, tolerance), self.deadline).incumbent
         if cam is None:
-            return Trial(u, NOTHING, None)
-        return Trial(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
+            return SearchedPoint(u, NOTHING, None)
+        return SearchedPoint(u, cam.problem.objective.to_wire(cam.value, cam.problem.machine), cam)
 
     def excess(self, mesh: Mesh) -> Function:
         """By how much limits must be exceeded at least, in all; 0 where everything fits."""

@@ -44,7 +44,7 @@ class NoObjective(Objective):
 
 @dataclass(frozen=True)
 class ObjectiveCap:
-    """An earlier objective of an ordered list, and the value it may not exceed [core units]."""
+    """An earlier objective of an ordered list, and the value it may not exceed [problem units]."""
 
     objective: Objective
     value: float
@@ -218,7 +218,7 @@ class Problem:
         least, norm = self.searched_norm, self.machine.follower.radius_norm()
         return norm.value(size) <= least * (1.0 + near) and least > self.least_norm
 
-    def room(self, size: tuple[float, ...]) -> float:
+    def max_enlargement(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [length]."""
         return max_enlargement(size, self.sizing.bounds, self.norm_bounds)
 

@@ -27,7 +27,7 @@ class Candidate:
 
     Attributes:
         problem: the question with these laws fixed. laws: one per free segment.
-        size: size variables [length]. value: the objective in core units.
+        size: size variables [length]. value: the objective in problem units.
         fitted: the size meets every row that speaks of it, all along the laws, but for what
             growing costs in the last size variable.
     """
@@ -59,7 +59,7 @@ def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Ca
     """The cam with this size, raised to the least prime radius and off the rows that bind it."""
     follower, size = problem.machine.follower, project_size(problem, size)
     clear = CLEARANCE * follower.radius_norm().value(size)
-    size = enlarged(size, min(clear, problem.room(size)))
+    size = enlarged(size, min(clear, problem.max_enlargement(size)))
     return Candidate(problem, tuple(laws), size, objective_value(problem, size))
 
 
@@ -92,7 +92,7 @@ def enlarge_for_rows(cam: Candidate) -> Candidate:
     # and by more than the certificate's enclosures are wide, or that could not tell
     clear = CLEARANCE * follower.radius_norm().value(cam.size)
     needed = (1.0 + CLEARANCE) * needed + clear
-    size = enlarged(cam.size, min(needed, problem.room(cam.size)))
+    size = enlarged(cam.size, min(needed, problem.max_enlargement(cam.size)))
     return replace(cam, size=size, value=objective_value(problem, size))
 
 
@@ -163,7 +163,7 @@ def smallest_size(problem: Problem) -> Vector | None:
 
 
 def objective_value(problem: Problem, size: Vector) -> float:
-    """The objective of a finished cam, in core units."""
+    """The objective of a finished cam, in problem units."""
     objective, machine = problem.objective, problem.machine
     norm, order = objective.norm(machine), objective.energy_order()
     if norm is not None:

@@ -42,9 +42,9 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
     low, high = np.array(problem.sizing.bounds).T
     unit = np.eye(len(low))
     normals = np.array([size for size, _ in bounding]).reshape(-1, len(low))
-    scale, room = np.abs(normals).max(axis=1), np.array([room for _, room in bounding])
+    scale, slack = np.abs(normals).max(axis=1), np.array([slack for _, slack in bounding])
     # of size 1, and without their last digits, as ``row_on_given_law`` states them
-    normals, offsets = round_mantissa(normals / scale[:, None]), round_mantissa(room / scale)
+    normals, offsets = round_mantissa(normals / scale[:, None]), round_mantissa(slack / scale)
     box, ends = np.vstack([unit, -unit]), np.concatenate([high, -low])
     if problem.open_above:
         kept = ends < problem.base_radius_range[1]

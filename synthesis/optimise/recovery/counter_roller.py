@@ -25,7 +25,7 @@ from synthesis.optimise.recovery.smooth_limits import Samples, peaks, sample, vi
 from synthesis.spec.design_spec import DesignSpec
 
 DENSE, EVEN = 24, 36  # places tried, towards the nearest one and all over the range
-ROUNDS = 4  # of adding peaks to the samples
+MAX_ITERATIONS = 4  # of adding peaks to the samples
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class CounterRollerPlacement:
     Attributes:
         spec: the specification, the place being a number.
         holds: whether the counter cam keeps its limits beside this main cam.
-        farthest: where it does not, whether no other place would leave the main cam more room.
+        farthest: where it does not, whether no other place would leave the main cam more slack.
     """
 
     spec: DesignSpec
@@ -104,7 +104,7 @@ class _CounterCam:
     def nearest_feasible(self, low: float, high: float) -> float | None:
         """The least distance between two ends that keeps every limit, None where none does."""
         samples, size = sample(self.cam.problem), self.cam.size
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ITERATIONS):
             # 1. The first place tried that does at the samples, and where its limit just holds.
             places = _trial_places(low, high)
             good = (k for k, place in enumerate(places) if self.excess(place, samples) <= 0.0)

@@ -21,7 +21,7 @@ from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
 DENSITY, LEAST_DENSITY = 192, 8  # points on a law, and on every piece of it, ends included
-PEAK_ROUNDS = 4  # of enlarging; each samples the peaks that the last one left
+PEAK_ITERATIONS = 4  # of enlarging; each samples the peaks that the last one left
 NEAR = -0.1  # samples slacker than this have no peak beside them that matters
 CROSSED = 1e-9  # relative: how closely a size is raised
 ZOOMS = 5  # each narrows a peak to a quarter of the interval
@@ -101,7 +101,7 @@ def enlarged_size(problem: Problem, size: Vector, margin: float, *, densely: boo
     if not densely and _is_far_from_binding(problem, size):
         return size
     samples, follower = sample(problem), problem.machine.follower
-    for _ in range(PEAK_ROUNDS):
+    for _ in range(PEAK_ITERATIONS):
         result = _raise_until_feasible(problem, samples, size, margin)
         if result is None:
             return None
@@ -111,7 +111,7 @@ def enlarged_size(problem: Problem, size: Vector, margin: float, *, densely: boo
             return size
         samples = [*samples, *peak_samples]
     clear = margin * follower.radius_norm().value(size)
-    return enlarged(size, min(clear, problem.room(size)))
+    return enlarged(size, min(clear, problem.max_enlargement(size)))
 
 
 def _is_far_from_binding(problem: Problem, size: Vector) -> bool:
@@ -153,18 +153,18 @@ def _raise_until_feasible(
         worst = max(float(v.max()) for v in value) + margin
         if worst <= 0.0:
             return at, value
-        room = problem.room(size)
+        most = problem.max_enlargement(size)
         # points that were slack so far may come to bind on a larger cam: watch them from now on
         keep = [k | (v > slack) for k, v in zip(keep, value, strict=True)]
         watched = [p.at(k) for p, k in zip(samples, keep, strict=True) if np.any(k)]
         low, step = high, max(1e-6 * problem.length, high)
         if np.isfinite(worst):  # a limit eases about as the radius grows
             step = max(step, worst * follower.radius_norm().value(at))
-        while excess(min(step, room)) > 0.0:
-            if step >= room:
+        while excess(min(step, most)) > 0.0:
+            if step >= most:
                 return None
             low, step = step, 4.0 * step
-        high = _crossing(excess, low, min(step, room))
+        high = _crossing(excess, low, min(step, most))
     return None
 
 

@@ -38,7 +38,7 @@ MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than 
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
 POLISH_INTERVALS: Final = 48  # equal ones between the switches
-POLISH_ROUNDS: Final = 6  # of moving knots to switches
+POLISH_ITERATIONS: Final = 6  # of moving knots to switches
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
 FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
@@ -56,9 +56,9 @@ def refine_mesh(
     grids: tuple[Grid, ...],
     cam: Candidate | None,
     lower: Bound | None,
-    missed: Sequence[Array] = (),
+    violated_points: Sequence[Array] = (),
 ) -> tuple[Grid, ...]:
-    """Finer knots where the law pays more than the ideal one; points where rows were missed."""
+    """Finer knots where the law pays more than the ideal one; points where rows are violated."""
     chosen = []
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
@@ -66,40 +66,46 @@ def refine_mesh(
         if cam is None or lower is None or not lower.switching:
             breaks = _halved(breaks)
         else:
-            breaks = _where_it_pays(
+            breaks = _knots_of_costly_intervals(
                 segment.free, breaks, cam.laws[position].curve(), lower, position
             )
         if len(breaks) > MOST_INTERVALS:
             breaks = grid.space.breaks
         chosen.append(breaks)
-    if _alike(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
-        return halve_intervals(problem, grids, missed)
-    return _mesh_through(problem, chosen, missed)
+    if _nearly_equal(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
+        return halve_intervals(problem, grids, violated_points)
+    return _mesh_through(problem, chosen, violated_points)
 
 
 def halve_intervals(
-    problem: Problem, grids: tuple[Grid, ...], missed: Sequence[Array] = ()
+    problem: Problem, grids: tuple[Grid, ...], violated_points: Sequence[Array] = ()
 ) -> tuple[Grid, ...]:
-    """No interval stands out, so what is left is the bound's: its multipliers lie too far apart."""
+    """Finer knots everywhere: all intervals cut in two, where none loses more than the others.
+
+    The gap is then the bound's: the points at which it has multipliers lie too far apart.
+    """
     before = (grid.space.breaks for grid in grids)
     chosen = [_halved(breaks) if len(breaks) <= MOST_INTERVALS else breaks for breaks in before]
-    return _mesh_through(problem, chosen, missed)
+    return _mesh_through(problem, chosen, violated_points)
 
 
 def _mesh_through(
-    problem: Problem, breaks: Sequence[Array], missed: Sequence[Array]
+    problem: Problem, breaks: Sequence[Array], violated_points: Sequence[Array]
 ) -> tuple[Grid, ...]:
-    """Grids over breaks, with the points where rows were missed."""
+    """Grids over breaks, with the points where rows are violated."""
     grids = tuple(grid_through(*each) for each in zip(problem.free, breaks, strict=True))
-    return tuple(g.with_points(x) for g, x in zip(grids, missed, strict=True)) if missed else grids
+    if not violated_points:
+        return grids
+    return tuple(g.with_points(x) for g, x in zip(grids, violated_points, strict=True))
 
 
-def _where_it_pays(
+def _knots_of_costly_intervals(
     free: FreeLaw, breaks: Array, curve: Piecewise, lower: Bound, position: int
 ) -> Array:
-    """Knots at the ideal law's switches inside the costly intervals; those without one are halved.
+    """The knots, and more in each interval that loses much against the ideal law.
 
-    Those that the law needs stay.
+    One with a single switch of the ideal law gets knots there, others are halved; ends of windows
+    get knots beside them.
     """
     psi, control = lower.switching[position], lower.controls[position]
     losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
@@ -109,7 +115,8 @@ def _where_it_pays(
     counts = np.bincount(inside, minlength=len(costly))
     single = costly & (counts == 1)
     halved = _halved(breaks, costly & ~single)
-    # as close as knots may lie: where a window ends, even an ideal law has much to settle
+    # Beside the ends of windows knots lie as close as they may: a bound or a value that ends there
+    # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order
     ends, step = np.array(free.knots), ramp_step(softer)
     ramps = ramp_knots(switches[single[inside]], softer)
@@ -155,9 +162,9 @@ def _improve_multipliers(state: SolveState) -> SolveState:
 def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> SolveState:
     """Move knots onto the switches of the law until these stay where they are."""
     before: list[Array] = []
-    for number in range(len(state.stages) + 1, len(state.stages) + 1 + POLISH_ROUNDS):
+    for number in range(len(state.stages) + 1, len(state.stages) + 1 + POLISH_ITERATIONS):
         switches = _switches_of_laws(cam)
-        if not switches or _alike(switches, before, STAYS) or state.time_left <= 0.0:
+        if not switches or _nearly_equal(switches, before, STAYS) or state.time_left <= 0.0:
             break
         grids = _through_switches(state.problem, switches, POLISH_INTERVALS)
         state, before = replace(state, grids=grids), switches
@@ -194,8 +201,8 @@ def _switches_of_laws(cam: Candidate) -> list[Array]:
     return switches if any(len(each) for each in switches) else []
 
 
-def _alike(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:
-    """Whether two lists of places are the same to a distance."""
+def _nearly_equal(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:
+    """Whether two lists hold the same knots, none moved by more than a distance."""
     return len(now) == len(before) and all(
         len(one) == len(other) and bool(np.all(np.abs(one - other) <= distance))
         for one, other in zip(now, before, strict=True)
@@ -227,7 +234,7 @@ def _switches(breaks: Array, level: Array) -> Array:
 
 
 def is_same_mesh(grids: Sequence[Grid], others: Sequence[Grid]) -> bool:
-    """Whether knots and points are the same: another round would find what this one has."""
+    """Whether knots and points are the same: another solve would find the same."""
     return all(
         np.array_equal(one.space.breaks, other.space.breaks)
         and np.array_equal(one.points, other.points)

@@ -20,15 +20,15 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_core_units
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from, smooth_start
 from synthesis.optimise.propagation import law_tightening
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state import SolveState
 
-MAX_ROUNDS = 24  # cone programs on one mesh
-STALLED = 0.05  # of the tolerance, or of the open gap: a round that gains less has stalled
+MAX_ITERATIONS = 24  # cone programs on one mesh
+STALLED = 0.05  # of the tolerance, or of the open gap: an iteration that gains less has stalled
 TIGHTENING_GAIN = 0.1  # of the open gap: what bound tightening has to gain before it is done again
 ROW_SHARE = 0.3  # of the gap: the part left by the rows from which on the region is narrowed
 KEPT_POINTS = 4  # solutions at which rows are kept tangent
@@ -49,7 +49,7 @@ def relax(state: SolveState, level: float) -> Relaxed:
     curved = state.problem.has_curved_limits
     if curved and state.relaxed is None and state.region is None:
         state, _ = smooth_start(state)  # any cam at all bounds the sizes of better ones
-    for _ in range(MAX_ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         # 1. Solve the relaxation with the rows at hand; its bound is valid whatever these are.
         model = formulate(state.problem, state.grids, level, state.tightening, state.region)
         solution = solve(model.program, state.time_left)
@@ -64,7 +64,7 @@ def relax(state: SolveState, level: float) -> Relaxed:
         if state.problem.omits_curved_rows:
             break
         # 3. Go on while new tangents raise the optimum.
-        before, value = value, in_core_units(model, model.program.value(solution.x))
+        before, value = value, in_problem_units(model, model.program.value(solution.x))
         best = state.smallest_value
         missing = best - value if isfinite(best) else 0.0
         if value - before > STALLED * max(state.tolerance * abs(value), missing):
@@ -139,7 +139,7 @@ def _linearise(
     points = (TangentPoint(curves, cam.size), TangentPoint(curves, size), *region.tangent_points)
     region = replace(region, sizes=_sizes(state), tangent_points=points[:KEPT_POINTS])
     state = replace(state, region=region)
-    value = in_core_units(model, model.program.value(solution.x))
+    value = in_problem_units(model, model.program.value(solution.x))
     if state.smallest_value - value <= SIZE_GAIN * state.tolerance * abs(value):
         return state, set()
     loose = set[int]()

@@ -1,9 +1,9 @@
 """A dimension that makes the problem nonconvex, fixed at one value after the other.
 
-With the laws given, the values are searched in one dimension. With free laws a nonlinear program
-moves all together, from several starts; the problem with the dimension fixed at its answer then
-gives the best of all laws for that value, and the nonlinear program goes on from there. No bound
-over the dimension is known here: the answer is a local optimum, and the report says so.
+With the laws given, the values are searched in one dimension. With free laws a local search moves
+laws, size and dimension together, from several starts. Where it ends outside the dimension's range,
+the problem with the dimension fixed at the nearest end of the range gives the answer. No bound over
+the dimension is known here: the answer is a local optimum, and the report says so.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from synthesis.optimise.recovery.candidate import (
     smallest_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage, solvers_of
 
 STARTS = 9
 """Values of the dimension from which a local search starts."""
 INTERVALS = 24
 """Of the first mesh."""
 MANY_VALUES, FEW_VALUES = 49, 17
-"""Values tried first where laws are given, evenly in their logarithm."""
+"""Values tried first where laws are given, spaced evenly in their logarithm."""
 ROUGH_TOLERANCE = 0.01
-"""Tolerance from which on few values do."""
+"""Relative tolerance from which on the smaller number of values suffices."""
 START_TOLERANCE = 0.05
 """Tolerance of a solve that only gives a start."""
 NO_CAM = 1e30
@@ -53,38 +53,45 @@ class _FixedDimension:
     """Problems with the dimension fixed, and their cams as cams of the problem at hand."""
 
     problem: Problem
-    pinning: FixableDimension
+    dimension: FixableDimension
 
     def at(self, value: float) -> Problem:
         """The problem with the dimension fixed."""
-        return self.problem.with_follower(self.pinning.fixed_at(value))
+        return self.problem.with_follower(self.dimension.fixed_at(value))
 
-    def freed(self, value: float, cam: Candidate) -> Candidate:
-        """A cam of the fixed dimension as one of the free dimension."""
+    def release(self, value: float, cam: Candidate) -> Candidate:
+        """A cam of the problem with the dimension fixed, as a cam of the problem at hand."""
         problem = self.problem.with_laws(cam.problem.segments)
-        size = self.pinning.full_size(value, cam.size)
+        size = self.dimension.full_size(value, cam.size)
         return Candidate(problem, cam.laws, size, objective_value(problem, size))
 
-    def clipped(self, value: float) -> float:
-        """The nearest value of the range."""
-        return float(np.clip(value, self.pinning.low, self.pinning.high))
+    def clip(self, value: float) -> float:
+        """The nearest value inside the dimension's range."""
+        return float(np.clip(value, self.dimension.low, self.dimension.high))
 
-    def values(self, count: int) -> list[float]:
-        """Logarithms of values all over the range, evenly spaced."""
-        low = log(max(self.pinning.low, self.pinning.unit / REACH))
-        high = max(log(min(self.pinning.high, self.pinning.unit * REACH)), low)
+    def log_values(self, count: int) -> list[float]:
+        """Logarithms of values from one end of the range to the other, evenly spaced."""
+        low = log(max(self.dimension.low, self.dimension.unit / REACH))
+        high = max(log(min(self.dimension.high, self.dimension.unit * REACH)), low)
         return [float(x) for x in np.linspace(low, high, count if high > low else 1)]
 
 
 @dataclass(frozen=True)
 class _Cost:
-    """What the trials so far have cost: their number, and iterations of all their stages."""
+    """What the solves with the dimension fixed have cost.
+
+    Attributes:
+        values: of the dimension. iterations, solvers: of all stages of these solves.
+    """
 
     values: frozenset[float] = frozenset()
     iterations: int = 0
+    solvers: tuple[str, ...] = ()
 
-
-Trial = tuple[SolveState, _Cost]
+    def with_solve(self, value: float, solve: SolveState) -> _Cost:
+        """The cost with that of one more solve."""
+        iterations = self.iterations + sum(stage.iterations for stage in solve.stages)
+        return _Cost(self.values | {value}, iterations, solvers_of(solve, self.solvers))
 
 
 def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
@@ -94,11 +101,11 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
         state: the solve.
         optimise: solves a problem: problem, tolerance, deadline, tightening.
     """
-    pinning = state.problem.machine.follower.fixable_dimension()
-    assert pinning is not None
-    started, fixed = state.stopwatch, _FixedDimension(state.problem, pinning)
+    dimension = state.problem.machine.follower.fixable_dimension()
+    assert dimension is not None
+    started, fixed = state.stopwatch, _FixedDimension(state.problem, dimension)
     if not isfinite(state.lower):
-        valid_for = f"a local optimum: no bound over the {pinning.name} is known"
+        valid_for = f"a local optimum: no bound over the {dimension.name} is known"
         state = replace(state, valid_for=valid_for)
     state, cost = _try_motion(state, fixed, state.relaxed, STARTS), _Cost()
     if not state.solved:
@@ -106,8 +113,8 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
         state, cost = search(state, fixed, optimise)
     return replace(state, infeasible=state.incumbent is None).with_stage(
         Stage(
-            "pinned", f"{pinning.name}, {len(cost.values)} values", "all of the above", 1, 0,
-            cost.iterations, state.stopwatch - started,
+            "fixed dimension", f"{dimension.name} fixed at {len(cost.values)} values",
+            ", ".join(cost.solvers) or "none", 1, 0, cost.iterations, state.stopwatch - started,
             "solved" if state.incumbent else "failed",
         )
     )  # fmt: skip
@@ -123,11 +130,10 @@ def _solve_at(
 ) -> tuple[SolveState, _Cost, SolveState]:
     """Solve with the dimension fixed, and offer the cam to the problem at hand."""
     trial = optimise(fixed.at(value), tolerance, state.deadline, state.tighten)
-    relaxed = _better(state.relaxed, trial.relaxed and fixed.freed(value, trial.relaxed))
-    incumbent = _better(state.incumbent, trial.incumbent and fixed.freed(value, trial.incumbent))
+    relaxed = _better(state.relaxed, trial.relaxed and fixed.release(value, trial.relaxed))
+    incumbent = _better(state.incumbent, trial.incumbent and fixed.release(value, trial.incumbent))
     state = replace(state, relaxed=relaxed, incumbent=incumbent)
-    iterations = cost.iterations + sum(stage.iterations for stage in trial.stages)
-    return state, _Cost(cost.values | {value}, iterations), trial
+    return state, cost.with_solve(value, trial), trial
 
 
 def _better(known: Candidate | None, found: Candidate | None) -> Candidate | None:
@@ -138,21 +144,23 @@ def _better(known: Candidate | None, found: Candidate | None) -> Candidate | Non
 def _try_motion(
     state: SolveState, fixed: _FixedDimension, cam: Candidate | None, count: int
 ) -> SolveState:
-    """Offer a cam's motion with other sizes: its law may be a good one, and its size not."""
+    """Offer a cam's motion with the best size for each of some values of the dimension."""
     if cam is None:
         return state
-    for logarithm in fixed.values(count):
-        value = fixed.clipped(exp(logarithm))
+    for logarithm in fixed.log_values(count):
+        value = fixed.clip(exp(logarithm))
         problem = fixed.at(value).with_laws(cam.problem.segments)
         size = smallest_size(problem)
         if size is not None:
-            state = state.with_incumbent(fixed.freed(value, cam_at_size(problem, cam.laws, size)))
+            state = state.with_incumbent(fixed.release(value, cam_at_size(problem, cam.laws, size)))
         if state.solved or state.time_left <= 0.0:
             break
     return state
 
 
-def _search_values(state: SolveState, fixed: _FixedDimension, optimise: Optimise) -> Trial:
+def _search_values(
+    state: SolveState, fixed: _FixedDimension, optimise: Optimise
+) -> tuple[SolveState, _Cost]:
     """Given laws: the best value of a few, then the least between its neighbours."""
     cost = _Cost()
 
@@ -160,14 +168,14 @@ def _search_values(state: SolveState, fixed: _FixedDimension, optimise: Optimise
         nonlocal state, cost
         if state.time_left <= 0.0:
             return NO_CAM
-        value = fixed.clipped(exp(logarithm))
+        value = fixed.clip(exp(logarithm))
         state, cost, trial = _solve_at(state, cost, fixed, optimise, value, state.tolerance)
         if trial.incumbent is None:
             return NO_CAM
         return trial.problem.objective.to_wire(trial.incumbent.value, trial.problem.machine)
 
     count = MANY_VALUES if state.tolerance < ROUGH_TOLERANCE else FEW_VALUES
-    logarithms = fixed.values(count)
+    logarithms = fixed.log_values(count)
     values = [objective(x) for x in logarithms if state.time_left > 0.0]
     best = int(np.argmin(values)) if values else 0
     if values and values[best] < NO_CAM and len(values) > 1:
@@ -177,8 +185,10 @@ def _search_values(state: SolveState, fixed: _FixedDimension, optimise: Optimise
     return state, cost
 
 
-def _search_with_free_laws(state: SolveState, fixed: _FixedDimension, optimise: Optimise) -> Trial:
-    """Free laws: all together from several starts, then the best laws for where that ended."""
+def _search_with_free_laws(
+    state: SolveState, fixed: _FixedDimension, optimise: Optimise
+) -> tuple[SolveState, _Cost]:
+    """Free laws: local searches over laws, size and dimension together, from several starts."""
     cost = _Cost()
     grids = tuple(uniform_grid(segment, INTERVALS) for segment in state.problem.free)
     state, smooth = smooth_start(replace(state, grids=grids))
@@ -188,22 +198,23 @@ def _search_with_free_laws(state: SolveState, fixed: _FixedDimension, optimise: 
     if state.incumbent is not None:
         starts = list(_starts_beside(fixed, state.incumbent))
     else:
-        for logarithm in fixed.values(STARTS):
+        for logarithm in fixed.log_values(STARTS):
             if state.time_left <= 0.0:
                 break
-            value = fixed.clipped(exp(logarithm))
+            value = fixed.clip(exp(logarithm))
             state, cost, trial = _solve_at(state, cost, fixed, optimise, value, START_TOLERANCE)
             if trial.incumbent is not None:
-                starts.append(fixed.freed(value, trial.incumbent))
+                starts.append(fixed.release(value, trial.incumbent))
     for start in starts:
         if state.time_left > 0.0:
             state = improve_from(state, start)
     if state.incumbent is None or state.time_left <= 0.0:
         return state, cost
-    value = fixed.pinning.value_in(state.incumbent.size)
-    inside = fixed.clipped(value)
+    value = fixed.dimension.value_in(state.incumbent.size)
+    inside = fixed.clip(value)
     if inside != value:
-        # the local search has left the range: the best is at the end of the range
+        # The local search knows no range of the dimension and has left it: the end next to its
+        # answer is taken, with the best laws for that value.
         state = replace(state, incumbent=None, relaxed=None)
         state, cost, trial = _solve_at(state, cost, fixed, optimise, inside, state.tolerance)
         state = replace(state, grids=trial.grids or state.grids)
@@ -213,10 +224,10 @@ def _search_with_free_laws(state: SolveState, fixed: _FixedDimension, optimise: 
 def _starts_beside(fixed: _FixedDimension, best: Candidate) -> Iterator[Candidate]:
     """The incumbent, and its law with the best sizes for other values of the dimension."""
     yield best
-    value = fixed.pinning.value_in(best.size)
+    value = fixed.dimension.value_in(best.size)
     for factor in ASIDE:
-        aside = fixed.clipped(factor * value)
+        aside = fixed.clip(factor * value)
         problem = fixed.at(aside).with_laws(best.problem.segments)
         size = closed_form_size(problem)
         if size is not None and isfinite(size[0]):
-            yield fixed.freed(aside, Candidate(problem, best.laws, size, inf))
+            yield fixed.release(aside, Candidate(problem, best.laws, size, inf))

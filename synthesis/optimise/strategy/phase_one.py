@@ -1,9 +1,10 @@
 """Where nothing fits on the first knots: the least that limits on the motion have to allow.
 
-Limits that leave little room are met by laws that switch at places of their own: on knots that are
+Limits that leave little slack are met by laws that switch at places of their own: on knots that are
 elsewhere nothing fits, though there are such laws. So the share of the limits on the highest
-derivative that is needed is made small first, on knots that move to the switches of the ideal law.
-If it comes below 1, there are the knots; if its bound over all laws lies above 1, there is no law.
+derivative that a law needs is minimised first, on knots that move to the switches of the ideal law.
+The law with the least share is the gentlest law. If its share lies below 1, its knots serve; if the
+bound of the share over all laws lies above 1, no law keeps the limits.
 
 The loop is not the driver's: moving all knots to the switches finds these laws in a tenth of the
 time that refining the driver's meshes takes, and where the size is tight it finds them at all.
@@ -37,18 +38,18 @@ from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
 
-ROUNDS = 8  # of moving knots to the switches of the ideal law
-PROOF_ROUNDS = 12  # of finer knots in a proof that limits exclude each other
+MAX_ITERATIONS = 8  # of moving knots to the switches of the ideal law
+PROOF_ITERATIONS = 12  # of finer knots in a proof that limits exclude each other
 PROVEN = 1e-9  # what a bound has to lie above 1, or an excess above 0, by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
-GAIN = 1e-4  # of the share, by a round: less is not worth another where no law would do
+GAIN = 1e-4  # of the share, by an iteration: less is not worth another where no law would do
 INTERVALS = 24  # of a mesh where none is known
 NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
 LITTLE = 0.1  # of what a share exceeds 1 by: a smaller change brings it no nearer
 VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
 MULTIPLIER = 1e-6  # of the objective's: rows with a smaller one hold nothing back
-SPARE = 1e-6  # of 1: a share as far below it leaves a solver room
+SPARE = 1e-6  # of 1: a share as far below it leaves a solver slack
 MET = 3e-10
 """Of 1: a share that exceeds it by no more is that of a law that just meets the limits: one that
 ends as much short of its lift keeps them; the certificate allows three times that at a joint."""
@@ -112,7 +113,7 @@ class PhaseOneResult:
 
     Attributes:
         jumps: whether the ideal law jumps in a derivative in which the laws asked for may not.
-        laws: those with this share, one per grid. tight: positions of those that leave no room.
+        laws: those with this share, one per grid. tight: positions of those that leave no slack.
     """
 
     grids: tuple[Grid, ...]
@@ -130,7 +131,7 @@ class PhaseOneResult:
 
     @property
     def just_meets(self) -> bool:
-        """Whether that law meets the limits, and no other leaves a solver room."""
+        """Whether that law meets the limits, and no other leaves a solver slack."""
         return bool(self.tight) and 1.0 - SPARE <= self.share <= 1.0 + MET
 
     @property
@@ -179,7 +180,7 @@ def minimise_excess(
     )
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -269,7 +270,7 @@ def excess_proof(problem: Problem) -> str:
     if not any(objective.rows(s, problem.machine, 0.0) for s in problem.segments):
         return ""
     least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
-    for _ in range(PROOF_ROUNDS):
+    for _ in range(PROOF_ITERATIONS):
         model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program)
         if solution.stopped not in USABLE:

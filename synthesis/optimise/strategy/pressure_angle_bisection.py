@@ -26,7 +26,7 @@ from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state import SolveState, Stage
+from synthesis.optimise.state import SolveState, Stage, solvers_of
 
 FIRST = 1.0
 """tan 45°: where the bisection begins."""
@@ -61,6 +61,7 @@ class _Bracket:
         doubtful: the largest slope at which no cam small enough was found. missed: the smallest
             cam there, infinite where there is none.
         proven: the largest slope that is proven impossible. valid_for: for which laws.
+        trials: how many slopes were tried. solvers: which solvers that took.
     """
 
     best: SolveState | None = None
@@ -70,6 +71,7 @@ class _Bracket:
     proven: float = 0.0
     valid_for: str = ""
     trials: int = 0
+    solvers: tuple[str, ...] = ()
 
     def with_proof(self, slope: float, valid_for: str) -> _Bracket:
         """The bracket with a slope proven impossible."""
@@ -79,8 +81,8 @@ class _Bracket:
 
 
 @dataclass(frozen=True, eq=False)
-class _Trials:
-    """The problem, and how one slope is tried."""
+class _SlopeSearch:
+    """The problem, and what solving it with one slope as limit shows."""
 
     state: SolveState
     optimise: Optimise
@@ -91,8 +93,8 @@ class _Trials:
         problem = self.state.problem
         return BaseRadius().from_wire(problem.base_radius_range[1], problem.machine)
 
-    def limited(self, slope: float, *, enlarged: bool = False) -> Problem:
-        """The smallest cam with a limit on the pressure angle; ``enlarged``: beyond what fits."""
+    def with_limit(self, slope: float, *, enlarged: bool = False) -> Problem:
+        """The smallest cam with |tan α| ≤ slope; ``enlarged``: also cams larger than allowed."""
         problem = self.state.problem
         limits = problem.objective.equivalent_limits(slope, problem.machine)
         sizing, follower = problem.sizing, problem.machine.follower
@@ -104,11 +106,12 @@ class _Trials:
             problem, objective=BaseRadius(), limits=(*problem.limits, *limits), sizing=sizing
         )
 
-    def tried(self, bracket: _Bracket, slope: float) -> _Bracket:
+    def try_slope(self, bracket: _Bracket, slope: float) -> _Bracket:
         """The bracket after a solve with the slope as limit."""
-        state, problem = self.state, self.limited(slope, enlarged=True)
+        state, problem = self.state, self.with_limit(slope, enlarged=True)
         trial = self.optimise(problem, state.tolerance, state.deadline, state.tighten)
-        bracket = replace(bracket, trials=bracket.trials + 1)
+        solvers = solvers_of(trial, bracket.solvers)
+        bracket = replace(bracket, trials=bracket.trials + 1, solvers=solvers)
         best = trial.incumbent
         if best is not None and best.value <= self.largest:
             objective, machine = state.problem.objective, best.problem.machine
@@ -160,12 +163,12 @@ class _Trials:
         share = min(max(share, MARGIN), 1.0 - MARGIN)
         return exp((1.0 - share) * log(low) + share * log(high))
 
-    def with_impossible(self, bracket: _Bracket, slope: float) -> _Bracket:
+    def prove_impossible(self, bracket: _Bracket, slope: float) -> _Bracket:
         """The bracket with a slope proven impossible, if the region of better cams proves it."""
         assert bracket.best is not None
         best = bracket.best.incumbent
         assert best is not None
-        problem = self.limited(bracket.possible * (1.0 + SPARE))
+        problem = self.with_limit(bracket.possible * (1.0 + SPARE))
         about = TangentPoint(tuple(law.curve() for law in best.laws), best.size)
         parts = dict.fromkeys(range(len(problem.free)), (0.0, 1.0))
         node = PivotNode(problem, parts, bracket.best.grids, about=about)
@@ -173,8 +176,8 @@ class _Trials:
             tighter = tighten_node(self.state, replace(best, value=self.largest), node)
             if tighter is None:
                 return bracket
-            limited = replace(tighter, problem=self.limited(slope))
-            proof = prove_empty(limited, self.state.time_left)
+            smaller = replace(tighter, problem=self.with_limit(slope))
+            proof = prove_empty(smaller, self.state.time_left)
             if proof is not None:
                 return bracket.with_proof(slope, proof.valid_for)
             node = tighter
@@ -188,10 +191,10 @@ def bisect_pressure_angle(state: SolveState, optimise: Optimise) -> SolveState:
         state: the solve.
         optimise: solves a problem: problem, tolerance, deadline, tightening.
     """
-    started, trials = time.perf_counter(), _Trials(state, optimise)
-    bracket = _narrow(trials, _first_bracket(trials))
+    started, search = time.perf_counter(), _SlopeSearch(state, optimise)
+    bracket = _narrow(search, _first_bracket(search))
     if bracket.best is not None and state.problem.free:
-        bracket = _prove(trials, bracket)
+        bracket = _prove(search, bracket)
     best = None if bracket.best is None else bracket.best.incumbent
     if bracket.best is not None and best is not None:
         problem = state.problem.with_laws(best.problem.segments)
@@ -202,43 +205,44 @@ def bisect_pressure_angle(state: SolveState, optimise: Optimise) -> SolveState:
             state = state.raise_bound(proven, bracket.valid_for)
     return replace(state, infeasible=best is None).with_stage(
         Stage(
-            "steepness", f"{bracket.trials} limits on it", "all of the above", 1, 0, 0,
-            time.perf_counter() - started, "failed" if best is None else "solved",
+            "peak pressure angle", f"bisection, {bracket.trials} values",
+            ", ".join(bracket.solvers) or "none", 1, 0, 0, time.perf_counter() - started,
+            "failed" if best is None else "solved",
         )
     )  # fmt: skip
 
 
-def _first_bracket(trials: _Trials) -> _Bracket:
+def _first_bracket(search: _SlopeSearch) -> _Bracket:
     """A slope that is possible, and one below at which no cam was found."""
-    bracket, state = _Bracket(), trials.state
+    bracket, state = _Bracket(), search.state
     for slope in (FIRST, STEEPEST):  # where no cam as steep as can be is found, there is none
         if bracket.best is None and state.time_left > 0.0:
-            bracket = trials.tried(bracket, slope)
+            bracket = search.try_slope(bracket, slope)
     while not bracket.doubtful and bracket.possible > 1e-6 and state.time_left > 0.0:
         if bracket.best is None:
             break
-        bracket = trials.tried(bracket, 0.5 * bracket.possible)
+        bracket = search.try_slope(bracket, 0.5 * bracket.possible)
     return bracket
 
 
-def _narrow(trials: _Trials, bracket: _Bracket) -> _Bracket:
+def _narrow(search: _SlopeSearch, bracket: _Bracket) -> _Bracket:
     """The bracket, narrowed to a share of the tolerance."""
-    state = trials.state
+    state = search.state
     near = (BRACKET if state.problem.free else BRACKET_OF_GIVEN_LAWS) * state.tolerance
     while bracket.best is not None and bracket.trials < TRIALS and state.time_left > 0.0:
         if bracket.possible - bracket.doubtful <= near * bracket.possible:
             break
-        bracket = trials.tried(bracket, trials.next_slope(bracket))
+        bracket = search.try_slope(bracket, search.next_slope(bracket))
     return bracket
 
 
-def _prove(trials: _Trials, bracket: _Bracket) -> _Bracket:
+def _prove(search: _SlopeSearch, bracket: _Bracket) -> _Bracket:
     """The largest slope below the best that an empty region of better cams proves impossible."""
     for share in PROOFS:
-        slope = bracket.possible * (1.0 - share * trials.state.tolerance)
-        if slope <= bracket.proven or slope <= 0.0 or trials.state.time_left <= 0.0:
+        slope = bracket.possible * (1.0 - share * search.state.tolerance)
+        if slope <= bracket.proven or slope <= 0.0 or search.state.time_left <= 0.0:
             break
-        before, bracket = bracket, trials.with_impossible(bracket, slope)
+        before, bracket = bracket, search.prove_impossible(bracket, slope)
         if bracket is not before:
             break
     return bracket

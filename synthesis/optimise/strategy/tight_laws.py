@@ -1,6 +1,6 @@
 """Limits that one law alone keeps: that law is fixed, and what else is free is optimised.
 
-A cone program needs room about its solution; where limits on the motion leave a law none, no
+A cone program needs slack about its solution; where limits on the motion leave a law none, no
 program finds it. Phase 1 does: its least share of these limits is then 1, and the law with that
 share is the only one. With it given, the problem is as any other.
 """
@@ -18,11 +18,11 @@ from synthesis.optimise.strategy.phase_one import MET, PhaseOneResult
 
 Optimise = Callable[[Problem, float, float, float], SolveState]
 WIDER = 1e-6
-"""Relative: by how much limits are wider for a bound where they leave no room."""
+"""Relative: by how much limits are wider for a bound where they leave no slack."""
 
 
 def fix_tight_laws(state: SolveState, gentlest: PhaseOneResult, optimise: Optimise) -> SolveState:
-    """The state with a cam whose laws that leave no room are those of phase 1; without, if none.
+    """The state with a cam whose laws that leave no slack are those of phase 1; without, if none.
 
     The bound is not touched.
     """
@@ -43,7 +43,7 @@ def fix_tight_laws(state: SolveState, gentlest: PhaseOneResult, optimise: Optimi
     laws = [fixed[k] if k in fixed else next(others) for k in range(len(problem.free))]
     curves = [s.with_law(law.curve()) for s, law in zip(problem.free, laws, strict=True)]
     state = state.with_relaxed(cam_at_size(problem.with_laws(curves), laws, best.size))
-    note = f"the limits on {' and '.join(gentlest.names)} leave no room beside these laws"
+    note = f"the limits on {' and '.join(gentlest.names)} leave no slack beside these laws"
     intervals = sum(len(law.space.breaks) - 1 for law in fixed.values())
     return state.with_stage(
         Stage(

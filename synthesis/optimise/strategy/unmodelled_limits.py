@@ -44,7 +44,7 @@ def unmodelled_limits(state: SolveState) -> str:
 
 
 def _binds(cam: Candidate, limit: Limit) -> bool:
-    """Whether a limit without rows or tangents of its own leaves a cam no more room."""
+    """Whether a limit without rows or tangents of its own leaves a cam no more slack."""
     machine = cam.problem.machine
     for segment in cam.problem.segments:
         if limit.nonconvex(segment, machine):

@@ -16,7 +16,7 @@ from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region
-from synthesis.optimise.dual_bound.bound import in_core_units
+from synthesis.optimise.dual_bound.bound import in_problem_units
 from synthesis.optimise.heuristics.perturbed_optimum import (
     ConvexOptimum,
     NonlinearOptimum,
@@ -129,7 +129,7 @@ class PerturbedDesign:
         if moved is None:
             return None
         if self.fall is None:
-            value = in_core_units(model, moved)
+            value = in_problem_units(model, moved)
         else:  # implicit differentiation: the level rises by what the excess gains, over its fall
             value = self.core_value + (moved - self.optimum.value) / self.fall
         return problem.objective.to_wire(value, problem.machine)
@@ -146,7 +146,7 @@ class PerturbedDesign:
         else:
             model = self._program(problem)
             optimum = self.optimum.solve_near(model, deadline)
-            value = None if optimum is None else in_core_units(model, optimum.value)
+            value = None if optimum is None else in_problem_units(model, optimum.value)
         return None if value is None else problem.objective.to_wire(value, problem.machine)
 
     def _level_without_excess(self, problem: Problem, fall: float, deadline: float) -> float | None:
@@ -198,7 +198,7 @@ def perturbed_designs(
             optimum = ConvexOptimum.solve(model, deadline)
         if optimum is None:
             continue
-        value = level if fractional else in_core_units(model, optimum.value)
+        value = level if fractional else in_problem_units(model, optimum.value)
         design = PerturbedDesign(method, knots, problem, optimum, value)
         at_best = design.at_optimal_level(deadline) if fractional else design
         if at_best is not None:

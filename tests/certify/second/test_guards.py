@@ -153,7 +153,7 @@ def test_an_end_state_that_nobody_asked_for_is_not_confirmed() -> None:
         given()
         .extremes[-1]
         .model_copy(
-            update={"limit": "acceleration_asked", "field": "program/0/start", "value": 0.0}
+            update={"limit": "acceleration_required", "field": "program/0/start", "value": 0.0}
         )
     )
     design = given().model_copy(update={"extremes": [*given().extremes, line]})

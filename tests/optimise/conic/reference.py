@@ -31,7 +31,7 @@ DENSE = 4001  # samples of a given law's piece when its worst angle is wanted
 
 @dataclass(frozen=True)
 class Optimum:
-    """What CVXPY found: the objective in core units, None where it found nothing."""
+    """What CVXPY found: the objective in problem units, None where it found nothing."""
 
     value: float | None
     status: str
@@ -63,7 +63,7 @@ def optimum(problem: Problem, grids: Sequence[Grid], level: float = 0.0) -> Opti
             break
     if question.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
         return Optimum(None, question.status)
-    return Optimum(statement.in_core_units(float(question.value)), question.status)
+    return Optimum(statement.in_problem_units(float(question.value)), question.status)
 
 
 class _Statement:
@@ -94,7 +94,7 @@ class _Statement:
             return self.norm(norm)
         return self.level if order is None else self.mean_square(order, self.energy_unit(order))
 
-    def in_core_units(self, value: float) -> float:
+    def in_problem_units(self, value: float) -> float:
         objective, machine = self.problem.objective, self.problem.machine
         if objective.norm(machine) is not None:
             return value * self.unit

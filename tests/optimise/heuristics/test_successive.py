@@ -86,7 +86,7 @@ def test_time_that_is_over_leaves_the_cam_it_began_at() -> None:
     assert near.cam is not None
     laws, (e, s0) = near.cam.laws, near.cam.size
     found = solve_scp(model, laws, (e, 1.1 * s0), 0.0, ScpTarget(CLOSE, 1e-6))
-    assert (found.converged, found.rounds) == (False, 0)
+    assert (found.converged, found.programs) == (False, 0)
     assert found.cam is not None
     assert found.cam.size == pytest.approx((e, 1.1 * s0))
 

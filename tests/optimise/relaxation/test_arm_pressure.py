@@ -201,6 +201,28 @@ def test_cuts_are_the_limit_itself_where_they_touch_and_it_is_convex(sense: str)
         np.testing.assert_allclose(left, unit * excess, atol=1e-10 * unit)
 
 
+@pytest.mark.parametrize("sense", SENSES)
+@pytest.mark.parametrize("fastest", [np.inf, 0.5 * ARM])
+def test_cuts_touch_the_limit_where_the_cosine_rises(sense: str, fastest: float) -> None:
+    """ψ < α, so that v = ψ − α < 0: a row about a point has the limit's own value there too."""
+    limit, n = radians(42.0), 30
+    curve = FixedPivotPressureAngle("pressure_angle", ARM, ARM, SENSES[sense], tan(limit))
+    s = np.zeros((4, n))
+    s[0], s[1] = np.linspace(0.0, 0.5 * ARM, n), np.linspace(-0.4, 0.4, n) * ARM
+    size, most = ARM * radians(5.0), np.full(n, fastest)
+    # Everywhere the box holds angles on both sides of v = 0.
+    within = MotionSizeBox(s[0] - 1.0, s[0] + ARM, -most, most, ((size - 1.0, size + 1.0),))
+    unit = max(ARM, ARM / np.cos(limit))
+    above, _ = curve.relax(within, (s[:2], (size,)))
+    left = np.sum(above.coefficients * s, axis=0) + above.size[0] * size - above.upper
+    excess = unit * curve.excess(s, (size,))[0]
+    assert np.all(left <= excess + 1e-10 * unit)
+    active = np.arccos(np.clip((ARM + fastest) * np.cos(limit) / ARM, -1.0, 1.0))
+    touched = (s[0] + size) / ARM - limit < -active - 0.05
+    assert np.sum(touched) > 5
+    np.testing.assert_allclose(left[touched], excess[touched], atol=1e-10 * unit)
+
+
 def test_hull_is_the_least_concave_function_above_the_cosine() -> None:
     low, high = np.array([-0.6, 0.3, 1.7]), np.array([2.9, 1.2, 3.0])
     hull = ConcaveHull.over(low, high)

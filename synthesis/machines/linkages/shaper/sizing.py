@@ -46,11 +46,11 @@ SAMPLES: Final = 24  # crank angles of a turn at which a bound takes the acceler
 PREFERRED: Final = ((1, 0.0), (2, 0.0), (3, 0.0), (4, 0.5))
 SAMPLES_OF_BOX: Final = 1024  # random points before the descent
 STARTS: Final = 4  # of these points, starts of a descent
-ROUNDS: Final = 60  # of a descent
+MAX_STEPS: Final = 60  # of a descent
 RADIUS: Final = 0.2  # of its first trust region, in the unit box
-BATCH: Final = 1500  # boxes of a round
+BATCH: Final = 1500  # boxes of an iteration
 MAX_BOXES: Final = 60_000  # in all
-MIDDLES: Final = 32  # boxes of a round whose middles are evaluated
+MIDDLES: Final = 32  # boxes of an iteration whose middles are evaluated
 WIDE: Final = 0.05  # weight of a box's width beside its slopes in the choice of the split
 VALUE_ROUNDING: Final = 1e-9  # relative: by so much rounding may make a value better than its bound
 SHARE: Final = 0.9  # of the tolerance; the rest is for the measured value
@@ -281,7 +281,7 @@ def _descend(space: DesignSpace, objective: ShaperObjective) -> BundlePoint | No
         return value if np.isfinite(value) else None
 
     box = Polytope(np.zeros((0, SIZE)), np.zeros(0))
-    ends = [minimise(function, box, start, RADIUS, ROUNDS) for start in starts]
+    ends = [minimise(function, box, start, RADIUS, MAX_STEPS) for start in starts]
     reached = min(ends, key=lambda one: one.value)
     return BundlePoint(np.clip(reached.u, 0.0, 1.0), reached.value)
 

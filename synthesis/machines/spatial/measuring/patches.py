@@ -169,7 +169,7 @@ class Sampling:
     Attributes:
         angles: samples of a patch in cam angle at most. whole: about, of a wall with many patches.
         kept: patches whose best samples are refined. points: of a grid around such a sample, in
-            each direction. rounds: of ever finer grids. shrink: of the steps from round to round.
+            each direction. iterations: of ever finer grids. shrink: of the steps in each.
         evidence: how the extremum is known.
     """
 
@@ -177,7 +177,7 @@ class Sampling:
     whole: int
     kept: int
     points: int
-    rounds: int
+    iterations: int
     shrink: float
     evidence: str
 
@@ -233,12 +233,12 @@ def find_extremum(
     kept = sorted(range(len(parts)), key=lambda i: -rounded(table[i, 0]))[: how.kept]
     parts, table = [parts[i] for i in kept], table[kept]
     value, (at, step) = table[:, 0], np.split(table[:, 1:], 2, axis=1)
-    # 2. Around each of the best a grid, of steps that shrink from round to round.
+    # 2. Around each of the best a grid, of steps that shrink with each iteration.
     low, high = np.full_like(at, -np.inf), np.full_like(at, np.inf)
     low[:, -2:] = [(part.low, ends[0]) for part in parts]
     high[:, -2:] = [(part.high, ends[1]) for part in parts]
     share = np.linspace(-1.0, 1.0, how.points)
-    for _ in range(how.rounds):
+    for _ in range(how.iterations):
         around = np.clip(at[..., None] + step[..., None] * share, low[..., None], high[..., None])
         *more, theta, rho = np.moveaxis(around, 1, 0)
         points = WallPoints(parts, theta, np.repeat(rho, how.points, axis=0))
@@ -247,7 +247,7 @@ def find_extremum(
         value = np.where(better, top, value)
         moved = np.take_along_axis(around, where[..., None], axis=2)[..., 0]
         at, step = np.where(better[:, None], moved, at), how.shrink * step
-    # 3. The first of those that are equal but for rounding, and twice what its last round gained.
+    # 3. The first of those equal but for rounding, and twice what its last iteration gained.
     first = max(range(len(parts)), key=lambda i: rounded(float(value[i])))
     most, (*_, angle, place) = float(value[first]), at[first].tolist()
     limit = most + 2.0 * (most - float(before[first]))

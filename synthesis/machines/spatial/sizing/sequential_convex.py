@@ -53,11 +53,11 @@ from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.units import Travel
 
 FIRST_INTERVALS = 24  # spline intervals of the first grid
-MAX_ROUNDS = 7  # of knot refinement
-MAX_ROUNDS_CURVATURE = 3  # where accelerations are limited: no bound says what finer knots gain
-MAX_LINEARISATIONS = 12  # in a round
-NO_GAIN = 0.05  # of the tolerance: a linearisation that gains less ends the round
-LITTLE_GAIN = 0.1  # of the tolerance: a round that gains less asks for the bound by chords
+MAX_MESHES = 7  # of knot refinement
+MAX_MESHES_CURVATURE = 3  # where accelerations are limited: no bound says what finer knots gain
+MAX_LINEARISATIONS = 12  # on a mesh
+NO_GAIN = 0.05  # of the tolerance: a linearisation that gains less ends the work on a mesh
+LITTLE_GAIN = 0.1  # of the tolerance: a mesh that gains less asks for the bound by chords
 ALL_LAWS = "all motion laws"
 
 
@@ -158,7 +158,7 @@ def _as_length(segment: PlacedSegment, scale: float) -> PlacedSegment:
 def minimise_size(
     problem: Problem, tolerance: float, deadline: float, tighten: float
 ) -> SolveState:
-    """The smallest cam, of a problem with free laws, to a relative gap or as near as rounds come.
+    """The smallest cam, of a problem with free laws, to a relative gap or as near as meshes come.
 
     Args:
         deadline: ``clock.now()`` at which to stop.
@@ -174,7 +174,7 @@ def minimise_size(
     if curvature:
         state, last = smooth_start(state)
     before, little = inf, False
-    for number in range(1, (MAX_ROUNDS_CURVATURE if curvature else MAX_ROUNDS) + 1):
+    for number in range(1, (MAX_MESHES_CURVATURE if curvature else MAX_MESHES) + 1):
         # Primal: relinearise about the last laws until they no longer improve.
         state, last, lower, missed = _relinearise(state, last, number)
         if lower is None:

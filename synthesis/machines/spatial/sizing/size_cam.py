@@ -5,7 +5,7 @@
 2. Laws and size together, under limits on pressure angle and motion: a convex program where these
    are linear (slides), sequential convex programming otherwise (arms and turrets).
 3. The size grows until walls and ribs are sound, by samples.
-4. The rollers grow as far as that leaves room for.
+4. The rollers grow as far as walls and ribs allow.
 
 Steps 3 and 4 are outside of the program and the bound: walls have no closed form except the convex
 radius on a turret, which enters step 2 where the first cam breaks it. A larger cam and smaller

@@ -15,7 +15,7 @@ from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.state import SolveState
 
-INTERVALS = 13  # so few that rows at knots alone are missed between them
+INTERVALS = 13  # so few that rows written at knots alone are violated between them
 
 
 def solved() -> tuple[ConicModel, ConeSolution, SolveState]:
