@@ -132,24 +132,21 @@ def complete(
             return smallest.attempt if smallest is not None else attempt, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
         attempt = solve_spec(spec, goal, stages)
-    # 3. A cam of the gentlest law, where none was found.
+    # 3. Phase 1: any cam that is small enough will do, whatever the objective.
+    elif limited and not attempt.certified and not infeasibility_proof(attempt):
+        nearest = Goal(goal.stop, sufficient=most)
+        for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
+            smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
+            if smallest is not None and smallest.attempt.certified:
+                return _restart_from(spec, smallest, goal, stages), smallest
+            if clock.now() >= goal.stop:
+                break
+    # 4. A cam of the gentlest law, where none was found.
     attempt = _with_gentle_law(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:
         attempt = with_bound_of(first, attempt)
-    if not limited or minimised or attempt.certified:
-        return attempt, smallest
-    if infeasibility_proof(attempt) or clock.now() >= goal.stop:
-        return attempt, smallest
-    # 4. Phase 1: any cam that is small enough will do, whatever the objective.
-    nearest = Goal(goal.stop, sufficient=most)
-    for open_spec in _wider_questions(spec):
-        smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
-        if smallest is not None and smallest.attempt.certified:
-            return _restart_from(spec, smallest, goal, stages), smallest
-        if clock.now() >= goal.stop:
-            break
-    informs = smallest is not None and smallest.radius > most  # of what the maximum costs
-    return attempt, smallest if informs else None
+    informs = minimised or (smallest is not None and smallest.radius > most)
+    return attempt, smallest if informs else None  # of what the maximum costs
 
 
 def _decided(

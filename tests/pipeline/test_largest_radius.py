@@ -182,3 +182,25 @@ def test_a_maximum_half_again_as_large_as_a_known_cam_is_kept(body: Spec, value:
     limited = answer(body)
     assert limited.certificate.certified
     assert radius(limited) <= value * 1.005
+
+
+def test_a_given_radius_is_sought_from_the_smallest_cam_before_the_gentlest_law() -> None:
+    """The answer's own radius put back: the open question, and one search that fails before it."""
+    question: Spec = {
+        "speed_rpm": 133.0,
+        "program": program(101.0, 20.1, 89.0, lift_deg=13.8),
+        "follower": {
+            "kind": "oscillating_roller", "roller_radius_mm": 6.13, "arm_mm": 85.7,
+            "sense": "same", "centre_distance_mm": 105.0,
+        },
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 36.7, "return_deg": 40.8},
+            {"kind": "jerk", "max_deg_per_s3": 748_000.0},
+            {"kind": "profile_radius", "min_mm": 5.33},
+        ],
+        "tolerance": 0.005,
+    }  # fmt: skip
+    radius = synthesise(DesignSpec.model_validate(question)).dimensions["base_radius_mm"]
+    found = synthesise(DesignSpec.model_validate({**question, "base_radius_mm": radius}))
+    assert found.status == "optimal"
+    assert sum(stage.stage == "nonlinear" for stage in found.report.stages) <= 2
