@@ -255,7 +255,9 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
         nearest = min(max(radius, least), most)
         cam = Cam(cam.segments, cam.splines, _resized(built.follower, cam.size, nearest))
     if spec.objectives() != wider.solved_spec.objectives() or radius < least:
-        bounds = _bounds(spec, wider, least / question.units.length)
+        bounds = [Bounded(objective, -inf, "") for objective in spec.objectives()]
+        bounds[:1] = wider.bounds[:1] if bounds[0].objective.kind == "base_radius" else bounds[:1]
+    bounds = _with_least_radius(bounds, wider, least / question.units.length)
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
         before = certify_size(wider.question.physical, cam.size, built.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]
@@ -268,22 +270,19 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     return Smallest(attempt, radius, most, bounded.lower, bounded.over)
 
 
-def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
-    """Lower bounds of a question's objectives, known from its smallest cam alone.
+def _with_least_radius(bounds: list[Bounded], smallest: Attempt, least: float) -> list[Bounded]:
+    """The bounds, that of the base radius no less than the least one allowed.
 
-    ``least``: the least base radius allowed, in the unit of the question solved.
+    ``least``: in the unit of the question solved.
     """
-    unknown = [Bounded(objective, -inf, "") for objective in spec.objectives()]
-    if unknown[0].objective.kind != "base_radius":
-        return unknown
-    first, *_ = smallest.bounds
-    if least > 0.0:
-        requested = first.objective.from_wire(least, smallest.built.machine()) * (
-            1.0 - ROUNDING_DOWN
-        )
-        if requested > first.lower:
-            first = replace(first, lower=requested, over="the least base radius asked for")
-    return [first, *unknown[1:]]
+    first, *later = bounds
+    if first.objective.kind != "base_radius" or least <= 0.0:
+        return bounds
+    requested = first.objective.from_wire(least, smallest.built.machine()) * (1.0 - ROUNDING_DOWN)
+    if requested <= first.lower:
+        return bounds
+    over = "the least base radius asked for"
+    return [replace(first, lower=requested, over=over, infimum=False), *later]
 
 
 def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> tuple[float, ...]:

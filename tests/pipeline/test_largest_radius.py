@@ -204,3 +204,29 @@ def test_a_given_radius_is_sought_from_the_smallest_cam_before_the_gentlest_law(
     found = synthesise(DesignSpec.model_validate({**question, "base_radius_mm": radius}))
     assert found.status == "optimal"
     assert sum(stage.stage == "nonlinear" for stage in found.report.stages) <= 2
+
+
+def test_a_given_radius_is_its_own_bound_however_wide_the_gap_of_the_smallest_cam() -> None:
+    groove = {"kind": "groove", "clearance_mm": 0.05, "rim_mm": 6.39}
+    question: Spec = {
+        "speed_rpm": 116.0,
+        "program": program(70.7, 46.8, 82.0, lift_deg=12.2),
+        "follower": {
+            "kind": "oscillating_roller", "roller_radius_mm": 11.9, "arm_mm": 108.0,
+            "sense": "opposite", "closure": groove, "centre_distance_mm": 133.0,
+        },
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 38.7, "return_deg": 37.5},
+            {"kind": "jerk", "max_deg_per_s3": 1_180_000.0},
+        ],
+        "tolerance": 0.005,
+        "proof": "quick",
+    }  # fmt: skip
+    smallest = synthesise(DesignSpec.model_validate(question))
+    assert smallest.certificate.gap is not None
+    assert smallest.certificate.gap > 0.02
+    radius = smallest.dimensions["base_radius_mm"]
+    given = synthesise(DesignSpec.model_validate({**question, "base_radius_mm": radius}))
+    assert given.status == "optimal"
+    assert given.certificate.lower_bound == pytest.approx(radius, rel=1e-11)
+    assert given.certificate.lower_bound <= radius
