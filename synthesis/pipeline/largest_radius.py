@@ -225,16 +225,15 @@ def _restart_from(
 def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
     """The spec without ends of its base radius; None where these leave no larger range to search.
 
-    An open range is searched between ends of its own: one that is asked for stays where leaving it
-    out would narrow these.
+    An open range is searched up to an end of its own: one beyond it that is asked for stays. Where
+    a maximum lies below the start of an open one's search, that goes further down by itself.
     """
     low, high = ends(spec.base_radius_mm)
     if high == inf:
         return None
     kept = {} if low == -inf or "min" in open_ends else {"min": low}
     opened = spec.model_copy(update={"base_radius_mm": Range(**kept) if kept else None})
-    (least, most), (wider_least, wider_most) = spec.searched_radii(), opened.searched_radii()
-    return opened if wider_least <= least and wider_most >= most else None
+    return opened if opened.searched_radii()[1] >= spec.searched_radii()[1] else None
 
 
 def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:

@@ -230,3 +230,31 @@ def test_a_given_radius_is_its_own_bound_however_wide_the_gap_of_the_smallest_ca
     assert given.status == "optimal"
     assert given.certificate.lower_bound == pytest.approx(radius, rel=1e-11)
     assert given.certificate.lower_bound <= radius
+
+
+@pytest.mark.parametrize("spare", [0.0, 0.05, 1000.0])
+def test_a_maximum_below_where_the_search_begins_is_kept_by_the_cam_that_is_found_there(
+    spare: float,
+) -> None:
+    """The roller alone is large enough: the smallest cam is a point, come near to."""
+    question: Spec = {
+        "speed_rpm": 241.0,
+        "program": program(92.3, 27.0, 116.0, lift_mm=9.25),
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 8.98},
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 28.5, "return_deg": 38.0},
+            {"kind": "jerk", "max_mm_per_s3": 2_750_000.0},
+            {"kind": "outer_radius", "max_mm": 74.0},
+        ],
+        "tolerance": 0.005,
+        "proof": "quick",
+    }
+    radius = synthesise(DesignSpec.model_validate(question)).dimensions["base_radius_mm"]
+    assert radius < 1e-6
+    most = {"max": radius * (1.0 + spare)}
+    found = synthesise(
+        DesignSpec.model_validate({**question, "base_radius_mm": most, "time_budget_s": 60.0})
+    )
+    assert found.status == "feasible"
+    assert found.certificate.infimum
+    assert found.dimensions["base_radius_mm"] <= most["max"] * (1.0 + 1e-9)
