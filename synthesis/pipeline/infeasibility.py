@@ -18,6 +18,7 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.design.design import Extreme
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.optimise.recovery.candidate import given_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.strategy.phase_one import excess_proof
@@ -48,6 +49,7 @@ def infeasibility_proof(attempt: Attempt) -> str:
         lambda: problem.base_circle_conflict,
         lambda: problem.constant_conflict,
         lambda: _given_law_conflict(problem, given),
+        lambda: _given_vibration_conflict(problem, given),
         lambda: _mean_velocity_conflict(problem),
         lambda: _given_cam_conflict(problem, attempt, given),
         lambda: search.infeasibility_proof,
@@ -67,6 +69,16 @@ def _given_law_conflict(problem: Problem, given: set[int]) -> str:
             if over > ROUNDING * (abs(row.upper) + problem.length):
                 name = row.source.replace("_", " ")
                 return f"proven: the law given for program/{segment.index} breaks {name}"
+    return ""
+
+
+def _given_vibration_conflict(problem: Problem, given: set[int]) -> str:
+    """Which limit on residual vibration a run of given laws exceeds: it speaks of no size."""
+    for vibration in problem.vibration_limits:
+        most = vibration.max_amplitude + ROUNDING * problem.length
+        if given.issuperset(vibration.run) and amplitude(vibration, problem.segments) > most:
+            run = ", ".join(f"program/{index}" for index in vibration.run)
+            return f"proven: the laws given for {run} break {vibration.source.replace('_', ' ')}"
     return ""
 
 

@@ -82,6 +82,25 @@ def test_a_velocity_below_the_mean_is_proven_impossible() -> None:
     assert "mean velocity" in found.conflict.evidence
 
 
+def test_a_given_run_that_rings_too_much_is_proven_impossible() -> None:
+    """A 3-4-5 rise in T at 2.5 turns of a mode; the return is free and may end at rest."""
+
+    def asked(most: float) -> DesignSpec:
+        quiet = {"kind": "residual_vibration", "natural_frequency_hz": 10.0, "max_mm": most}
+        spec = question(20.0, (90.0, 40.0, 110.0), [pressure_angle(35.0), quiet])
+        body = spec.model_dump(mode="json", exclude_unset=True)
+        body["program"][0]["law"] = {"kind": "polynomial_3_4_5"}
+        return DesignSpec.model_validate(body)
+
+    loud = synthesise(asked(1e-3))
+    assert loud.status == "infeasible"
+    assert loud.conflict is not None
+    assert "program/0 break residual vibration" in loud.conflict.evidence
+    (ringing,) = (e for e in loud.extremes if e.limit == "residual_vibration")
+    assert ringing.value is not None
+    assert synthesise(asked(ringing.value * (1.0 + 1e-6))).certificate.certified
+
+
 def test_dwells_alone_exclude_a_cam() -> None:
     """A dwell's pressure angle is asin(e/Rp), whatever the laws of the other segments."""
     limits = [pressure_angle(60.0) | {"dwell_deg": 2.0}]
