@@ -110,6 +110,30 @@ def test_dwells_alone_exclude_a_cam() -> None:
     assert found.status == "infeasible"
 
 
+SLIDE = {"kind": "translating_roller", "roller_radius_mm": 25.0}
+ARM = {"kind": "oscillating_roller", "roller_radius_mm": 25.0, "arm_mm": 160.0}
+
+
+@pytest.mark.parametrize(
+    ("follower", "lift"),
+    [(SLIDE, "lift_mm"), (ARM, "lift_deg"), (ARM | {"centre_distance_mm": 190.0}, "lift_deg")],
+)
+def test_an_outer_radius_below_the_least_base_radius_is_proven_impossible(
+    follower: dict[str, Any], lift: str
+) -> None:
+    limits = [{"kind": "outer_radius", "max_mm": 70.3}]
+    base = {"min": 70.4, "max": 100.0}
+    spec = question(20.0, (87.0, 42.0, 101.0), limits, base_radius_mm=base)
+    body = spec.model_dump(mode="json", exclude_unset=True)
+    for segment in body["program"]:
+        if "lift_mm" in segment:
+            segment[lift] = segment.pop("lift_mm")
+    found = synthesise(DesignSpec.model_validate({**body, "follower": follower}))
+    assert found.status == "infeasible"
+    assert found.conflict is not None
+    assert "outer radius together" in found.conflict.evidence
+
+
 def test_laws_and_size_that_are_given_are_judged_as_they_are() -> None:
     limits = [pressure_angle(20.0)]
     given = {"law": {"kind": "cycloidal"}, "base_radius_mm": 11.7}
