@@ -192,10 +192,10 @@ class RootNode(Node):
             state = polish_knots(state, _solve_once)
             state = _bound_without_vibration(state)
             state = self._bound_without_highest_caps(state)
-        # A least value of a dimension is not convex: where the relaxation's cam is below it, the
-        # dimension is fixed at one value after the other.
-        has_least = any(cone.lower > 0.0 for cone in problem.sizing.norm_bounds)
-        if _fixable(problem) and has_least and not state.solved:
+        # A least value is not convex, nor are all ranges stated: a dimension is fixed at values.
+        pinning = problem.machine.follower.fixable_dimension()
+        undecided = not (state.solved or state.infeasibility_proof)
+        if pinning and (pinning.needed or pinning.low > 0.0) and undecided:
             return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
         return state, node
 

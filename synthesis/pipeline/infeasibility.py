@@ -19,10 +19,12 @@ from math import inf, pi
 
 import numpy as np
 
+from synthesis.catalogue.constraints import affine_range
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.design.design import Extreme
 from synthesis.optimise.conic.linear_rows import row_excess
 from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.optimise.recovery.candidate import given_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
 from synthesis.optimise.strategy.phase_one import excess_proof
@@ -31,6 +33,7 @@ from synthesis.pipeline.attempt import Attempt
 from synthesis.units import DEGREE
 
 ROUNDING = 1e-9  # relative to a bound, or to the stroke: an excess below it is none
+SAME = 1e-12  # of 1: entries of matrices that differ by rounding alone
 NEAR = 1e-9  # rad: an extreme at the end of a segment belongs to it
 
 
@@ -53,10 +56,12 @@ def infeasibility_proof(attempt: Attempt) -> str:
         lambda: problem.base_circle_conflict,
         lambda: problem.constant_conflict,
         lambda: _given_law_conflict(problem, given),
+        lambda: _given_vibration_conflict(problem, given),
         lambda: _mean_velocity_conflict(problem),
         lambda: _given_cam_conflict(problem, attempt, given),
         lambda: search.infeasibility_proof,
         lambda: _size_conflict(problem, given),
+        lambda: _cone_conflict(problem),
         lambda: excess_proof(search.problem),
     )
     return next((proof for theorem in theorems if (proof := theorem())), "")
@@ -72,6 +77,16 @@ def _given_law_conflict(problem: Problem, given: set[int]) -> str:
             if over > ROUNDING * (abs(row.upper) + problem.length):
                 name = row.source.replace("_", " ")
                 return f"proven: the law given for program/{segment.index} breaks {name}"
+    return ""
+
+
+def _given_vibration_conflict(problem: Problem, given: set[int]) -> str:
+    """Which limit on residual vibration a run of given laws exceeds: it speaks of no size."""
+    for vibration in problem.vibration_limits:
+        most = vibration.max_amplitude + ROUNDING * problem.length
+        if given.issuperset(vibration.run) and amplitude(vibration, problem.segments) > most:
+            run = ", ".join(f"program/{index}" for index in vibration.run)
+            return f"proven: the laws given for {run} break {vibration.source.replace('_', ' ')}"
     return ""
 
 
@@ -148,4 +163,26 @@ def _size_conflict(problem: Problem, given: set[int]) -> str:
         if nearest is None or cone.norm.value(nearest) > cone.upper + slack:
             name = cone.source.replace("_", " ")
             return f"proven: no size fits {which} and {name} together"
+    return ""
+
+
+def _cone_conflict(problem: Problem) -> str:
+    """Which cone of the size no size keeps that is as large as the least base radius asks.
+
+    ‖Az + a‖² − ‖Mz + m‖² is affine in z where AᵀA = MᵀM, M and m those of the prime radius: that is
+    its least plus the difference's least over the bounds, from below.
+    """
+    radius = problem.machine.follower.radius_norm()
+    matrix, shift = np.array(radius.matrix), np.array(radius.shift)
+    square = matrix.T @ matrix
+    for cone in problem.norm_bounds if not problem.open_above else ():
+        other, moved = np.array(cone.norm.matrix), np.array(cone.norm.shift)
+        if not np.allclose(other.T @ other, square, rtol=0.0, atol=SAME):
+            continue
+        slope = tuple((2.0 * (other.T @ moved - matrix.T @ shift)).tolist())
+        constant = float(moved @ moved - shift @ shift)
+        least, _ = affine_range(slope, constant, problem.sizing.bounds)
+        if problem.least_norm**2 + least > (cone.upper + ROUNDING * problem.length) ** 2:
+            name = cone.source.replace("_", " ")
+            return f"proven: no size keeps the least base radius and {name} together"
     return ""

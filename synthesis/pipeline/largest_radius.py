@@ -125,24 +125,21 @@ def complete(
             return smallest.attempt if smallest is not None else attempt, smallest
         goal = replace(goal, warm_start=None)  # its cam, if there is one, is too large
         attempt = solve_spec(spec, goal, stages)
-    # 3. A cam of the least peak acceleration, where none was found.
+    # 3. Phase 1: any cam that is small enough will do, whatever the objective.
+    elif limited and not attempt.certified and not infeasibility_proof(attempt):
+        nearest = Goal(goal.stop, sufficient=most)
+        for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
+            smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
+            if smallest is not None and smallest.attempt.certified:
+                return _restart_from(spec, smallest, goal, stages), smallest
+            if clock.now() >= goal.stop:
+                break
+    # 4. A cam of the least peak acceleration, where none was found.
     attempt = _with_least_acceleration(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:
         attempt = with_bound_of(first, attempt)
-    if not limited or minimised or attempt.certified:
-        return attempt, smallest
-    if infeasibility_proof(attempt) or clock.now() >= goal.stop:
-        return attempt, smallest
-    # 4. Phase 1: any cam that is small enough will do, whatever the objective.
-    nearest = Goal(goal.stop, sufficient=most)
-    for open_spec in _wider_questions(spec):
-        smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
-        if smallest is not None and smallest.attempt.certified:
-            return _restart_from(spec, smallest, goal, stages), smallest
-        if clock.now() >= goal.stop:
-            break
-    informs = smallest is not None and smallest.radius > most  # of what the maximum costs
-    return attempt, smallest if informs else None
+    informs = minimised or (smallest is not None and smallest.radius > most)
+    return attempt, smallest if informs else None  # of what the maximum costs
 
 
 def _decided(
@@ -158,6 +155,8 @@ def _decided(
         gap = 1.0 - smallest.lower / smallest.radius
         if known or not smallest.is_bounded or gap > tolerance or tolerance <= FINEST:
             break
+        if smallest.attempt.chosen_values:
+            break  # a finer bound over all numbers takes many programs
         tolerance = max(tolerance * FINER, FINEST)
         changes = {"tolerance": tolerance, "proof": "quick"}
         finer = first_question(spec.model_copy(update=changes))
@@ -223,16 +222,15 @@ def _restart_from(
 def _without(spec: DesignSpec, *open_ends: str) -> DesignSpec | None:
     """The spec without ends of its base radius; None where these leave no larger range to search.
 
-    An open range is searched between ends of its own: one that is asked for stays where leaving it
-    out would narrow these.
+    An open range is searched up to an end of its own: one beyond it that is asked for stays. Where
+    a maximum lies below the start of an open one's search, that goes further down by itself.
     """
     low, high = ends(spec.base_radius_mm)
     if high == inf:
         return None
     kept = {} if low == -inf or "min" in open_ends else {"min": low}
     opened = spec.model_copy(update={"base_radius_mm": Range(**kept) if kept else None})
-    (least, most), (wider_least, wider_most) = spec.searched_radii(), opened.searched_radii()
-    return opened if wider_least <= least and wider_most >= most else None
+    return opened if opened.searched_radii()[1] >= spec.searched_radii()[1] else None
 
 
 def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
@@ -254,7 +252,9 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
         nearest = min(max(radius, least), most)
         cam = Cam(cam.segments, cam.splines, _resized(final_spec.follower, cam.size, nearest))
     if spec.objectives() != wider.solved_spec.objectives() or radius < least:
-        bounds = _bounds(spec, wider, least / question.units.length)
+        bounds = [Bounded(objective, -inf, "") for objective in spec.objectives()]
+        bounds[:1] = wider.bounds[:1] if bounds[0].objective.kind == "base_radius" else bounds[:1]
+    bounds = _with_least_radius(bounds, wider, least / question.units.length)
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
         before = certify_size(wider.question.physical, cam.size, final_spec.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]
@@ -267,22 +267,21 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     return Smallest(attempt, radius, most, bounded.lower, bounded.valid_for)
 
 
-def _bounds(spec: DesignSpec, smallest: Attempt, least: float) -> list[Bounded]:
-    """Lower bounds of a question's objectives, known from its smallest cam alone.
+def _with_least_radius(bounds: list[Bounded], smallest: Attempt, least: float) -> list[Bounded]:
+    """The bounds, that of the base radius no less than the least one allowed.
 
-    ``least``: the least base radius allowed, in the unit of the question solved.
+    ``least``: in the unit of the question solved.
     """
-    unknown = [Bounded(objective, -inf, "") for objective in spec.objectives()]
-    if unknown[0].objective.kind != "base_radius":
-        return unknown
-    first, *_ = smallest.bounds
-    if least > 0.0:
-        requested = first.objective.from_wire(least, smallest.final_spec.machine()) * (
-            1.0 - ROUNDING_DOWN
-        )
-        if requested > first.lower:
-            first = replace(first, lower=requested, valid_for="the least base radius asked for")
-    return [first, *unknown[1:]]
+    first, *later = bounds
+    if first.objective.kind != "base_radius" or least <= 0.0:
+        return bounds
+    requested = first.objective.from_wire(least, smallest.final_spec.machine()) * (
+        1.0 - ROUNDING_DOWN
+    )
+    if requested <= first.lower:
+        return bounds
+    valid_for = "the least base radius asked for"
+    return [replace(first, lower=requested, valid_for=valid_for, infimum=False), *later]
 
 
 def _resized(follower: AnyFollower, size: tuple[float, ...], radius: float) -> tuple[float, ...]:

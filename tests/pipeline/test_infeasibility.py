@@ -82,6 +82,25 @@ def test_a_velocity_below_the_mean_is_proven_impossible() -> None:
     assert "mean velocity" in found.conflict.evidence
 
 
+def test_a_given_run_that_rings_too_much_is_proven_impossible() -> None:
+    """A 3-4-5 rise in T at 2.5 turns of a mode; the return is free and may end at rest."""
+
+    def asked(most: float) -> DesignSpec:
+        quiet = {"kind": "residual_vibration", "natural_frequency_hz": 10.0, "max_mm": most}
+        spec = question(20.0, (90.0, 40.0, 110.0), [pressure_angle(35.0), quiet])
+        body = spec.model_dump(mode="json", exclude_unset=True)
+        body["program"][0]["law"] = {"kind": "polynomial_3_4_5"}
+        return DesignSpec.model_validate(body)
+
+    loud = synthesise(asked(1e-3))
+    assert loud.status == "infeasible"
+    assert loud.conflict is not None
+    assert "program/0 break residual vibration" in loud.conflict.evidence
+    (ringing,) = (e for e in loud.extremes if e.limit == "residual_vibration")
+    assert ringing.value is not None
+    assert synthesise(asked(ringing.value * (1.0 + 1e-6))).certificate.certified
+
+
 def test_dwells_alone_exclude_a_cam() -> None:
     """A dwell's pressure angle is asin(e/Rp), whatever the laws of the other segments."""
     limits = [pressure_angle(60.0) | {"dwell_deg": 2.0}]
@@ -89,6 +108,30 @@ def test_dwells_alone_exclude_a_cam() -> None:
     body = question(10.0, (91.3, 29.1, 87.7), limits, follower=follower, base_radius_mm={"max": 40})
     found = synthesise(body)
     assert found.status == "infeasible"
+
+
+SLIDE = {"kind": "translating_roller", "roller_radius_mm": 25.0}
+ARM = {"kind": "oscillating_roller", "roller_radius_mm": 25.0, "arm_mm": 160.0}
+
+
+@pytest.mark.parametrize(
+    ("follower", "lift"),
+    [(SLIDE, "lift_mm"), (ARM, "lift_deg"), (ARM | {"centre_distance_mm": 190.0}, "lift_deg")],
+)
+def test_an_outer_radius_below_the_least_base_radius_is_proven_impossible(
+    follower: dict[str, Any], lift: str
+) -> None:
+    limits = [{"kind": "outer_radius", "max_mm": 70.3}]
+    base = {"min": 70.4, "max": 100.0}
+    spec = question(20.0, (87.0, 42.0, 101.0), limits, base_radius_mm=base)
+    body = spec.model_dump(mode="json", exclude_unset=True)
+    for segment in body["program"]:
+        if "lift_mm" in segment:
+            segment[lift] = segment.pop("lift_mm")
+    found = synthesise(DesignSpec.model_validate({**body, "follower": follower}))
+    assert found.status == "infeasible"
+    assert found.conflict is not None
+    assert "outer radius together" in found.conflict.evidence
 
 
 def test_laws_and_size_that_are_given_are_judged_as_they_are() -> None:

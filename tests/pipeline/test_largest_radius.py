@@ -183,3 +183,79 @@ def test_a_maximum_half_again_as_large_as_a_known_cam_is_kept(body: Spec, value:
     limited = answer(body)
     assert limited.certificate.certified
     assert radius(limited) <= value * 1.005
+
+
+def test_a_given_radius_is_sought_from_the_smallest_cam_before_the_gentlest_law() -> None:
+    """The answer's own radius put back: the open question, and one search that fails before it."""
+    question: Spec = {
+        "speed_rpm": 133.0,
+        "program": program(101.0, 20.1, 89.0, lift_deg=13.8),
+        "follower": {
+            "kind": "oscillating_roller", "roller_radius_mm": 6.13, "arm_mm": 85.7,
+            "sense": "same", "centre_distance_mm": 105.0,
+        },
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 36.7, "return_deg": 40.8},
+            {"kind": "jerk", "max_deg_per_s3": 748_000.0},
+            {"kind": "profile_radius", "min_mm": 5.33},
+        ],
+        "tolerance": 0.005,
+    }  # fmt: skip
+    radius = synthesise(DesignSpec.model_validate(question)).dimensions["base_radius_mm"]
+    found = synthesise(DesignSpec.model_validate({**question, "base_radius_mm": radius}))
+    assert found.status == "optimal"
+    assert sum(stage.stage == "nonlinear" for stage in found.report.stages) <= 2
+
+
+def test_a_given_radius_is_its_own_bound_however_wide_the_gap_of_the_smallest_cam() -> None:
+    groove = {"kind": "groove", "clearance_mm": 0.05, "rim_mm": 6.39}
+    question: Spec = {
+        "speed_rpm": 116.0,
+        "program": program(70.7, 46.8, 82.0, lift_deg=12.2),
+        "follower": {
+            "kind": "oscillating_roller", "roller_radius_mm": 11.9, "arm_mm": 108.0,
+            "sense": "opposite", "closure": groove, "centre_distance_mm": 133.0,
+        },
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 38.7, "return_deg": 37.5},
+            {"kind": "jerk", "max_deg_per_s3": 1_180_000.0},
+        ],
+        "tolerance": 0.005,
+        "proof": "quick",
+    }  # fmt: skip
+    smallest = synthesise(DesignSpec.model_validate(question))
+    assert smallest.certificate.gap is not None
+    assert smallest.certificate.gap > 0.02
+    radius = smallest.dimensions["base_radius_mm"]
+    given = synthesise(DesignSpec.model_validate({**question, "base_radius_mm": radius}))
+    assert given.status == "optimal"
+    assert given.certificate.lower_bound == pytest.approx(radius, rel=1e-11)
+    assert given.certificate.lower_bound <= radius
+
+
+@pytest.mark.parametrize("spare", [0.0, 0.05, 1000.0])
+def test_a_maximum_below_where_the_search_begins_is_kept_by_the_cam_that_is_found_there(
+    spare: float,
+) -> None:
+    """The roller alone is large enough: the smallest cam is a point, come near to."""
+    question: Spec = {
+        "speed_rpm": 241.0,
+        "program": program(92.3, 27.0, 116.0, lift_mm=9.25),
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 8.98},
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 28.5, "return_deg": 38.0},
+            {"kind": "jerk", "max_mm_per_s3": 2_750_000.0},
+            {"kind": "outer_radius", "max_mm": 74.0},
+        ],
+        "tolerance": 0.005,
+        "proof": "quick",
+    }
+    radius = synthesise(DesignSpec.model_validate(question)).dimensions["base_radius_mm"]
+    assert radius < 1e-6
+    most = {"max": radius * (1.0 + spare)}
+    found = synthesise(
+        DesignSpec.model_validate({**question, "base_radius_mm": most, "time_budget_s": 60.0})
+    )
+    assert found.status == "feasible"
+    assert found.certificate.infimum
+    assert found.dimensions["base_radius_mm"] <= most["max"] * (1.0 + 1e-9)

@@ -62,6 +62,18 @@ class ArmGeometry:
         l, d = self.length, self.pivot or math.inf
         return math.sqrt(2.0 * LEAST_EXCESS * (l - d) ** 2 / (l * d)) if d < math.inf else 0.0
 
+    @property
+    def least_radius(self) -> float:
+        """The least prime radius of all distances at which ψ0 is as large as asked [mm].
+
+        For each distance it grows with ψ0. For each ψ0 it is least at d = l cosψ0, where the
+        roller's radius is square to the line of centres, or at the end of d's range nearest to it.
+        """
+        angle = min(max(self.angle[0], 0.0), math.pi)
+        nearest = max(self.distance[0], 0.0)
+        foot = min(max(self.length * math.cos(angle), nearest), self.distance[1])
+        return third_side(self.length, foot, angle)
+
     def prime_radii_for(self, prime: Ends, stroke: float) -> Ends:
         """The part of a range of prime radii at which the arm can swing by s = stroke [mm]."""
         if self.pivot is None:

@@ -35,6 +35,7 @@ class FixableDimension:
         low, high: its range [mm], ends may be infinite. unit: its order of magnitude [mm].
         value_in: its value at size variables of the follower for which it is free.
         full_size: the inverse, from a value and the size variables of the follower fixed there.
+        needed: whether the sizes allowed are stated in full only where it is fixed.
     """
 
     name: str
@@ -44,6 +45,7 @@ class FixableDimension:
     value_in: Callable[[Vector], float]
     fixed_at: Callable[[float], Follower]
     full_size: Callable[[float, Vector], Vector]
+    needed: bool = False
 
 
 class Follower(FiniteModel, TracePoint, ABC):
@@ -99,6 +101,10 @@ class Follower(FiniteModel, TracePoint, ABC):
     @abstractmethod
     def size_domain(self, base_radius: Ends) -> SizeDomain:
         """Domain of z for base radii between two ends."""
+
+    def allows(self, z: Vector) -> bool:
+        """Whether z keeps the ranges of dimensions that ``size_domain`` leaves out."""
+        return True
 
     def radius_norm(self) -> AffineNorm:
         """The norm of z that grows with the prime radius Rp, or Rp itself: minimised for size."""

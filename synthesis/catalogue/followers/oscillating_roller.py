@@ -48,6 +48,8 @@ from synthesis.numerics.geometry.plane import enclosed_angle, third_side
 from synthesis.numerics.maxima import maximise
 from synthesis.units import DEGREE
 
+ANGLE_ROUNDING = 1e-12  # rad: a tenth or less of what the certificate allows a dimension
+
 
 class OscillatingRoller(RollerFollower, PivotedFollower):
     """A roller on an arm that swings about a pivot; the lift is the angle of its swing."""
@@ -141,8 +143,13 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
             cones.append(NormBounds(centred, farthest, "centre_distance", nearest))
         across = max(l - prime[1], -farthest), min(l + prime[1], farthest)
         # the roller is no nearer to the axis than arm and distance differ
-        least = max(prime[0], nearest - l, l - farthest)
+        least = max(prime[0], nearest - l, l - farthest, arm.least_radius)
         return SizeDomain((across, (0.0, min(prime[1], farthest))), tuple(cones), least)
+
+    def allows(self, z: Vector) -> bool:
+        low, high = self._arm.angle
+        near = ANGLE_ROUNDING if self.distance is None else math.inf
+        return low - near <= self.initial_angle(z) <= high + near
 
     def _radius(self, z: Vector, s: float) -> float:
         """Distance of the roller's centre from the axis at a displacement [mm]."""
@@ -174,6 +181,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         return FixableDimension(
             name="centre distance", low=max(low, 0.0), high=high, unit=self.reference,
             value_in=lambda z: math.hypot(*z), fixed_at=at, full_size=whole,
+            needed=self.initial_angle_deg is not None,  # a bound of ψ0 itself, not of (p, q)
         )  # fmt: skip
 
     def outer_radius_norm(self, s_max: float) -> AffineNorm:

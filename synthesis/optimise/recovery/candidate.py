@@ -117,8 +117,11 @@ def enlarge_until_feasible(cam: Candidate, *, densely: bool = False) -> Candidat
 
 def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
     """Whether enlarging a cam has violated what it does not ease: rows of a counter roller, which
-    comes nearer as the main cam grows, the cone of another distance, or an earlier objective.
+    comes nearer as the main cam grows, the cone of another distance, the range of an angle, or an
+    earlier objective.
     """
+    if not problem.machine.follower.allows(size):
+        return True
     for earlier in problem.objective_caps:
         norm = earlier.objective.norm(problem.machine)
         if norm is not None and norm.value(size) > earlier.value * (1.0 + BEYOND_CAP):

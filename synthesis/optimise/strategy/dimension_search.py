@@ -109,7 +109,9 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
         state = replace(state, valid_for=valid_for)
     state, cost = _try_motion(state, fixed, state.relaxed, STARTS), _Cost()
     if not state.solved:
-        search = _search_with_free_laws if state.problem.free else _search_values
+        # a nonlinear program over all sizes would leave what only a fixed value states
+        together = state.problem.free and not dimension.needed
+        search = _search_with_free_laws if together else _search_values
         state, cost = search(state, fixed, optimise)
     return replace(state, infeasible=state.incumbent is None).with_stage(
         Stage(
@@ -161,23 +163,25 @@ def _try_motion(
 def _search_values(
     state: SolveState, fixed: _FixedDimension, optimise: Optimise
 ) -> tuple[SolveState, _Cost]:
-    """Given laws: the best value of a few, then the least between its neighbours."""
-    cost = _Cost()
+    """The best value of a few, then the least between its neighbours."""
+    cost, laws_are_free = _Cost(), bool(state.problem.free)
+    tolerance = START_TOLERANCE if laws_are_free else state.tolerance  # of the first values
 
     def objective(logarithm: float) -> float:
         nonlocal state, cost
         if state.time_left <= 0.0:
             return NO_CAM
         value = fixed.clip(exp(logarithm))
-        state, cost, trial = _solve_at(state, cost, fixed, optimise, value, state.tolerance)
+        state, cost, trial = _solve_at(state, cost, fixed, optimise, value, tolerance)
         if trial.incumbent is None:
             return NO_CAM
         return trial.problem.objective.to_wire(trial.incumbent.value, trial.problem.machine)
 
-    count = MANY_VALUES if state.tolerance < ROUGH_TOLERANCE else FEW_VALUES
+    fine = state.tolerance < ROUGH_TOLERANCE and not laws_are_free
+    count = MANY_VALUES if fine else FEW_VALUES
     logarithms = fixed.log_values(count)
     values = [objective(x) for x in logarithms if state.time_left > 0.0]
-    best = int(np.argmin(values)) if values else 0
+    best, tolerance = int(np.argmin(values)) if values else 0, state.tolerance
     if values and values[best] < NO_CAM and len(values) > 1:
         around = logarithms[max(best - 1, 0)], logarithms[min(best + 1, len(values) - 1)]
         accuracy = max(min(0.1 * state.tolerance**0.5, 1e-3), 1e-7)
