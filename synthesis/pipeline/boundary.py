@@ -25,7 +25,8 @@ from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 
 FINE = 2e-4  # tolerance of a trial that is to prove a value impossible
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
-ACCURACY = 1e-3  # of the way from the requested value: bracket of a sufficient one at the end
+ACCURACY = 1e-3
+"""Of the way from the requested value, and of the value: bracket of a sufficient one at the end."""
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 SPARE = (0.0, 1e-4, 1e-3, 1e-2)
@@ -70,12 +71,12 @@ class Boundary:
     levels: dict[float, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.direction = -1.0 if self.number.sense == "≥" else 1.0
+        self.direction = self.number.direction
         if self.original.excess is not None:
             excess = max(self.original.excess, NEAR_EXCESS)
             self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
         if self.original.proof:
-            self.excluded = self.number.tightest
+            self._exclude(self.number.tightest)
 
     def seek_value(self) -> None:
         """Find a value that suffices, near the least one: steps 1 and 2."""
@@ -153,6 +154,8 @@ class Boundary:
             self.nearest = value, trial
 
     def _exclude(self, value: float) -> None:
+        if not self.number.provable:
+            return  # values nearer to the request might do
         if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
             self.excluded = value
 
@@ -166,7 +169,7 @@ class Boundary:
         excess = self.excesses.get(value)
         if self.number.sense in "=±" or excess is None or value == 0.0:
             return False
-        way = (excess + COARSE) * abs(value)
+        way = (excess + COARSE) * abs(value) / self.number.power
         for _ in range(STEPS):
             value = self.number.tightest + self.direction * way
             if way > FARTHEST * abs(self.number.tightest):
@@ -208,6 +211,9 @@ class Boundary:
         """Whether a cam without the number shows a value that suffices."""
         if self.oracle.is_late():
             raise TimeoutError
+        if self.number.farthest is not None:  # an excess, if it is known, says more
+            far = self.number.farthest
+            return self.number.tightest not in self.excesses and self._tried(far).certified
         if self.number.dimension:  # its value on the smallest cam, not on any
             open_spec = without(self.oracle.spec, [self.number])
             trial = self.oracle.ask(open_spec, COARSE, BaseRadius())
@@ -243,7 +249,8 @@ class Boundary:
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            width = max(ACCURACY * abs(good - requested), ROUNDING * abs(good))
+            way = min(abs(good - requested), abs(good))  # of a request that is far out: the value
+            width = max(ACCURACY * way, ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
             zero = self._zero_of_excess(failed)

@@ -16,7 +16,7 @@ from synthesis.certify import certify
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
-from synthesis.pipeline.infeasibility import contains_angle, infeasibility_proof
+from synthesis.pipeline.infeasibility import contains_angle, gentlest_law, infeasibility_proof
 from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
@@ -48,8 +48,11 @@ class Trial:
         """
         if self.smallest is not None:
             return self.smallest.radius / self.smallest.most - 1.0
-        searches = self.attempt.searches
-        return searches[-1].least_excess if searches else None
+        known = next((each.least_excess for each in self.attempt.searches[-1:]), None)
+        if known is not None or self.certified or not self.attempt.searches:
+            return known
+        gentlest = gentlest_law(self.attempt)
+        return None if gentlest is None or gentlest.fits else gentlest.share - 1.0
 
     @property
     def strained(self) -> tuple[str, ...]:
@@ -137,8 +140,8 @@ class Oracle:
         None where no value would do.
         """
         attempt, question = trial.attempt, trial.attempt.question
-        if attempt.cam is None:  # the smallest cam is the value itself
-            return None, ""
+        if attempt.cam is None or not (number.claim or number.dimension):
+            return None, ""  # the smallest cam is the value itself; a cam has no such quantity
         built = question.to_physical(attempt.built)
         if number.dimension:
             return built.follower.dimensions(attempt.cam.size)[number.dimension], ""
