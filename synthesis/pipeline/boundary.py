@@ -6,7 +6,9 @@ maximum, or the gentlest law's derivative over its cap. Its zero is the least va
     1. Outwards: the secant of the excess from the requested value on; where that does not help, a
        cam without the number says which value suffices.
     2. Inwards: the bracket of the zero is narrowed, every value tried being a question.
-    3. The bound: smaller values, closer ones first, until one is proven impossible.
+    3. To the end, at a fine tolerance: what the smallest cam exceeds vanishes at the least value
+       known to suffice, its lower bound at the farthest one known to be impossible. Both are
+       zeros of functions that fall alike.
 
 A value is named only if the question with it, put as it stands, has a certified cam.
 """
@@ -23,7 +25,9 @@ from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import ALONE, COARSE, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 
-FINE = 2e-4  # tolerance of a trial that is to prove a value impossible
+FINE, FINEST = 2e-4, 3e-5
+"""Tolerances of a trial that is to prove a value impossible: half of the accuracy sought; a smaller
+one takes ten times as long."""
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
 ACCURACY = 1e-3
 """Of the way from the requested value, and of the value: bracket of a sufficient one at the end."""
@@ -31,12 +35,13 @@ ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 SPARE = (0.0, 1e-4, 1e-3, 1e-2)
 """Relative: added to a value, until the question as it stands has a cam."""
-SLACK = (0.0, 1e-6, 1e-3, 1.0)  # of the way: added to the value of a cam found without it
-STEPS = 4  # of the secant outwards
+STEPS = 8  # of the secant outwards
 SECANTS = 8  # inwards, before brackets are halved alone
-FARTHEST = 0.5  # relative: of a value; what is farther is taken from a cam without the number
+CLOSING = 5  # trials at the fine tolerance
+BEYOND, REACH = 1.2, 1.5
+"""Of the distance to the zero of a bound: how far a proof is sought, and how far will do."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
-CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices
+CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices, without excesses
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
@@ -83,35 +88,76 @@ class Boundary:
         try:
             if self.number.minimised and self.original.smallest is not None:
                 self._take(self.original.smallest)
-            elif self._step_outwards() or self._minimise() or self._leave_out():
+            elif self._minimise() or self._step_outwards() or self._leave_out():
                 self._narrow()
         except TimeoutError:
             self.note = LATE
         self._confirm()
 
-    def seek_bound(self) -> None:
-        """Find the largest value that is proven impossible, near the one that suffices: step 3."""
-        if self.nearest is None or self.excluded is None:
-            return  # what is not proven of the requested value is not of one that allows more
-        distance = self._distance_of_proof()
+    def seek_bound(self, accuracy: float = ACCURACY) -> None:
+        """Bring the value that suffices, and one that is impossible, to the zero: step 3.
+
+        ``accuracy``: how near to each other, as a share of the way from the request.
+        """
+        if self.nearest is None:
+            return
         try:
-            while not self._is_close():
-                value = self.nearest[0] - self.direction * distance
-                if self._beyond(self.number.tightest, value) <= 0.0:
-                    break
-                if self._tried(value, FINE).proof:
-                    break
-                distance *= WIDENING
+            if self.number.minimised:
+                finer = self._tried(self.nearest[0], self._fine)
+                if finer.bound_excess is not None:  # the smallest cam and its bound: all there is
+                    return self._confirm()
+            if self.excluded is not None:  # else it is not proven of values that allow more
+                self._close_in(accuracy)
         except TimeoutError:
             pass
-        if not self._is_close():
-            self._confirm()
+        self._confirm()
 
-    def _is_close(self) -> bool:
-        """Whether the value named lies so near to an impossible one that no nearer is sought."""
-        if self.needed is None or self.excluded is None:
-            return False
-        return self._beyond(self.excluded, self.needed) <= CLOSE * abs(self.needed)
+    @property
+    def _fine(self) -> float:
+        """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
+        excess = self.excesses.get(self.number.tightest, 1.0)
+        return min(max(0.5 * ACCURACY * excess, FINEST), FINE)
+
+    def _close_in(self, accuracy: float) -> None:
+        """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
+
+        Values are measured by their way from the request. With the slope of the excess a trial
+        tells where the cam's excess, and where its bound, comes to zero.
+        """
+        assert self.nearest is not None
+        start, fine = self.number.tightest, self._fine
+        slope, width = self._slope(), accuracy * self._way(self.nearest[0])
+        step = fine / slope if slope > 0.0 else FINE * abs(self.nearest[0])
+        cam_zero, bound_zero = self._beyond(start, self.nearest[0]), None
+        for _ in range(CLOSING):
+            good = self._beyond(start, self.nearest[0])
+            bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
+            if good > cam_zero + width:
+                way = cam_zero + 0.5 * width
+            else:
+                known = good - step if bound_zero is None else bound_zero
+                way = known - max(0.5 * width, (BEYOND - 1.0) * (good - known))
+                step *= WIDENING
+            reach = width if bound_zero is None else max(width, REACH * (good - bound_zero))
+            if way <= bad or good - bad <= reach:
+                return
+            trial = self._tried(start + self.direction * way, fine)
+            if slope > 0.0 and trial.excess is not None:
+                cam_zero = min(cam_zero, max(way + trial.excess / slope, bad))
+            if slope > 0.0 and trial.bound_excess is not None:
+                bound_zero = way + trial.bound_excess / slope
+            elif trial.proof:
+                return
+            elif not trial.certified:
+                bound_zero = None  # where the bound comes to zero is not known so near
+
+    def _slope(self) -> float:
+        """By how much the excess falls per unit, near its zero; 0 where that is not known."""
+        near = sorted(self.excesses.items(), key=lambda pair: abs(pair[1]))[:2]
+        if len(near) < 2:
+            return 0.0
+        (value, excess), (other, further) = near
+        return max((further - excess) / self._beyond(other, value), 0.0)
 
     @property
     def at_least(self) -> float | None:
@@ -163,6 +209,10 @@ class Boundary:
         """How far another value allows more than a value."""
         return self.direction * (other - value)
 
+    def _way(self, value: float) -> float:
+        """By how much a value differs from the request; of a request that is far out, itself."""
+        return min(abs(value - self.number.tightest), abs(value))
+
     def _step_outwards(self) -> bool:
         """Whether a value that suffices is found by the secant of the excess."""
         before = value = self.number.tightest
@@ -172,7 +222,7 @@ class Boundary:
         way = (excess + COARSE) * abs(value) / self.number.power
         for _ in range(STEPS):
             value = self.number.tightest + self.direction * way
-            if way > FARTHEST * abs(self.number.tightest):
+            if not self.oracle.is_valid(self.number, value):
                 return False
             trial = self._tried(value)
             if trial.certified:
@@ -192,7 +242,7 @@ class Boundary:
             return False
         if isfinite(ends(spec.base_radius_mm)[1]):  # the smallest cam is a sharper measure
             return False
-        trial = self.oracle.ask(without(spec, [self.number]), COARSE, objective)
+        trial = self.oracle.ask(without(spec, [self.number]), self._fine, objective)
         if not trial.certified:
             return False
         if trial.lower is not None:
@@ -228,12 +278,8 @@ class Boundary:
             return False
         if self.number.sense == "=":
             self.direction = copysign(1.0, reached - self.number.tightest)
-        way = reached - self.number.tightest or abs(reached)
-        for beyond in SLACK:  # it may have no room with the number
-            if self._tried(reached + beyond * way).certified:
-                return True
-        self.note = ALONE
-        return False
+        self._record(reached, trial)  # that cam keeps it
+        return True
 
     def _narrow(self) -> None:
         """Bring the value that suffices nearer to the least one, to an accuracy.
@@ -249,8 +295,7 @@ class Boundary:
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            way = min(abs(good - requested), abs(good))  # of a request that is far out: the value
-            width = max(ACCURACY * way, ROUNDING * abs(good))
+            width = max(ACCURACY * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
             zero = self._zero_of_excess(failed)
@@ -281,21 +326,6 @@ class Boundary:
         if excess is None:
             return -1.0
         return 0.0 if excess >= -0.5 * NEAR_EXCESS else excess
-
-    def _distance_of_proof(self) -> float:
-        """How far below the value that suffices one may be proven impossible.
-
-        A bound lies below the excess by about the tolerance; the secant of the excess says which
-        change of the number makes up for that.
-        """
-        assert self.nearest is not None
-        good = self.nearest[0]
-        least = FINE * abs(good)
-        near = sorted(self.excesses, key=lambda value: abs(value - good))[:2]
-        if len(near) < 2:
-            return least
-        rise = abs(self.excesses[near[1]] - self.excesses[near[0]])
-        return max(least, FINE * abs(near[1] - near[0]) / rise) if rise > 0.0 else least
 
     def _confirm(self) -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.

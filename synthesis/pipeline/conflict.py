@@ -27,6 +27,7 @@ from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
+ROUGH = 2e-2  # of the way: between what suffices and what is impossible, of the program's numbers
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
@@ -74,7 +75,7 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         boundary = Boundary(oracle, changeable, original)
         boundary.seek_value()
         if boundary.needed is not None:
-            boundary.seek_bound()
+            boundary.seek_bound(ROUGH)
             changes += _relaxations(boundary)
     limits = [str(number) for number in members.numbers]
     evidence = _evidence(original, members)

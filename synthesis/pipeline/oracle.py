@@ -10,6 +10,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
+from pydantic import ValidationError
+
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration
 from synthesis.certify import certify
@@ -53,6 +55,13 @@ class Trial:
             return known
         gentlest = gentlest_law(self.attempt)
         return None if gentlest is None or gentlest.fits else gentlest.share - 1.0
+
+    @property
+    def bound_excess(self) -> float | None:
+        """An excess below which there is no cam at all; None where none is known."""
+        if self.smallest is None:
+            return self.excess if self.proof else None
+        return self.smallest.lower / self.smallest.most - 1.0 if self.smallest.is_bounded else None
 
     @property
     def strained(self) -> tuple[str, ...]:
@@ -133,6 +142,14 @@ class Oracle:
         if trial.certified:
             self.known.setdefault(frozenset([number]), trial)
         return trial
+
+    def is_valid(self, number: Relaxable, value: float) -> bool:
+        """Whether a spec may have this value of a number."""
+        try:
+            DesignSpec.model_validate(relaxed(self.spec, number, value).model_dump())
+        except ValidationError:
+            return False
+        return True
 
     def value_on(self, number: Relaxable, trial: Trial) -> tuple[float | None, str]:
         """The value that a number would need for a trial's cam, and a note on it.
