@@ -25,20 +25,20 @@ from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import ALONE, COARSE, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 
-FINE, FINEST = 2e-4, 3e-5
-"""Tolerances of a trial that is to prove a value impossible: half of the accuracy sought; a smaller
-one takes ten times as long."""
+FINE, FINEST = 2e-4, {"quick": 2e-4, "auto": 2e-4, "thorough": 1e-5}
+"""Tolerances of a trial that is to prove a value impossible: half of the accuracy sought, but no
+smaller than the spec's ``proof`` allows. From 1e-4 on a trial takes ten times as long."""
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
 ACCURACY = 1e-3
 """Of the way from the requested value, and of the value: bracket of a sufficient one at the end."""
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-SPARE = (0.0, 1e-4, 1e-3, 1e-2)
+SPARE = (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Relative: added to a value, until the question as it stands has a cam."""
 STEPS = 8  # of the secant outwards
 SECANTS = 8  # inwards, before brackets are halved alone
 CLOSING = 5  # trials at the fine tolerance
-BEYOND, REACH = 1.2, 1.5
+BEYOND, REACH = 1.2, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought, and how far will do."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
 CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices, without excesses
@@ -58,6 +58,7 @@ class Boundary:
 
     Attributes:
         oracle: answers questions. number: the number. original: the question with it as requested.
+        accuracy: how near to each other both ends are brought, as a share of the way.
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
@@ -67,6 +68,7 @@ class Boundary:
     oracle: Oracle
     number: Relaxable
     original: Trial
+    accuracy: float = field(default_factory=lambda: ACCURACY)
     direction: float = 1.0
     nearest: tuple[float, Trial] | None = None
     excluded: float | None = None
@@ -94,20 +96,17 @@ class Boundary:
             self.note = LATE
         self._confirm()
 
-    def seek_bound(self, accuracy: float = ACCURACY) -> None:
-        """Bring the value that suffices, and one that is impossible, to the zero: step 3.
-
-        ``accuracy``: how near to each other, as a share of the way from the request.
-        """
+    def seek_bound(self) -> None:
+        """Bring the value that suffices, and one that is impossible, to the zero: step 3."""
         if self.nearest is None:
             return
         try:
-            if self.number.minimised:
-                finer = self._tried(self.nearest[0], self._fine)
-                if finer.bound_excess is not None:  # the smallest cam and its bound: all there is
-                    return self._confirm()
-            if self.excluded is not None:  # else it is not proven of values that allow more
-                self._close_in(accuracy)
+            finer = self._tried(self.nearest[0], self._fine) if self.number.minimised else None
+            # Of a smallest cam and its bound no more is known. What is not proven of the value
+            # requested is not of one that allows more.
+            known = finer is not None and finer.bound_excess is not None
+            if not known and self.excluded is not None:
+                self._close_in()
         except TimeoutError:
             pass
         self._confirm()
@@ -116,9 +115,9 @@ class Boundary:
     def _fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
         excess = self.excesses.get(self.number.tightest, 1.0)
-        return min(max(0.5 * ACCURACY * excess, FINEST), FINE)
+        return min(max(0.5 * self.accuracy * excess, FINEST[self.oracle.spec.proof]), FINE)
 
-    def _close_in(self, accuracy: float) -> None:
+    def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
 
         Values are measured by their way from the request. With the slope of the excess a trial
@@ -126,7 +125,7 @@ class Boundary:
         """
         assert self.nearest is not None
         start, fine = self.number.tightest, self._fine
-        slope, width = self._slope(), accuracy * self._way(self.nearest[0])
+        slope, width = self._slope(), self.accuracy * self._way(self.nearest[0])
         step = fine / slope if slope > 0.0 else FINE * abs(self.nearest[0])
         cam_zero, bound_zero = self._beyond(start, self.nearest[0]), None
         for _ in range(CLOSING):
@@ -295,7 +294,7 @@ class Boundary:
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            width = max(ACCURACY * self._way(good), ROUNDING * abs(good))
+            width = max(self.accuracy * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
             zero = self._zero_of_excess(failed)
@@ -340,7 +339,7 @@ class Boundary:
             value = nearest + self.direction * spare * abs(nearest)
             if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
                 return
-            if self.oracle.is_late():
+            if self.oracle.is_late() or not self.oracle.is_valid(self.number, value):
                 return
             if self.oracle.ask_as_it_stands(relaxed(spec, self.number, value)).certified:
                 _, note = self.oracle.value_on(self.number, trial)

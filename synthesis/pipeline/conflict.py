@@ -27,7 +27,7 @@ from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
-ROUGH = 2e-2  # of the way: between what suffices and what is impossible, of the program's numbers
+ROUGH = 1e-2  # of the way: between what suffices and what is impossible, of the program's numbers
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
@@ -72,10 +72,10 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
     # 4. Changes of the program, with all limits as they are, that mend it.
     changes = list[Relaxation]()
     for changeable in program_numbers(oracle.spec, attempt.numbers) if members.numbers else ():
-        boundary = Boundary(oracle, changeable, original)
+        boundary = Boundary(oracle, changeable, original, ROUGH)
         boundary.seek_value()
         if boundary.needed is not None:
-            boundary.seek_bound(ROUGH)
+            boundary.seek_bound()
             changes += _relaxations(boundary)
     limits = [str(number) for number in members.numbers]
     evidence = _evidence(original, members)

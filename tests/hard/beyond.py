@@ -1,6 +1,6 @@
 """Questions that lie beyond a proven bound: whether that is proven, and what their conflict says.
 
-    python -m tests.hard.beyond FIRST LAST [--families WORD] [--seconds S] [--kept FILE]
+    python -m tests.hard.beyond FIRST LAST [--families WORD] [--seconds S] [--kept FILE] [--proof P]
 
 asks those of the scenes FIRST to LAST of each family whose name holds the word, until S seconds of
 processor time are over. FILE keeps every outcome, a line each: what is in it is not asked again,
@@ -122,9 +122,9 @@ def _beyond(random: np.random.Generator) -> float:
     return float(np.exp(random.uniform(np.log(LEAST_BEYOND), np.log(MOST_BEYOND))))
 
 
-def ask(question: Question) -> Outcome:
-    """Put a question, and try what its conflict says."""
-    body = {"time_budget_s": BUDGET_S, **question.body}
+def ask(question: Question, proof: str = "auto") -> Outcome:
+    """Put a question with a ``proof`` of its own, and try what its conflict says."""
+    body = {"time_budget_s": BUDGET_S, **question.body, "proof": proof}
     status, design, seconds = solved(body)
     outcome = Outcome(question, status, seconds)
     conflict = None if design is None else design.conflict
@@ -266,6 +266,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--families", default="")
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--kept", type=Path)
+    parser.add_argument("--proof", default="auto")
     given = parser.parse_args(arguments)
     clock.now = time.process_time  # the same answers on a busy machine
     found = _read(given.kept)
@@ -274,7 +275,7 @@ def main(arguments: list[str]) -> int:
         for family in (family for family in FAMILIES if given.families in family):
             if time.process_time() > given.seconds or (family, number) in known:
                 continue
-            answers = [_judged(question) for question in questions(family, number)]
+            answers = [_judged(question, given.proof) for question in questions(family, number)]
             found += answers
             if given.kept is not None:  # a scene at once: one that was cut off is asked again
                 with given.kept.open("a") as file:
@@ -283,9 +284,9 @@ def main(arguments: list[str]) -> int:
     return 1 if any(one.complaints for one in found) else 0
 
 
-def _judged(question: Question) -> Outcome:
+def _judged(question: Question, proof: str) -> Outcome:
     """What a question came to, printed."""
-    outcome = ask(question)
+    outcome = ask(question, proof)
     print(f"{question.family} {question.number} {question.kind} {question.beyond:.2%}: "
           f"{outcome.status}, {_shares([outcome])}", flush=True)  # fmt: skip
     for complaint in outcome.complaints:
