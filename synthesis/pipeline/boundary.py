@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from math import copysign, isfinite, sqrt
+from math import copysign, inf, isfinite, sqrt
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
@@ -29,8 +29,9 @@ FINE, FINEST = 2e-4, {"quick": 2e-4, "auto": 2e-4, "thorough": 1e-5}
 """Tolerances of a trial that is to prove a value impossible: half of the accuracy sought, but no
 smaller than the spec's ``proof`` allows. From 1e-4 on a trial takes ten times as long."""
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
-ACCURACY = 1e-3
-"""Of the way from the requested value, and of the value: bracket of a sufficient one at the end."""
+ROUGH, ACCURACY = 1e-2, 1e-3
+"""Of the way from the requested value, and of the value: how near the least sufficient one is
+brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 SPARE = (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -49,6 +50,7 @@ OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk"
 
 LATE = "the time budget ended before this was known"
 SUFFICES = "a cam was found with this value"
+UNCONFIRMED = "a cam was found on the way, but none with a value of this number put back"
 DEVIATION = "deviation allowed either way; a cam was found with it"
 
 
@@ -62,6 +64,8 @@ class Boundary:
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
+        excesses: by the values tried. levels: the same, with signs where none is known.
+        gap: the least between an excess and its bound.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
     """
 
@@ -76,12 +80,15 @@ class Boundary:
     note: str = LATE
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
+    gap: float = inf
 
     def __post_init__(self) -> None:
         self.direction = self.number.direction
         if self.original.excess is not None:
             excess = max(self.original.excess, NEAR_EXCESS)
             self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
+            if self.original.bound_excess is not None:
+                self.gap = self.original.excess - self.original.bound_excess
         if self.original.proof:
             self._exclude(self.number.tightest)
 
@@ -127,7 +134,7 @@ class Boundary:
         start, fine = self.number.tightest, self._fine
         slope, width = self._slope(), self.accuracy * self._way(self.nearest[0])
         step = fine / slope if slope > 0.0 else FINE * abs(self.nearest[0])
-        cam_zero, bound_zero = self._beyond(start, self.nearest[0]), None
+        cam_zero, bound_zero = self._zeros(self.nearest[0], self.nearest[1], slope)
         for _ in range(CLOSING):
             good = self._beyond(start, self.nearest[0])
             bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
@@ -141,14 +148,23 @@ class Boundary:
             if way <= bad or good - bad <= reach:
                 return
             trial = self._tried(start + self.direction * way, fine)
-            if slope > 0.0 and trial.excess is not None:
-                cam_zero = min(cam_zero, max(way + trial.excess / slope, bad))
-            if slope > 0.0 and trial.bound_excess is not None:
-                bound_zero = way + trial.bound_excess / slope
-            elif trial.proof:
+            zero, bound_zero = self._zeros(start + self.direction * way, trial, slope)
+            cam_zero = min(cam_zero, max(zero, bad))
+            if bound_zero is None and trial.proof:
                 return
-            elif not trial.certified:
-                bound_zero = None  # where the bound comes to zero is not known so near
+
+    def _zeros(self, value: float, trial: Trial, slope: float) -> tuple[float, float | None]:
+        """Ways from the request at which the excess of a trial, and its bound, come to zero.
+
+        That of the excess is the trial's own way, that of the bound None, where it is not known.
+        """
+        way, excess, bound = self._beyond(self.number.tightest, value), trial.excess, None
+        zero = way + excess / slope if excess is not None and slope > 0.0 else way
+        if slope > 0.0 and trial.bound_excess is not None:
+            bound = way + trial.bound_excess / slope
+            if trial.certified:  # small enough ended its search, and its bound is not the best
+                bound = max(bound, zero - self.gap / slope)
+        return zero, bound
 
     def _slope(self) -> float:
         """By how much the excess falls per unit, near its zero; 0 where that is not known."""
@@ -181,6 +197,8 @@ class Boundary:
         self.levels[value] = self._level(trial)
         if trial.excess is not None:
             self.excesses[value] = trial.excess
+            if trial.bound_excess is not None:
+                self.gap = min(self.gap, trial.excess - trial.bound_excess)
         if trial.certified:
             self._allow(value, trial)
         if trial.proof:
@@ -294,10 +312,10 @@ class Boundary:
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            width = max(self.accuracy * self._way(good), ROUNDING * abs(good))
+            width = max(ROUGH * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
-            zero = self._zero_of_excess(failed)
+            zero = self._zero_of_excess(failed, good)
             if zero is not None and 0.0 < self._beyond(zero, good) <= width:
                 return
             value = bad if zero is None else zero + 0.5 * self.direction * width
@@ -309,9 +327,15 @@ class Boundary:
                 value = 0.5 * (bad + good)
             self._tried(value)
 
-    def _zero_of_excess(self, failed: Collection[float]) -> float | None:
-        """Where the secant of the two least excesses of questions without a cam comes to zero."""
+    def _zero_of_excess(self, failed: Collection[float], good: float) -> float | None:
+        """Where the secant of the two least excesses of questions without a cam comes to zero.
+
+        With one alone, that to the excess of the cam nearest to it: the search for it ended as
+        soon as it was small enough, so the zero lies no nearer to that cam.
+        """
         known = sorted((self.excesses[value], value) for value in failed if value in self.excesses)
+        if len(known) == 1 and good in self.excesses:
+            known.append((self.excesses[good], good))
         if len(known) < 2 or known[0][0] == known[1][0]:
             return None
         (excess, near), (further, far) = known[:2]
@@ -324,7 +348,8 @@ class Boundary:
             return excess if excess is not None and excess > 0.0 else 1.0
         if excess is None:
             return -1.0
-        return 0.0 if excess >= -0.5 * NEAR_EXCESS else excess
+        near = ROUGH * self.excesses.get(self.number.tightest, 0.0)
+        return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
     def _confirm(self) -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
@@ -339,10 +364,14 @@ class Boundary:
             value = nearest + self.direction * spare * abs(nearest)
             if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
                 return
-            if self.oracle.is_late() or not self.oracle.is_valid(self.number, value):
+            if not self.oracle.is_valid(self.number, value):
+                break
+            if self.oracle.is_late():
+                self.note = self.note if self.needed is not None else LATE
                 return
             if self.oracle.ask_as_it_stands(relaxed(spec, self.number, value)).certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed = value
                 self.note = (DEVIATION if self.number.sense == "±" else SUFFICES) + note
                 return
+        self.note = self.note if self.needed is not None else UNCONFIRMED

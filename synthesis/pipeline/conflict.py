@@ -21,13 +21,12 @@ from math import inf
 from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.pipeline.attempt import Attempt
-from synthesis.pipeline.boundary import LATE, Boundary
+from synthesis.pipeline.boundary import LATE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
-ROUGH = 1e-2  # of the way: between what suffices and what is impossible, of the program's numbers
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
