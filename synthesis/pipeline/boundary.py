@@ -34,7 +34,7 @@ ROUGH, ACCURACY = 1e-2, 1e-3
 brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-SPARE = (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+SPARE = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Relative: added to a value, until the question as it stands has a cam."""
 STEPS = 8  # of the secant outwards
 SECANTS = 8  # inwards, before brackets are halved alone
