@@ -258,6 +258,13 @@ class Conflict(AnswerModel):
     relaxations: list[Relaxation] = doc(
         "For each of them that the spec sets: what it would have to be."
     )
+    program_changes: list[Relaxation] = Field(
+        [],
+        description="Numbers of the motion program, and the speed, of which a change mends the "
+        "conflict with all limits as they are: a segment's angle whose degrees a dwell gives or "
+        "takes, all lifts in proportion, an end of a range. Those of one `limit` change together. "
+        "Only changes by a half or less are sought.",
+    )
     evidence: str = doc("How the conflict is known, and what a proof of it covers.")
     proven: bool = doc(
         "Whether a theorem excludes every cam: all laws that are free, all sizes, all free "

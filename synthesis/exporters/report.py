@@ -158,7 +158,7 @@ def _conflict(conflict: Conflict, given: bool) -> str:
     rows = [
         [_words(each.limit), svg.with_unit(each.requested, each.unit),
          _value(each.needed, each.unit), _value(each.at_least, each.unit), each.field, each.note]
-        for each in conflict.relaxations
+        for each in (*conflict.relaxations, *conflict.program_changes)
     ]  # fmt: skip
     text = f"<p>These cannot hold together: <strong>{html.plain(names)}</strong>.</p>"
     if rows:

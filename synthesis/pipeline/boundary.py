@@ -6,7 +6,9 @@ maximum, or the gentlest law's derivative over its cap. Its zero is the least va
     1. Outwards: the secant of the excess from the requested value on; where that does not help, a
        cam without the number says which value suffices.
     2. Inwards: the bracket of the zero is narrowed, every value tried being a question.
-    3. The bound: smaller values, closer ones first, until one is proven impossible.
+    3. To the end, at a fine tolerance: what the smallest cam exceeds vanishes at the least value
+       known to suffice, its lower bound at the farthest one known to be impossible. Both are
+       zeros of functions that fall alike.
 
 A value is named only if the question with it, put as it stands, has a certified cam.
 """
@@ -15,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from math import copysign, isfinite, sqrt
+from math import copysign, inf, isfinite, sqrt
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
@@ -23,19 +25,24 @@ from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import ALONE, COARSE, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 
-FINE = 2e-4  # tolerance of a trial that is to prove a value impossible
+FINE, FINEST = 2e-4, {"quick": 2e-4, "auto": 2e-4, "thorough": 1e-5}
+"""Tolerances of a trial that is to prove a value impossible: half of the accuracy sought, but no
+smaller than the spec's ``proof`` allows. From 1e-4 on a trial takes ten times as long."""
 NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
-ACCURACY = 1e-3  # of the way from the requested value: bracket of a sufficient one at the end
+ROUGH, ACCURACY = 1e-2, 1e-3
+"""Of the way from the requested value, and of the value: how near the least sufficient one is
+brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-SPARE = (0.0, 1e-4, 1e-3, 1e-2)
+SPARE = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Relative: added to a value, until the question as it stands has a cam."""
-SLACK = (0.0, 1e-6, 1e-3, 1.0)  # of the way: added to the value of a cam found without it
-STEPS = 4  # of the secant outwards
+STEPS = 8  # of the secant outwards
 SECANTS = 8  # inwards, before brackets are halved alone
-FARTHEST = 0.5  # relative: of a value; what is farther is taken from a cam without the number
+CLOSING = 5  # trials at the fine tolerance
+BEYOND, REACH = 1.2, 2.0
+"""Of the distance to the zero of a bound: how far a proof is sought, and how far will do."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
-CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices
+CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices, without excesses
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
@@ -43,6 +50,7 @@ OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk"
 
 LATE = "the time budget ended before this was known"
 SUFFICES = "a cam was found with this value"
+UNCONFIRMED = "a cam was found on the way, but none with a value of this number put back"
 DEVIATION = "deviation allowed either way; a cam was found with it"
 
 
@@ -52,15 +60,19 @@ class Boundary:
 
     Attributes:
         oracle: answers questions. number: the number. original: the question with it as requested.
+        accuracy: how near to each other both ends are brought, as a share of the way.
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
+        excesses: by the values tried. levels: the same, with signs where none is known.
+        gap: the least between an excess and its bound.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
     """
 
     oracle: Oracle
     number: Relaxable
     original: Trial
+    accuracy: float = field(default_factory=lambda: ACCURACY)
     direction: float = 1.0
     nearest: tuple[float, Trial] | None = None
     excluded: float | None = None
@@ -68,49 +80,99 @@ class Boundary:
     note: str = LATE
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
+    gap: float = inf
 
     def __post_init__(self) -> None:
-        self.direction = -1.0 if self.number.sense == "≥" else 1.0
+        self.direction = self.number.direction
         if self.original.excess is not None:
             excess = max(self.original.excess, NEAR_EXCESS)
             self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
+            if self.original.bound_excess is not None:
+                self.gap = self.original.excess - self.original.bound_excess
         if self.original.proof:
-            self.excluded = self.number.tightest
+            self._exclude(self.number.tightest)
 
     def seek_value(self) -> None:
         """Find a value that suffices, near the least one: steps 1 and 2."""
         try:
             if self.number.minimised and self.original.smallest is not None:
                 self._take(self.original.smallest)
-            elif self._step_outwards() or self._minimise() or self._leave_out():
+            elif self._minimise() or self._step_outwards() or self._leave_out():
                 self._narrow()
         except TimeoutError:
             self.note = LATE
         self._confirm()
 
     def seek_bound(self) -> None:
-        """Find the largest value that is proven impossible, near the one that suffices: step 3."""
-        if self.nearest is None or self.excluded is None:
-            return  # what is not proven of the requested value is not of one that allows more
-        distance = self._distance_of_proof()
+        """Bring the value that suffices, and one that is impossible, to the zero: step 3."""
+        if self.nearest is None:
+            return
         try:
-            while not self._is_close():
-                value = self.nearest[0] - self.direction * distance
-                if self._beyond(self.number.tightest, value) <= 0.0:
-                    break
-                if self._tried(value, FINE).proof:
-                    break
-                distance *= WIDENING
+            finer = self._tried(self.nearest[0], self._fine) if self.number.minimised else None
+            # Of a smallest cam and its bound no more is known. What is not proven of the value
+            # requested is not of one that allows more.
+            known = finer is not None and finer.bound_excess is not None
+            if not known and self.excluded is not None:
+                self._close_in()
         except TimeoutError:
             pass
-        if not self._is_close():
-            self._confirm()
+        self._confirm()
 
-    def _is_close(self) -> bool:
-        """Whether the value named lies so near to an impossible one that no nearer is sought."""
-        if self.needed is None or self.excluded is None:
-            return False
-        return self._beyond(self.excluded, self.needed) <= CLOSE * abs(self.needed)
+    @property
+    def _fine(self) -> float:
+        """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
+        excess = self.excesses.get(self.number.tightest, 1.0)
+        return min(max(0.5 * self.accuracy * excess, FINEST[self.oracle.spec.proof]), FINE)
+
+    def _close_in(self) -> None:
+        """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
+
+        Values are measured by their way from the request. With the slope of the excess a trial
+        tells where the cam's excess, and where its bound, comes to zero.
+        """
+        assert self.nearest is not None
+        start, fine = self.number.tightest, self._fine
+        slope, width = self._slope(), self.accuracy * self._way(self.nearest[0])
+        step = fine / slope if slope > 0.0 else FINE * abs(self.nearest[0])
+        cam_zero, bound_zero = self._zeros(self.nearest[0], self.nearest[1], slope)
+        for _ in range(CLOSING):
+            good = self._beyond(start, self.nearest[0])
+            bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
+            if good > cam_zero + width:
+                way = cam_zero + 0.5 * width
+            else:
+                known = good - step if bound_zero is None else bound_zero
+                way = known - max(0.5 * width, (BEYOND - 1.0) * (good - known))
+                step *= WIDENING
+            reach = width if bound_zero is None else max(width, REACH * (good - bound_zero))
+            if way <= bad or good - bad <= reach:
+                return
+            trial = self._tried(start + self.direction * way, fine)
+            zero, bound_zero = self._zeros(start + self.direction * way, trial, slope)
+            cam_zero = min(cam_zero, max(zero, bad))
+            if bound_zero is None and trial.proof:
+                return
+
+    def _zeros(self, value: float, trial: Trial, slope: float) -> tuple[float, float | None]:
+        """Ways from the request at which the excess of a trial, and its bound, come to zero.
+
+        That of the excess is the trial's own way, that of the bound None, where it is not known.
+        """
+        way, excess, bound = self._beyond(self.number.tightest, value), trial.excess, None
+        zero = way + excess / slope if excess is not None and slope > 0.0 else way
+        if slope > 0.0 and trial.bound_excess is not None:
+            bound = way + trial.bound_excess / slope
+            if trial.certified:  # small enough ended its search, and its bound is not the best
+                bound = max(bound, zero - self.gap / slope)
+        return zero, bound
+
+    def _slope(self) -> float:
+        """By how much the excess falls per unit, near its zero; 0 where that is not known."""
+        near = sorted(self.excesses.items(), key=lambda pair: abs(pair[1]))[:2]
+        if len(near) < 2:
+            return 0.0
+        (value, excess), (other, further) = near
+        return max((further - excess) / self._beyond(other, value), 0.0)
 
     @property
     def at_least(self) -> float | None:
@@ -135,6 +197,8 @@ class Boundary:
         self.levels[value] = self._level(trial)
         if trial.excess is not None:
             self.excesses[value] = trial.excess
+            if trial.bound_excess is not None:
+                self.gap = min(self.gap, trial.excess - trial.bound_excess)
         if trial.certified:
             self._allow(value, trial)
         if trial.proof:
@@ -153,6 +217,8 @@ class Boundary:
             self.nearest = value, trial
 
     def _exclude(self, value: float) -> None:
+        if not self.number.provable:
+            return  # values nearer to the request might do
         if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
             self.excluded = value
 
@@ -160,16 +226,20 @@ class Boundary:
         """How far another value allows more than a value."""
         return self.direction * (other - value)
 
+    def _way(self, value: float) -> float:
+        """By how much a value differs from the request; of a request that is far out, itself."""
+        return min(abs(value - self.number.tightest), abs(value))
+
     def _step_outwards(self) -> bool:
         """Whether a value that suffices is found by the secant of the excess."""
         before = value = self.number.tightest
         excess = self.excesses.get(value)
         if self.number.sense in "=±" or excess is None or value == 0.0:
             return False
-        way = (excess + COARSE) * abs(value)
+        way = (excess + COARSE) * abs(value) / self.number.power
         for _ in range(STEPS):
             value = self.number.tightest + self.direction * way
-            if way > FARTHEST * abs(self.number.tightest):
+            if not self.oracle.is_valid(self.number, value):
                 return False
             trial = self._tried(value)
             if trial.certified:
@@ -189,7 +259,7 @@ class Boundary:
             return False
         if isfinite(ends(spec.base_radius_mm)[1]):  # the smallest cam is a sharper measure
             return False
-        trial = self.oracle.ask(without(spec, [self.number]), COARSE, objective)
+        trial = self.oracle.ask(without(spec, [self.number]), self._fine, objective)
         if not trial.certified:
             return False
         if trial.lower is not None:
@@ -208,6 +278,9 @@ class Boundary:
         """Whether a cam without the number shows a value that suffices."""
         if self.oracle.is_late():
             raise TimeoutError
+        if self.number.farthest is not None:  # an excess, if it is known, says more
+            far = self.number.farthest
+            return self.number.tightest not in self.excesses and self._tried(far).certified
         if self.number.dimension:  # its value on the smallest cam, not on any
             open_spec = without(self.oracle.spec, [self.number])
             trial = self.oracle.ask(open_spec, COARSE, BaseRadius())
@@ -222,12 +295,8 @@ class Boundary:
             return False
         if self.number.sense == "=":
             self.direction = copysign(1.0, reached - self.number.tightest)
-        way = reached - self.number.tightest or abs(reached)
-        for beyond in SLACK:  # it may have no slack with the number
-            if self._tried(reached + beyond * way).certified:
-                return True
-        self.note = ALONE
-        return False
+        self._record(reached, trial)  # that cam keeps it
+        return True
 
     def _narrow(self) -> None:
         """Bring the value that suffices nearer to the least one, to an accuracy.
@@ -243,10 +312,10 @@ class Boundary:
             levels = self.levels.items()
             failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            width = max(ACCURACY * abs(good - requested), ROUNDING * abs(good))
+            width = max(ROUGH * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
-            zero = self._zero_of_excess(failed)
+            zero = self._zero_of_excess(failed, good)
             if zero is not None and 0.0 < self._beyond(zero, good) <= width:
                 return
             value = bad if zero is None else zero + 0.5 * self.direction * width
@@ -258,9 +327,15 @@ class Boundary:
                 value = 0.5 * (bad + good)
             self._tried(value)
 
-    def _zero_of_excess(self, failed: Collection[float]) -> float | None:
-        """Where the secant of the two least excesses of questions without a cam comes to zero."""
+    def _zero_of_excess(self, failed: Collection[float], good: float) -> float | None:
+        """Where the secant of the two least excesses of questions without a cam comes to zero.
+
+        With one alone, that to the excess of the cam nearest to it: the search for it ended as
+        soon as it was small enough, so the zero lies no nearer to that cam.
+        """
         known = sorted((self.excesses[value], value) for value in failed if value in self.excesses)
+        if len(known) == 1 and good in self.excesses:
+            known.append((self.excesses[good], good))
         if len(known) < 2 or known[0][0] == known[1][0]:
             return None
         (excess, near), (further, far) = known[:2]
@@ -273,22 +348,8 @@ class Boundary:
             return excess if excess is not None and excess > 0.0 else 1.0
         if excess is None:
             return -1.0
-        return 0.0 if excess >= -0.5 * NEAR_EXCESS else excess
-
-    def _distance_of_proof(self) -> float:
-        """How far below the value that suffices one may be proven impossible.
-
-        A bound lies below the excess by about the tolerance; the secant of the excess says which
-        change of the number makes up for that.
-        """
-        assert self.nearest is not None
-        good = self.nearest[0]
-        least = FINE * abs(good)
-        near = sorted(self.excesses, key=lambda value: abs(value - good))[:2]
-        if len(near) < 2:
-            return least
-        rise = abs(self.excesses[near[1]] - self.excesses[near[0]])
-        return max(least, FINE * abs(near[1] - near[0]) / rise) if rise > 0.0 else least
+        near = ROUGH * self.excesses.get(self.number.tightest, 0.0)
+        return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
     def _confirm(self) -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
@@ -303,10 +364,14 @@ class Boundary:
             value = nearest + self.direction * spare * abs(nearest)
             if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
                 return
+            if not self.oracle.is_valid(self.number, value):
+                break
             if self.oracle.is_late():
+                self.note = self.note if self.needed is not None else LATE
                 return
             if self.oracle.ask_as_it_stands(relaxed(spec, self.number, value)).certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed = value
                 self.note = (DEVIATION if self.number.sense == "±" else SUFFICES) + note
                 return
+        self.note = self.note if self.needed is not None else UNCONFIRMED

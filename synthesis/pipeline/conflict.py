@@ -21,9 +21,10 @@ from math import inf
 from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.pipeline.attempt import Attempt
-from synthesis.pipeline.boundary import LATE, Boundary
+from synthesis.pipeline.boundary import LATE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
 TOGETHER = "all limits of this name together; a cam was found with this value"
@@ -67,9 +68,17 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
     for number in members.numbers:
         boundaries[number].seek_bound()
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
+    # 4. Changes of the program, with all limits as they are, that mend it.
+    changes = list[Relaxation]()
+    for changeable in program_numbers(oracle.spec, attempt.chosen_values) if members.numbers else ():
+        boundary = Boundary(oracle, changeable, original, ROUGH)
+        boundary.seek_value()
+        if boundary.needed is not None:
+            boundary.seek_bound()
+            changes += _relaxations(boundary)
     limits = [str(number) for number in members.numbers]
     evidence = _evidence(original, members)
-    # 4. What the certificate refused on the cam at hand, which no member may name.
+    # 5. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]
     if refused:
         values = ", ".join(
@@ -81,7 +90,7 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         names = [extreme.limit.replace("_", " ") for extreme in refused]
         limits += [n for n in names if not any(known.startswith(n) for known in limits)]
     return Conflict(
-        limits=limits, relaxations=relaxations, evidence=evidence,
+        limits=limits, relaxations=relaxations, program_changes=changes, evidence=evidence,
         proven=bool(original.proof or members.trial.proof),
         unconfirmed=[str(number) for number in members.unconfirmed],
     )  # fmt: skip
@@ -153,15 +162,21 @@ def _evidence(original: Trial, members: Members) -> str:
 
 def _relaxations(boundary: Boundary) -> Iterator[Relaxation]:
     """What one number alone would have to be, field by field."""
-    number, needed = boundary.number, boundary.needed
-    tight = [
-        (path, requested)
-        for path, requested in zip(number.paths, number.requested, strict=True)
-        if needed is None or number.is_tighter(requested, needed)
-    ]
-    for path, requested in tight:
+    number, needed, at_least = boundary.number, boundary.needed, boundary.at_least
+    if needed is None:
+        for path, requested in zip(number.paths, number.requested, strict=True):
+            yield Relaxation(
+                limit=number.limit, field=path, unit=number.unit, requested=requested, needed=None,
+                at_least=at_least, note=boundary.note,
+            )  # fmt: skip
+        return
+    rows = list(number.values_at(needed))
+    excluded = dict[str, float]()
+    if at_least is not None:
+        excluded = {path: value for path, _, value in number.values_at(at_least)}
+    for path, requested, value in rows:
         yield Relaxation(
-            limit=number.limit, field=path, unit=number.unit, requested=requested, needed=needed,
-            at_least=boundary.at_least,
-            note=TOGETHER if needed is not None and len(tight) > 1 else boundary.note,
+            limit=number.limit, field=path, unit=number.unit, requested=requested, needed=value,
+            at_least=excluded.get(path, at_least),
+            note=TOGETHER if len(rows) > 1 else boundary.note,
         )  # fmt: skip

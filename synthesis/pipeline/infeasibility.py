@@ -23,11 +23,17 @@ from synthesis.catalogue.constraints import affine_range
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.design.design import Extreme
 from synthesis.optimise.conic.linear_rows import row_excess
+from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.optimise.recovery.candidate import given_cam
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.strategy.phase_one import excess_proof
+from synthesis.optimise.strategy.phase_one import (
+    INTERVALS,
+    PhaseOneResult,
+    excess_proof,
+    minimise_excess,
+)
 from synthesis.pipeline.assembly import restate_problem
 from synthesis.pipeline.attempt import Attempt
 from synthesis.units import DEGREE
@@ -62,9 +68,30 @@ def infeasibility_proof(attempt: Attempt) -> str:
         lambda: search.infeasibility_proof,
         lambda: _size_conflict(problem, given),
         lambda: _cone_conflict(problem),
+        lambda: _gentlest_law_conflict(attempt),
         lambda: excess_proof(search.problem),
     )
     return next((proof for theorem in theorems if (proof := theorem())), "")
+
+
+@lru_cache(maxsize=16)
+def gentlest_law(attempt: Attempt) -> PhaseOneResult | None:
+    """The gentlest law under the linear rows of a question (phase 1), where its search made none.
+
+    Searches with curved limits, and those for a least dimension, make none of their own. None
+    where one did, where no law is free, and where no derivative is capped.
+    """
+    search = attempt.searches[0]
+    problem = search.problem
+    if not problem.free or search.least_excess is not None or search.infeasibility_proof:
+        return None
+    return minimise_excess(problem, [uniform_grid(s, INTERVALS) for s in problem.free], 0.0)
+
+
+def _gentlest_law_conflict(attempt: Attempt) -> str:
+    """Which caps even the gentlest law exceeds: curved limits, left out, would exclude more."""
+    gentlest = gentlest_law(attempt)
+    return "" if gentlest is None else gentlest.impossible
 
 
 def _given_law_conflict(problem: Problem, given: set[int]) -> str:

@@ -10,13 +10,15 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf, isfinite
 
+from pydantic import ValidationError
+
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration
 from synthesis.certify import certify
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
-from synthesis.pipeline.infeasibility import contains_angle, infeasibility_proof
+from synthesis.pipeline.infeasibility import contains_angle, gentlest_law, infeasibility_proof
 from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
@@ -48,8 +50,18 @@ class Trial:
         """
         if self.smallest is not None:
             return self.smallest.radius / self.smallest.most - 1.0
-        searches = self.attempt.searches
-        return searches[-1].least_excess if searches else None
+        known = next((each.least_excess for each in self.attempt.searches[-1:]), None)
+        if known is not None or self.certified or not self.attempt.searches:
+            return known
+        gentlest = gentlest_law(self.attempt)
+        return None if gentlest is None or gentlest.fits else gentlest.share - 1.0
+
+    @property
+    def bound_excess(self) -> float | None:
+        """An excess below which there is no cam at all; None where none is known."""
+        if self.smallest is None:
+            return self.excess if self.proof else None
+        return self.smallest.lower / self.smallest.most - 1.0 if self.smallest.is_bounded else None
 
     @property
     def strained(self) -> tuple[str, ...]:
@@ -131,14 +143,22 @@ class Oracle:
             self.known.setdefault(frozenset([number]), trial)
         return trial
 
+    def is_valid(self, number: Relaxable, value: float) -> bool:
+        """Whether a spec may have this value of a number."""
+        try:
+            DesignSpec.model_validate(relaxed(self.spec, number, value).model_dump())
+        except ValidationError:
+            return False
+        return True
+
     def value_on(self, number: Relaxable, trial: Trial) -> tuple[float | None, str]:
         """The value that a number would need for a trial's cam, and a note on it.
 
         None where no value would do.
         """
         attempt, question = trial.attempt, trial.attempt.question
-        if attempt.cam is None:  # the smallest cam is the value itself
-            return None, ""
+        if attempt.cam is None or not (number.claim or number.dimension):
+            return None, ""  # the smallest cam is the value itself; a cam has no such quantity
         final_spec = question.to_physical(attempt.final_spec)
         if number.dimension:
             return final_spec.follower.dimensions(attempt.cam.size)[number.dimension], ""

@@ -36,6 +36,9 @@ class Relaxable:
         claim: the field of the claims that it sets, by which their extremes are known.
         dimension: name among the dimensions of a cam; empty for a limit.
         held: of ±: the value held.
+        power: with which power of it, at most, what is limited falls as it is relaxed.
+        provable: whether a cam for one value shows that there is one for all that allow more.
+        farthest: where it ends; None where it can be left out.
     """
 
     name: str
@@ -46,6 +49,9 @@ class Relaxable:
     claim: str = ""
     dimension: str = ""
     held: float = 0.0
+    power: float = 1.0
+    provable: bool = True
+    farthest: float | None = None
 
     @property
     def limit(self) -> str:
@@ -56,6 +62,13 @@ class Relaxable:
     def tightest(self) -> float:
         """The tightest value requested."""
         return max(self.requested) if self.sense == "≥" else min(self.requested)
+
+    @property
+    def direction(self) -> float:
+        """+1 or −1: towards values that allow more; of a dimension that is given, which is free
+        to change either way, +1.
+        """
+        return -1.0 if self.sense == "≥" else 1.0
 
     @property
     def minimised(self) -> bool:
@@ -81,6 +94,12 @@ class Relaxable:
         if self.sense == "≥":
             return value - width
         return (-value if bound is not None and bound < 0.0 else value) + width
+
+    def values_at(self, value: float) -> Iterator[tuple[str, float, float]]:
+        """What changes with it: path, value requested, and value where it is relaxed to another."""
+        for path, requested in zip(self.paths, self.requested, strict=True):
+            if self.is_tighter(requested, value):
+                yield path, requested, value
 
     def is_tighter(self, requested: float, value: float) -> bool:
         """Whether a requested value excludes what a value allows."""
@@ -148,17 +167,15 @@ def _without_maximum(spec: DesignSpec) -> Range | None:
 
 def relaxed(spec: Spec, number: Relaxable, value: float) -> Spec:
     """The spec with one number relaxed to a value; what it requests beyond that is unchanged."""
-    for path, requested in zip(number.paths, number.requested, strict=True):
-        if not number.is_tighter(requested, value):
-            continue
+    for path, requested, changed in number.values_at(value):
         *parent, field = place = path.split("/")
         if number.sense == "±":
-            spec = _with(spec, parent, _widened(_at(spec, parent), field, value))
+            spec = _with(spec, parent, _widened(_at(spec, parent), field, changed))
         elif number.sense == "=":
-            both = Range(min=min(requested, value), max=max(requested, value))
+            both = Range(min=min(requested, changed), max=max(requested, changed))
             spec = _with(spec, place, both)
         else:
-            spec = _with(spec, place, value)
+            spec = _with(spec, place, changed)
     return spec
 
 

@@ -100,7 +100,8 @@ class DesignSpec(FiniteModel):
         "seconds, counted in programs solved, so that the answer is the same on every machine "
         "that needs less than half of the service's time budget for them; with `time_budget_s`, "
         "for half of that time, and how far it comes depends on the machine. In the base of a "
-        "sweep `quick` is the default.",
+        "sweep `quick` is the default. Where nothing fits, `thorough` also brings the values that "
+        "suffice and those that are impossible nearer to each other.",
     )
     report_smoothness_cost: bool = Field(
         False,

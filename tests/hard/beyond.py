@@ -1,23 +1,28 @@
 """Questions that lie beyond a proven bound: whether that is proven, and what their conflict says.
 
-``python -m tests.hard.beyond`` asks them; arguments: scenes of each family (1), a word that the
-names of the families hold (all), seconds of processor time after which no scene is begun (600).
+    python -m tests.hard.beyond FIRST LAST [--families WORD] [--seconds S] [--kept FILE] [--proof P]
+
+asks those of the scenes FIRST to LAST of each family whose name holds the word, until S seconds of
+processor time are over. FILE keeps every outcome, a line each: what is in it is not asked again,
+and the shares at the end are those of all that it holds.
 
 An open question of a family is solved, and its proven bound becomes a limit that is tightened by
 0.1 to 20 %. So there is no cam, and of the conflict four things can be tried: each ``needed`` put
 back has a cam, each ``at_least`` put back a little nearer to the request has none, and without any
-one of the members there is a cam again.
+one of the members there is a cam again. Changes of the program are put back as well.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,6 +53,7 @@ class Question:
     """A spec without any cam; ``beyond``: by how much, relatively, a limit is out of reach."""
 
     family: str
+    number: int
     kind: str
     body: Spec
     beyond: float
@@ -55,8 +61,14 @@ class Question:
 
 @dataclass
 class Outcome:
-    """What a question came to. ``distances``: of ``at_least`` and ``needed``, as shares of both the
-    value and the way from the request; None where one of them is not known.
+    """What a question came to.
+
+    Attributes:
+        seconds: processor time of the answer with its conflict.
+        sufficient: of every value needed, whether it was. distances: of ``at_least`` and
+            ``needed``, as shares of the value and of the way from the request; None where one of
+            them is not known. changes: of every change of the program, whether it sufficed.
+        necessary: of every member, whether there is a cam without it.
     """
 
     question: Question
@@ -65,6 +77,7 @@ class Outcome:
     proven: bool = False
     sufficient: list[bool] = field(default_factory=list)
     distances: list[tuple[float, float] | None] = field(default_factory=list)
+    changes: list[bool] = field(default_factory=list)
     necessary: list[bool] = field(default_factory=list)
     complaints: list[str] = field(default_factory=list)
 
@@ -84,7 +97,7 @@ def questions(family: str, number: int) -> Iterator[Question]:
     if answer.certificate.objective == "base_radius_mm" and bound and bound > FLOOR * stroke:
         beyond = _beyond(random)
         most = {"max": bound * (1.0 - beyond)}
-        yield Question(family, "base radius", {**body, "base_radius_mm": most}, beyond)
+        yield Question(family, number, "base radius", {**body, "base_radius_mm": most}, beyond)
     # 2. The gentlest motion of a cam that is little larger.
     for position, limit in enumerate(body["limits"]):
         if limit["kind"] not in TWINS:
@@ -102,16 +115,16 @@ def questions(family: str, number: int) -> Iterator[Question]:
         beyond = _beyond(random)
         value = best.certificate.lower_bound * (1.0 - beyond)
         gentle["limits"][position] = {"kind": limit["kind"], name.format(unit): value}
-        yield Question(family, limit["kind"], gentle, beyond)
+        yield Question(family, number, limit["kind"], gentle, beyond)
 
 
 def _beyond(random: np.random.Generator) -> float:
     return float(np.exp(random.uniform(np.log(LEAST_BEYOND), np.log(MOST_BEYOND))))
 
 
-def ask(question: Question) -> Outcome:
-    """Put a question, and try what its conflict says."""
-    body = {"time_budget_s": BUDGET_S, **question.body}
+def ask(question: Question, proof: str = "auto") -> Outcome:
+    """Put a question with a ``proof`` of its own, and try what its conflict says."""
+    body = {"time_budget_s": BUDGET_S, **question.body, "proof": proof}
     status, design, seconds = solved(body)
     outcome = Outcome(question, status, seconds)
     conflict = None if design is None else design.conflict
@@ -122,6 +135,14 @@ def ask(question: Question) -> Outcome:
     outcome.proven = conflict.proven
     for each in conflict.relaxations:
         _try_values(outcome, each)
+    for name in dict.fromkeys(each.limit for each in conflict.program_changes):
+        changed = question.body
+        for each in conflict.program_changes:
+            if each.limit == name and each.needed is not None:
+                changed = put(changed, each.field, each.needed)
+        outcome.changes.append(_has_cam(changed))
+        if not outcome.changes[-1]:
+            outcome.complaints.append(f"the change of {name} does not suffice")
     for member in dict.fromkeys(each.limit for each in conflict.relaxations):
         fields = [each.field for each in conflict.relaxations if each.limit == member]
         without = question.body
@@ -156,7 +177,7 @@ def _try_values(outcome: Outcome, each: Relaxation) -> None:
 
 
 def _has_cam(body: Spec) -> bool:
-    _, design, _ = solved(body)
+    _, design, _ = solved({**body, "proof": "quick"})
     return design is not None and design.certificate.certified
 
 
@@ -179,7 +200,12 @@ def put(body: Spec, path: str, value: float | None) -> Spec:
             del holder[int(step)]
         elif trail and not at:
             del holder[step]
-    elif parents[:1] != ["limits"] and last not in ("min", "max") and last in at:
+    elif (
+        parents[:1] not in (["limits"], ["program"])
+        and last != "speed_rpm"
+        and last not in ("min", "max")
+        and last in at
+    ):
         at[last] = {"min": min(at[last], value), "max": max(at[last], value)}
     else:
         at[last] = value
@@ -206,6 +232,7 @@ def _shares(some: list[Outcome]) -> str:
     proven = [one.proven for one in some]
     in_time = [one.proven and one.seconds <= SOON_S for one in some]
     enough = [each for one in some for each in one.sufficient]
+    changes = [each for one in some for each in one.changes]
     rows = [each for one in some for each in one.distances]
     known = [each for each in rows if each is not None]
     irreducible = [all(one.necessary) for one in some if one.necessary]
@@ -215,7 +242,7 @@ def _shares(some: list[Outcome]) -> str:
         f"within 0.1 % of the value {_share([v <= 1e-3 for v, _ in known])}, "
         f"1 % {_share([v <= 1e-2 for v, _ in known])}, of the way "
         f"{_share([w <= 1e-3 for _, w in known])}, {_share([w <= 1e-2 for _, w in known])}; "
-        f"irreducible {_share(irreducible)}; mean "
+        f"irreducible {_share(irreducible)}; changes of the program {_share(changes)}; mean "
         f"{sum(one.seconds for one in some) / max(len(some), 1):.2f} s"
     )
 
@@ -224,24 +251,47 @@ def _share(some: list[bool]) -> str:
     return f"{sum(some)}/{len(some)}"
 
 
+def _read(kept: Path | None) -> list[Outcome]:
+    """The outcomes of earlier runs."""
+    lines = kept.read_text().splitlines() if kept is not None and kept.exists() else []
+    bodies = map(json.loads, lines)
+    return [Outcome(Question(**body.pop("question")), **body) for body in bodies]
+
+
 def main(arguments: list[str]) -> int:
     """Ask, print what is wrong as it comes, and the shares at the end."""
+    parser = argparse.ArgumentParser(prog="python -m tests.hard.beyond")
+    parser.add_argument("first", type=int)
+    parser.add_argument("last", type=int)
+    parser.add_argument("--families", default="")
+    parser.add_argument("--seconds", type=float, default=600.0)
+    parser.add_argument("--kept", type=Path)
+    parser.add_argument("--proof", default="auto")
+    given = parser.parse_args(arguments)
     clock.now = time.process_time  # the same answers on a busy machine
-    count, word, most = [*arguments, *("1", "", "600")[len(arguments) :]]
-    found = list[Outcome]()
-    for number in range(int(count)):
-        for family in (family for family in FAMILIES if word in family):
-            if time.process_time() > float(most):
-                break
-            for question in questions(family, number):
-                found.append(ask(question))
-                last = found[-1]
-                print(f"{family} {number} {question.kind} {question.beyond:.2%}: {last.status}, "
-                      f"{_shares([last])}", flush=True)  # fmt: skip
-                for complaint in last.complaints:
-                    print(f"  {complaint}: {json.dumps(question.body)}", flush=True)
+    found = _read(given.kept)
+    known = {(one.question.family, one.question.number) for one in found}
+    for number in range(given.first, given.last + 1):
+        for family in (family for family in FAMILIES if given.families in family):
+            if time.process_time() > given.seconds or (family, number) in known:
+                continue
+            answers = [_judged(question, given.proof) for question in questions(family, number)]
+            found += answers
+            if given.kept is not None:  # a scene at once: one that was cut off is asked again
+                with given.kept.open("a") as file:
+                    file.writelines(json.dumps(asdict(one)) + "\n" for one in answers)
     print(report(found))
     return 1 if any(one.complaints for one in found) else 0
+
+
+def _judged(question: Question, proof: str) -> Outcome:
+    """What a question came to, printed."""
+    outcome = ask(question, proof)
+    print(f"{question.family} {question.number} {question.kind} {question.beyond:.2%}: "
+          f"{outcome.status}, {_shares([outcome])}", flush=True)  # fmt: skip
+    for complaint in outcome.complaints:
+        print(f"  {complaint}: {json.dumps(question.body)}", flush=True)
+    return outcome
 
 
 if __name__ == "__main__":

@@ -408,3 +408,47 @@ def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatc
     needed = reported.relaxations[0].needed
     assert needed is not None
     assert 30.0 < needed < 60.3
+
+
+# -- limits far out of reach -------------------------------------------------------------------
+
+
+def test_a_cap_that_no_law_keeps_is_proven_so_beside_curved_limits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Phase 1 knows no curvature; left out, it excludes no law that keeps the cap."""
+    monkeypatch.setattr(boundary, "ACCURACY", 0.3)
+    body = {
+        "speed_rpm": 83.7,
+        "follower": {"kind": "oscillating_flat_face", "centre_distance_mm": 109.0},
+        "program": [
+            {"kind": "rise", "angle_deg": 110.0, "lift_deg": 13.8},
+            {"kind": "dwell", "angle_deg": 40.0},
+            {"kind": "return", "angle_deg": 116.0, "lift_deg": 13.8},
+            {"kind": "dwell", "angle_deg": 94.0},
+        ],
+        "limits": [
+            {"kind": "profile_radius", "min_mm": 4.6}, {"kind": "jerk", "max_deg_per_s3": 1.0}
+        ],
+    }  # fmt: skip
+    design = synthesise(DesignSpec.model_validate(body))
+    assert design.status == "infeasible"
+    assert design.conflict is not None
+    (needed,) = design.conflict.relaxations
+    assert needed.needed is not None
+    assert needed.at_least is not None
+    assert needed.requested < needed.at_least < needed.needed
+
+
+def test_a_least_radius_far_out_is_brought_back_to_what_fits() -> None:
+    """The largest convex part that a largest base circle leaves, whatever was requested."""
+    radius = {"kind": "profile_radius", "min_mm": 1e6}
+    body = {
+        **scene(PLAIN, jerk(60.0, 71.7), radius, base={"max": 60.0}).model_dump(exclude_none=True),
+        "follower": {"kind": "translating_flat_face"},
+    }
+    (least, _) = why(DesignSpec.model_validate(body)).relaxations
+    assert least.field == "limits/1/min_mm"
+    assert least.needed is not None
+    assert least.at_least is not None
+    assert 0.0 < least.at_least - least.needed < 2e-2 * least.needed

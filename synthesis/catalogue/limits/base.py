@@ -16,7 +16,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from synthesis.catalogue.constraints import (
     LinearInequality,
@@ -32,6 +32,9 @@ from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
+
+AtLowerSpeed = Literal["same", "easier", "either"]
+"""What becomes of a limit on a motion that is slowed down."""
 
 
 @dataclass(frozen=True)
@@ -94,12 +97,15 @@ class Limit(UnitFields, ABC):
     Attributes:
         kind: name on the wire. title: name for people.
         needs_load: it is about a force, so that the spec has to give the load on the follower.
+        at_lower_speed: whether the same motion keeps it as well when it is slowed down, more
+            easily, or either more or less so.
         same_on_every_segment: whether one evaluation of its smooth form serves several segments.
     """
 
     kind: str
     title: ClassVar[str]
     needs_load: ClassVar[bool] = False
+    at_lower_speed: ClassVar[AtLowerSpeed] = "same"
     same_on_every_segment: ClassVar[bool] = False
 
     def applies_to(self, follower: Follower) -> bool:

@@ -18,7 +18,7 @@ from synthesis.catalogue.followers.kinematics import (
 )
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.forces.reduced import MILLI
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
+from synthesis.catalogue.limits.base import AtLowerSpeed, Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.numerics.piecewise import Array
 
@@ -29,6 +29,7 @@ class ForceLimit(Limit, ABC):
     """A limit on a force: a spec with such a limit must give the load on the follower."""
 
     needs_load: ClassVar[bool] = True
+    at_lower_speed: ClassVar[AtLowerSpeed] = "either"
 
     def check(self, segments: Segments, machine: Machine, position: int) -> None:
         if machine.load is None:

@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import LinearInequality, VibrationBound, derivative
 from synthesis.catalogue.fields import twins
-from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
+from synthesis.catalogue.limits.base import AtLowerSpeed, Claim, Limit, Machine, scaling
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.units import FULL_TURN
 
@@ -54,6 +54,7 @@ class DerivativeLimit(TravelLimit, ABC):
     """|s^(order)| ω^order ≤ a limit, at every cam angle and on both sides of a jump."""
 
     order: ClassVar[int]
+    at_lower_speed: ClassVar[AtLowerSpeed] = "easier"
     upper: ClassVar[bool] = True  # ``bound`` is a largest value
 
     @property
@@ -127,6 +128,7 @@ class SegmentBound(Limit):
 
     kind: Literal["segment_bound"] = "segment_bound"
     title: ClassVar[str] = "Window or point of one segment"
+    at_lower_speed: ClassVar[AtLowerSpeed] = "either"
     segment: int
     place: str
     field: str
@@ -209,6 +211,7 @@ class ResidualVibration(TravelLimit):
 
     kind: Literal["residual_vibration"] = "residual_vibration"
     title: ClassVar[str] = "Residual vibration"
+    at_lower_speed: ClassVar[AtLowerSpeed] = "either"
     natural_frequency_hz: float = Field(
         gt=0.0,
         le=1e9,

@@ -1,0 +1,121 @@
+"""Changes of the program that mend a conflict: sufficient, next to impossible, and only such."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from synthesis import synthesise
+from synthesis.design.design import Conflict, Relaxation
+from synthesis.pipeline.program_numbers import program_numbers
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.scenes import PLAIN, acceleration, angles, dwell, fall, jerk, rise, scene
+
+LEAST = 32.0 / 31.0  # h/β³: what a move between dwells needs at least, over what is allowed
+CLOSE = 2e-2  # of the way
+VIBRATION = {"kind": "residual_vibration", "natural_frequency_hz": 30.0, "max_mm": 0.1}
+
+
+def why(spec: DesignSpec) -> Conflict:
+    found = synthesise(spec).conflict
+    assert found is not None
+    return found
+
+
+def with_changes(spec: DesignSpec, changes: list[Relaxation], share: float) -> DesignSpec:
+    """The spec with a share of the way from what is requested to what is needed."""
+    body = copy.deepcopy(spec.model_dump(exclude_none=True))
+    for each in changes:
+        at: Any = body
+        *parents, last = each.field.split("/")
+        for step in parents:
+            at = at[int(step)] if isinstance(at, list) else at[step]
+        assert each.needed is not None
+        at[last] = each.requested + share * (each.needed - each.requested)
+    return DesignSpec.model_validate(body)
+
+
+@pytest.fixture(scope="module")
+def conflict() -> tuple[DesignSpec, Conflict]:
+    spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
+    return spec, why(spec)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"),
+    [("angle_of_program/0", LEAST ** (1 / 3)), ("lift_of_program/0", 1.0 / LEAST),
+     ("speed", LEAST ** (-1 / 3))],
+)  # fmt: skip
+def test_the_change_is_that_of_the_closed_form(
+    name: str, factor: float, conflict: tuple[DesignSpec, Conflict]
+) -> None:
+    """Jerk goes with h ω³/β³."""
+    spec, found = conflict
+    changes = [each for each in found.program_changes if each.limit == name]
+    first = changes[0]
+    assert first.needed is not None
+    way = first.needed - first.requested
+    assert way == pytest.approx(first.requested * (factor - 1.0), rel=CLOSE)
+    assert synthesise(with_changes(spec, changes, 1.0)).certificate.certified
+    assert synthesise(with_changes(spec, changes, 1.0 - CLOSE)).status == "infeasible"
+    if first.at_least is not None:
+        assert (1.0 - CLOSE) * abs(way) < abs(first.at_least - first.requested) < abs(way)
+
+
+def test_an_angle_takes_its_degrees_from_the_longest_dwell(
+    conflict: tuple[DesignSpec, Conflict],
+) -> None:
+    _, found = conflict
+    longer, shorter = (each for each in found.program_changes if "angle" in each.limit)
+    assert (longer.field, shorter.field) == ("program/0/angle_deg", "program/3/angle_deg")
+    for ends in ((longer.needed, shorter.needed), (longer.at_least, shorter.at_least)):
+        assert None not in ends
+        assert sum(ends) == pytest.approx(71.7 + 181.1, abs=1e-9)
+
+
+def test_a_move_that_is_not_the_cause_is_not_changed(conflict: tuple[DesignSpec, Conflict]) -> None:
+    _, found = conflict
+    assert {each.limit for each in found.program_changes} == {
+        "angle_of_program/0", "lift_of_program/0", "speed"
+    }  # fmt: skip
+
+
+def numbers(*limits: dict[str, Any], program: Any = PLAIN) -> dict[str, bool]:
+    """Whether more than sufficient values can be shown of each number."""
+    spec = scene(program, angles(30.0, 30.0), *limits)
+    return {number.name: number.provable for number in program_numbers(spec, ())}
+
+
+def test_what_a_longer_move_or_a_lower_speed_proves() -> None:
+    free = numbers(jerk(50.0, 71.7))
+    assert free == {
+        "angle of program/0": True, "angle of program/2": True, "lift of program/0": False,
+        "speed": True,
+    }  # fmt: skip
+    given = numbers(acceleration(9.0, 71.7), program=(rise(71.7, law="cycloidal"), *PLAIN[1:]))
+    assert (given["angle of program/0"], given["angle of program/2"]) == (False, True)
+    assert not any(numbers(jerk(50.0, 71.7), VIBRATION).values())
+
+
+def test_what_depends_on_no_speed_is_not_slowed_down() -> None:
+    assert "speed" not in numbers(program=(rise(71.7, law="cycloidal"), *PLAIN[1:]))
+
+
+def test_what_is_fixed_to_places_of_a_move_is_left_alone() -> None:
+    point = {**rise(71.7), "points": [{"angle_deg": 30.0, "travel_mm": 10.0}]}
+    found = numbers(jerk(50.0, 71.7), program=(point, *PLAIN[1:]))
+    assert found == {"angle of program/0": False, "angle of program/2": False}
+    turning = (rise(131.7), fall(228.3))
+    assert "angle of program/0" not in numbers(jerk(50.0, 71.7), program=turning)
+
+
+def test_the_end_of_a_range_at_which_the_number_lies() -> None:
+    wide = {"min": 60.0, "max": 80.0}
+    program = ({**rise(71.7), "angle_deg": wide}, dwell(23.9), fall(83.3),
+               {**dwell(0.0), "angle_deg": {"min": 100.0, "max": 200.0}})  # fmt: skip
+    spec = scene(program, angles(30.0, 30.0), jerk(50.0, 71.7))
+    at_end = list(program_numbers(spec, [80.0, 172.8]))
+    assert [n.paths[0] for n in at_end if "largest" in n.name] == ["program/0/angle_deg/max"]
+    assert not [n for n in program_numbers(spec, [70.0, 150.0]) if n.name.startswith("largest")]
