@@ -70,7 +70,9 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     # 4. Changes of the program, with all limits as they are, that mend it.
     changes = list[Relaxation]()
-    for changeable in program_numbers(oracle.spec, attempt.chosen_values) if members.numbers else ():
+    for changeable in (
+        program_numbers(oracle.spec, attempt.chosen_values) if members.numbers else ()
+    ):
         boundary = Boundary(oracle, changeable, original, ROUGH)
         boundary.seek_value()
         if boundary.needed is not None:
