@@ -228,6 +228,11 @@ class NonconvexConstraint(ABC):
         """Whether ``relax`` returns inequalities over small boxes."""
         return True
 
+    @property
+    def norm_bounds(self) -> tuple[NormBounds, ...]:
+        """What the constraint says of the size alone, exactly, that no half-plane does."""
+        return ()
+
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         """Left less right sides, divided by a length of the cam: ≤ 0 where the constraint holds.

@@ -19,8 +19,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from synthesis.catalogue.constraints import (
+    AffineNorm,
     MotionSizeBox,
     NonconvexConstraint,
+    NormBounds,
     PointInequalities,
     Vector,
 )
@@ -196,6 +198,11 @@ class LeastPivotDistance(NonconvexConstraint):
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         p, q = z[0], z[1] + self.offset
         return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
+
+    @property
+    def norm_bounds(self) -> tuple[NormBounds, ...]:
+        centred = AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, self.offset))
+        return (NormBounds(centred, math.inf, self.source, self.least),)
 
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         count = s.shape[1]
