@@ -219,7 +219,7 @@ class RootNode(Node):
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """A local search, then the whole domain again, with the incumbent's value to bound it."""
-        problem = state.problem
+        state, problem = state.with_proof_begun(), state.problem
         child: Node | None = None
         if self.dimension_searched:
             child = PivotNode.root(state) if problem.has_curved_limits else None
