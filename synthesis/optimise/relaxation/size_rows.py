@@ -42,7 +42,7 @@ def relative_excess(
     """By how much limits, by default those on a traced point, are exceeded at angles, relative."""
     machine, s = problem.machine, segment.placed().derivatives(theta)
     if limits is None:
-        limits = [limit for limit in problem.limits if limit.curvature_bounds(segment, machine)]
+        limits = [limit for limit in problem.limits if limit.box_bounds(segment, machine)]
     values = [v for x in limits for v in x.smooth_constraints(segment, machine, theta, s, size)]
     return np.asarray(np.max([np.full(len(theta), -np.inf), *values], axis=0))
 
@@ -146,12 +146,12 @@ def _rows(
         motion = segment.placed().derivatives(theta)
         s = motion[:3]
         each = np.repeat(s, boxes.shape[2], axis=1)
-        angles = np.repeat(theta, boxes.shape[2])
+        angles, sizes = np.repeat(theta, boxes.shape[2]), np.tile(boxes, len(theta))
+        box = MotionBox(angles, each, each, tuple((size[0], size[1]) for size in sizes))
         for limit in problem.limits:
             for implied in limit.curvature_bounds(segment, problem.machine):
                 low, high = _box(implied.coordinates, s, boxes)
-                cuts = implied.relax(low, high, None, MotionBox(angles, each, each))
-                if cuts is not None:
+                for cuts in implied.relax(low, high, None, box):
                     upper = cuts.upper - np.sum(cuts.coefficients[:3] * each, axis=0)
                     yield cuts.size, upper, implied.source
             # Of a fixed motion these are linear in the size, whatever the box.
@@ -184,13 +184,20 @@ def _box(seen: SlideCoordinates, s: Array, boxes: Array) -> tuple[Array, Array]:
 def reverse_convex_rows(
     problem: Problem, sizes: Sequence[tuple[float, float]], scales: Scales
 ) -> Iterator[LinearBlock]:
-    """What least norms of the problem's cones imply within ranges of the size [length]."""
-    for cone in problem.least_norms:
-        yield from outside_ball_rows(cone.norm, cone.lower, sizes, scales)
+    """What least norms and the least prime radius imply within ranges of the size [length]."""
+    yield from least_norm_rows(problem, sizes, scales)
     if problem.sizing.min_norm > 0.0:
         yield from outside_ball_rows(
             problem.machine.follower.radius_norm(), problem.sizing.min_norm, sizes, scales
         )
+
+
+def least_norm_rows(
+    problem: Problem, sizes: Sequence[tuple[float, float]], scales: Scales
+) -> Iterator[LinearBlock]:
+    """What least norms that limits state imply within ranges of the size [length]."""
+    for bound in problem.least_norms:
+        yield from outside_ball_rows(bound.norm, bound.lower, sizes, scales)
 
 
 def outside_ball_rows(
