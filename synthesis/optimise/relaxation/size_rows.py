@@ -25,7 +25,7 @@ from synthesis.optimise.problem.problem import Problem
 SAMPLES = 48  # of a segment
 PIECES, SLICES = 16, 24  # of a box of sizes
 REPEATED, SHRUNK = 4, 0.8  # times that it is cut anew, where less than that share is left of it
-ROUNDING = 1e-12  # relative: a half-plane is moved out by it, far above the rounding of its terms
+ROUNDING = 1e-12  # relative: half-planes and norms are loosened by it, far above their rounding
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 
 Sizes = Sequence[tuple[float, float]]
@@ -118,7 +118,8 @@ def is_excluded(problem: Problem, boxes: Array, samples: int = SAMPLES) -> NDArr
         result |= np.any(least > upper.reshape(-1, len(result)), axis=0)
     for cone in (*problem.norm_bounds, *problem.least_norms):
         nearest, farthest = norm_range(cone.norm, boxes)
-        result |= (nearest > cone.upper) | (farthest < cone.lower)
+        beyond = nearest > cone.upper * (1.0 + ROUNDING)
+        result |= beyond | (farthest < cone.lower * (1.0 - ROUNDING))
     return result
 
 
