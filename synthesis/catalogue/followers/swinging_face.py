@@ -33,7 +33,7 @@ RIGHT_ANGLE = 0.5 * math.pi  # rad
 MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at single angles
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
-CELLS = (5, 4, 3, 3)  # of the enclosure along φ, φ' and the size; its cost grows with their product
+CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
 
 
 @dataclass(frozen=True)
