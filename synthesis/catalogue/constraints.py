@@ -228,6 +228,11 @@ class NonconvexConstraint(ABC):
         """Whether ``relax`` returns inequalities over small boxes."""
         return True
 
+    @property
+    def norm_bounds(self) -> tuple[NormBounds, ...]:
+        """What the constraint says of the size alone, exactly, that no half-plane does."""
+        return ()
+
     @abstractmethod
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
         """Left less right sides, divided by a length of the cam: ≤ 0 where the constraint holds.
@@ -274,6 +279,12 @@ class SlideCoordinates:
     constants: Vector
     size_factors: tuple[Vector, Vector, Vector]
 
+    @classmethod
+    def of_motion(cls, sizes: int) -> SlideCoordinates:
+        """X = s, u = s' and e = 0, whatever so many size variables are."""
+        nothing = (0.0,) * sizes
+        return cls(1, (0.0, 0.0, 0.0), (nothing, nothing, nothing))
+
     def evaluate(self, s: Any, z: Sequence[Any]) -> tuple[Any, Any, Any]:
         """X, u and e at s, s', … and z."""
         shares = (sum(a * v for a, v in zip(row, z, strict=True)) for row in self.size_factors)
@@ -307,15 +318,18 @@ class SlideCoordinates:
 
 @dataclass(frozen=True, eq=False)
 class MotionBox:
-    """Bounds (3, n) of s, s' and s'' at n cam angles: the domain of a relaxation with forces.
+    """Bounds (3, n) of s, s' and s'' at n cam angles, and of the size: the domain of a relaxation.
 
-    ``about``: (3, n) where inequalities shall be tight; None: the middle of the box.
+    Attributes:
+        sizes: (lower, upper) of every size variable; at every point if these are (n,).
+        about: (3, n) and z where inequalities shall be tight; None: the middle of the box.
     """
 
     theta: Array
     low: Array
     high: Array
-    about: Array | None = None
+    sizes: tuple[tuple[Any, Any], ...] = ()
+    about: tuple[Array, Vector] | None = None
 
 
 class PressureTerm(ABC):

@@ -15,6 +15,7 @@ evaluate under ``np.errstate(all="ignore")``.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Final
 
@@ -24,6 +25,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.taylor import ARITHMETIC, UfuncDispatch, UfuncRules
 
 ROUNDING: Final = 2.0**-47  # of the terms handled: 64 unit roundoffs
+COMPLEX_STEP: Final = 1e-30  # of complex steps: its square vanishes beside any value
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much
 
 
@@ -142,3 +144,42 @@ def _maximum(f: Affine, g: Affine) -> Affine:
         pairs = zip((one.c, one.g, one.rem), (either.c, either.g, either.rem), strict=True)
         either = Affine(*(np.where(sure, mine, other) for mine, other in pairs))
     return either
+
+
+def positive(value: Any) -> Any:
+    """A value that must be positive: a model that may not be so on a box is unknown there."""
+    if not isinstance(value, Affine):
+        return value
+    return Affine(value.c, value.g, np.where(value.lower > 0.0, value.rem, np.inf))
+
+
+def minorant_plane(
+    function: Callable[..., Any], low: Array, high: Array, at: Array, cells: Sequence[int]
+) -> tuple[Array, Array] | None:
+    """The highest plane below a function that is as steep as it at a place, over n boxes at once.
+
+    What stands above a plane through 0 of these slopes is enclosed on small cells.
+
+    Args:
+        function: of k variables: of complex numbers, and of affine models.
+        low, high, at: the boxes and the place in each, (k, n).
+        cells: into how many parts each variable's range is cut.
+
+    Returns:
+        slopes (k, n) and the height at 0 (n,); None where the function cannot be enclosed.
+    """
+    with np.errstate(all="ignore"):
+        # 1. Slopes by complex steps: exact but for rounding, which costs tightness alone.
+        steps = 1j * COMPLEX_STEP * np.eye(len(low))
+        slopes = np.stack([np.imag(function(*(at + step[:, None]))) for step in steps])
+        slopes /= COMPLEX_STEP
+        # 2. The function less the plane, on every cell.
+        nth = np.moveaxis(np.indices(tuple(cells)), 0, -1).reshape(-1, 1, len(low))
+        width = (high - low).T / np.array(cells)
+        variables = Affine.variables(low.T + width * nth, low.T + width * (nth + 1))
+        above = function(*variables)
+        for variable, slope in zip(variables, slopes, strict=True):
+            above = above - variable * slope
+        height = np.min(above.lower, axis=0)
+    known = np.all(np.isfinite(slopes)) and np.all(np.isfinite(height))
+    return (slopes, height) if known else None

@@ -118,9 +118,8 @@ def optimise(
     now = clock.now()
     state = SolveState(
         problem, tolerance, deadline, tighten, warm_start=warm_start, sufficient=sufficient,
-        last_program=clock.programs_solved() + proof.programs,
-        proof_deadline=now + proof.share * (deadline - now),
-    )  # fmt: skip
+        programs=proof.programs, proof_deadline=now + proof.share * (deadline - now),
+    ).with_proof_begun()  # fmt: skip
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a
         # problem for this driver.

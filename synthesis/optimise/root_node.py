@@ -220,19 +220,19 @@ class RootNode(Node):
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """A local search, then the whole domain again, with the incumbent's value to bound it."""
-        problem = state.problem
-        child: Node | None = None
-        if self.dimension_searched:
-            child = PivotNode.root(state) if problem.has_curved_limits else None
-            return state, [child] if child is not None else []
-        if not state.needs_local_search:
-            return state, ()
-        state = local_search(state)
+        state, problem = state.with_proof_begun(), state.problem
+        if not self.dimension_searched:
+            if not state.needs_local_search:
+                return state, ()
+            state = local_search(state)
         if not problem.free:
             return search_sizes(state), ()
-        if not state.solved and state.time_left > 0.0:
-            by_pivots = problem.omits_curved_rows and not _fixable(problem)
-            child = PivotNode.root(state) if by_pivots else TracedNode.root(state)
+        if state.solved or state.time_left <= 0.0:
+            return state, ()
+        child: Node | None = TracedNode.root(state)
+        by_pivots = self.dimension_searched or problem.omits_curved_rows
+        if child is None and by_pivots and problem.has_curved_limits:
+            child = PivotNode.root(state)
         return state, [child] if child is not None else []
 
     def is_pruned(self, state: SolveState) -> bool:

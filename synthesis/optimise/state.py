@@ -35,7 +35,7 @@ class ProofBudget:
     The quick proof is made whatever it takes; at these limits the rest ends with what is proven.
 
     Attributes:
-        programs: solved in all, those of the quick proof included: the same on every machine.
+        programs: solved after the quick proof: the same on every machine.
         share: of the time from the start to the deadline.
     """
 
@@ -90,6 +90,7 @@ class SolveState:
         tolerance: relative gap at which to stop, of the objective in the wire's unit.
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative tightening of all rows against the solver's tolerance.
+        programs: of a ``ProofBudget``.
         last_program: ``clock.programs_solved()`` from which on only a quick proof is made.
         proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop.
         sufficient: a value of the objective [wire] at which to stop, whatever the gap.
@@ -120,6 +121,7 @@ class SolveState:
     tolerance: float
     deadline: float
     tighten: float
+    programs: float = 0.0
     last_program: float = -inf
     proof_deadline: float = inf
     sufficient: float = -inf
@@ -156,6 +158,10 @@ class SolveState:
         """Whether to go on, where nonconvex limits leave a gap, with more than a quick proof."""
         lasts = clock.programs_solved() < self.last_program
         return lasts and clock.now() < self.proof_deadline
+
+    def with_proof_begun(self) -> SolveState:
+        """The state from which on programs count as those of more than a quick proof."""
+        return replace(self, last_program=clock.programs_solved() + self.programs)
 
     @property
     def tightening(self) -> Tightening:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synthesis.numerics.affine import Affine
+from synthesis.numerics.affine import Affine, minorant_plane, positive
 
 FORMULAS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "product": lambda x, y, z: (x - 1.7 * y) * (z * y - 0.31),
@@ -58,3 +58,34 @@ def test_where_a_divisor_may_vanish_nothing_is_said() -> None:
         found = 1.0 / x
     assert not np.isfinite(found.rem[0])
     assert found.rem[1] < 1.0
+
+
+@pytest.mark.parametrize("name", SMOOTH[:-1])
+def test_a_plane_lies_below_its_function_and_near_it(name: str) -> None:
+    lost = []
+    for width in (0.08, 0.04):
+        lo, hi = (ends.T for ends in boxes(width, 40))
+        at = lo + np.array([[0.3], [0.5], [0.9]]) * (hi - lo)
+        below = minorant_plane(FORMULAS[name], lo, hi, at, (3, 2, 2))
+        assert below is not None
+        slopes, height = below
+        share = np.random.default_rng(5).random((300, 3, 1)).round(1)
+        points = lo + share * (hi - lo)
+        above = FORMULAS[name](*np.moveaxis(points, 1, 0)) - np.sum(slopes * points, axis=1)
+        assert np.all(above >= height)
+        lost.append(float(np.max(np.min(above, axis=0) - height)))
+    assert lost[1] < 0.35 * lost[0]
+
+
+def test_no_plane_is_known_where_a_function_has_a_pole() -> None:
+    lo, hi = np.array([[-0.2, 0.4]]), np.array([[0.3, 0.5]])
+    assert minorant_plane(lambda x: 1.0 / x, lo, hi, 0.5 * (lo + hi), (4,)) is None
+    assert minorant_plane(lambda x: 1.0 / x, lo[:, 1:], hi[:, 1:], hi[:, 1:], (4,)) is not None
+
+
+def test_a_divisor_that_has_to_be_positive_is_unknown_where_it_is_not() -> None:
+    lo, hi = np.array([[-0.4, -0.2, 0.4]]), np.array([[-0.3, 0.3, 0.5]])
+    for k in range(3):
+        one, two = lo[:, k : k + 1], hi[:, k : k + 1]
+        found = minorant_plane(lambda x: 1.0 / positive(x), one, two, 0.5 * (one + two), (2,))
+        assert (found is not None) == (k == 2)

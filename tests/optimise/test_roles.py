@@ -69,6 +69,41 @@ FAMILIES: Mapping[str, Sequence[str]] = {  # an example, and objectives besides 
     "windows-and-points": ("rms_jerk",),
     "hertz-limited": (),
     "pivot-free": (),
+    "swinging-face": (),
+    "swinging-face-pivot-free": (),
+    "arm-with-radius": (),
+    "arm-with-radius-pivot-free": (),
+}
+
+
+def on_pivot(follower: Mapping[str, Any], radius: float, *limits: Mapping[str, Any]) -> Any:
+    """A spec whose least profile radius binds on both laws."""
+    jerk = {"kind": "jerk", "max_deg_per_s3": 1.9e6}
+
+    def move(kind: str, angle: float) -> Mapping[str, Any]:
+        return {"kind": kind, "angle_deg": angle, "lift_deg": 12.7, "law": {"kind": "spline"}}
+
+    return {
+        "speed_rpm": 143.0,
+        "program": [
+            move("rise", 87.3), {"kind": "dwell", "angle_deg": 31.9}, move("return", 94.1),
+            {"kind": "dwell", "angle_deg": 146.7},
+        ],
+        "follower": follower,
+        "limits": [{"kind": "profile_radius", "min_mm": radius}, jerk, *limits],
+    }  # fmt: skip
+
+
+FACE = {"kind": "oscillating_flat_face", "face_offset_mm": 2.3, "sense": "opposite"}
+ARM = {"kind": "oscillating_roller", "arm_mm": 83.7, "roller_radius_mm": 9.1, "sense": "same"}
+STEEPEST = {"kind": "pressure_angle", "rise_deg": 37.1, "return_deg": 35.3}
+OWN: Mapping[str, Any] = {
+    "swinging-face": on_pivot({**FACE, "centre_distance_mm": 103.1}, 6.1),
+    "swinging-face-pivot-free": on_pivot(
+        {**FACE, "centre_distance_mm": {"min": 91.0, "max": 131.0}}, 6.1
+    ),
+    "arm-with-radius": on_pivot({**ARM, "centre_distance_mm": 93.7}, 5.3, STEEPEST),
+    "arm-with-radius-pivot-free": on_pivot(ARM, 5.3, STEEPEST),
 }
 
 
@@ -102,8 +137,10 @@ def tightened(body: Mapping[str, Any], share: float) -> dict[str, Any]:
 
 @pytest.fixture(scope="session", params=FAMILIES)
 def family(request: pytest.FixtureRequest) -> Family:
-    body = json.loads((EXAMPLES / f"{request.param}.json").read_text())
-    body = body.get("value", body)
+    body = OWN.get(request.param)
+    if body is None:
+        body = json.loads((EXAMPLES / f"{request.param}.json").read_text())
+        body = body.get("value", body)
     specs = [DesignSpec.model_validate(tightened(body, share)) for share in TIGHTER]
     others = [
         DesignSpec.model_validate({**body, "objective": {"kind": kind}}).objectives()[0]

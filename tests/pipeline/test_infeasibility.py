@@ -143,15 +143,15 @@ def test_laws_and_size_that_are_given_are_judged_as_they_are() -> None:
     assert "that one cam breaks pressure angle" in found.conflict.evidence
 
 
-def test_numbers_that_were_chosen_prove_nothing() -> None:
+def test_a_proof_with_angles_free_covers_all_of_them() -> None:
     """However bad the angles that a search takes: others may do."""
     limits = [pressure_angle(30.0), {"kind": "jerk", "max_mm_per_s3": 4_000.0}]
     spec = question(10.0, (90.0, 30.0, 90.0), limits).model_dump()
     for at in (0, 2):
         spec["program"][at]["angle_deg"] = {"min": 60.0, "max": 120.0}
     found = synthesise(DesignSpec.model_validate(spec))
-    assert found.status == "unsolved"
-    assert not found.conflict.proven
+    assert found.status == "infeasible"
+    assert "at all angles and lifts that are free" in found.conflict.evidence
 
 
 # -- against a program that shares nothing with ours -----------------------------------------------

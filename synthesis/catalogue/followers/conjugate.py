@@ -24,10 +24,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, PressureTerm, Vector
 from synthesis.catalogue.fields import Dimension, Range, ends
+from synthesis.catalogue.followers.arm_curvature import ArmCurvatureBound
 from synthesis.catalogue.followers.closures import Closure, Force, Groove
-from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, Tip, TracePoint, Vector2
 from synthesis.catalogue.followers.pivot import PivotedFollower
 from synthesis.catalogue.motion import Motion
@@ -83,8 +84,8 @@ class CounterRoller(TracePoint):
 
     def curvature_bounds(
         self, side: int, most: float, thrust: PressureTerm | None = None
-    ) -> CurvatureBounds:
-        # Only of a slide, where |ratio| = 1: coordinates of s2 and z2 become those of s and z.
+    ) -> BoxBounds:
+        # On a slide |ratio| = 1: coordinates of s2 and z2 become those of s and z.
         return tuple(
             replace(bound, coordinates=bound.coordinates.through(self._through))
             for bound in self.seen.curvature_bounds(side, most, thrust)
@@ -119,6 +120,22 @@ class CounterRoller(TracePoint):
 
     def nearest_displacement(self, s_max: float) -> float:
         return s_max
+
+
+@dataclass(frozen=True)
+class CounterArm(CounterRoller):
+    """The counter roller of an arm; ``angle``: γ, between the two arms [rad]."""
+
+    angle: float = 0.0
+
+    def curvature_bounds(
+        self, side: int, most: float, thrust: PressureTerm | None = None
+    ) -> BoxBounds:
+        return tuple(
+            replace(bound, reference=bound.arm / self.ratio, sense=-bound.sense, angle=self.angle)
+            for bound in self.seen.curvature_bounds(side, most, thrust)
+            if isinstance(bound, ArmCurvatureBound)
+        )
 
 
 class Conjugate(Closure, ABC):
@@ -234,10 +251,10 @@ class ConjugateArm(Conjugate):
         changes = {"arm_mm": self.arm_mm, "sense": sense, "closure": Force()}
         seen = trace.model_copy(update=changes)
         if trace.distance is not None:
-            return CounterRoller(seen, ratio, ((-ratio,),), (self.arm_mm * angle,))
+            return CounterArm(seen, ratio, ((-ratio,),), (self.arm_mm * angle,), angle=angle)
         # d cos(γ − ψ0), d sin(γ − ψ0)
         cos, sin = math.cos(angle), math.sin(angle)
-        return CounterRoller(seen, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0))
+        return CounterArm(seen, ratio, ((cos, sin), (sin, -cos)), (0.0, 0.0), angle=angle)
 
     def contact_points(
         self, at: Vector2, pivot: Vector2 | None, turn: int, degree: Any

@@ -28,12 +28,8 @@ from itertools import product
 
 import numpy as np
 
-from synthesis.catalogue.constraints import (
-    MotionBox,
-    PointInequalities,
-    PressureTerm,
-    SlideCoordinates,
-)
+from synthesis.catalogue.box_bounds import BoxBound
+from synthesis.catalogue.constraints import MotionBox, PointInequalities, PressureTerm
 from synthesis.numerics.piecewise import Array
 
 ROUNDING = 1e-13  # relative: a row is loosened by it, far above the rounding of its terms
@@ -42,36 +38,31 @@ Convex = tuple[Array, Array]  # a function's values (n,) and its slopes by X, u 
 
 
 @dataclass(frozen=True)
-class CurvatureBound:
+class CurvatureBound(BoxBound):
     """side · κ ≤ most, most > 0, on the pitch curve; with a pressure term, less than that.
 
     Attributes:
-        coordinates: the trace point's, in motion and size.
         side: +1 or −1. most: [1/length].
         pressure_term: Λ of (most − side · κ) φ cos α ≥ Λ; None stands for Λ = 0.
     """
 
-    source: str
-    coordinates: SlideCoordinates
     side: int
     most: float
     pressure_term: PressureTerm | None = None
 
     @property
     def needs_motion_bounds(self) -> bool:
-        """Whether ``relax`` needs bounds of s, s' and s'' besides those of X, u and e."""
         return self.pressure_term is not None
+
+    @property
+    def known_orders(self) -> int:
+        return 2 if self.pressure_term is None else 3
 
     def relax(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
-    ) -> PointInequalities | None:
-        """Linear inequalities implied wherever (X, u, e) lies in boxes (3, n), or None.
-
-        ``about``: (3, n) where they shall be tight; None: in the middle of each box. ``moving``:
-        bounds of the motion there; None: none are known.
-        """
+    ) -> tuple[PointInequalities, ...]:
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
-            return None
+            return ()
         # The bound reads σ X'' ≥ A − B with A and B convex. Where the box reaches X ≤ 0 neither is.
         middle = 0.5 * (low + high)
         at = middle if about is None else np.clip(about, low, high)
@@ -81,7 +72,7 @@ class CurvatureBound:
         friction = np.stack([one, weight])
         if self.pressure_term is not None:
             if moving is None or not np.all(np.isfinite(moving.low + moving.high)):
-                return None
+                return ()
             coefficients, constant = self.pressure_term.linear_form(moving.theta)
             factors = coefficients[:, None]
             friction = np.stack(self.pressure_term.friction_bound(low, high, moving))
@@ -91,7 +82,7 @@ class CurvatureBound:
             small, large = _square_range(low, high, friction)
             # Of McCormick's two minorants of the product the larger one where rows shall be tight.
             here = _square(at, friction)[0]
-            place = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about
+            place = 0.5 * (moving.low + moving.high) if moving.about is None else moving.about[0]
             force = np.clip(np.sum(factors * place, axis=0) + constant, weak, strong)
             lower = (force - weak) * (here - small) <= (strong - force) * (large - here)
             weight, square = np.where(lower, weak, strong), np.where(lower, small, large)
@@ -127,10 +118,7 @@ class CurvatureBound:
         rows[:3] += square * factors
         known = np.array(self.coordinates.constants) @ by
         size = np.array(self.coordinates.size_factors).T @ by
-        return PointInequalities(rows, size, -least - known)
-
-
-CurvatureBounds = tuple[CurvatureBound, ...]
+        return (PointInequalities(rows, size, -least - known),)
 
 
 def _corners(low: Array, high: Array) -> Array:

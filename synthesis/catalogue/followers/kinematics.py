@@ -30,8 +30,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import AffineNorm, LinearInequality, PressureTerm
-from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 
 Vector2 = tuple[Any, Any]
 
@@ -74,7 +74,7 @@ class TracePoint(ABC):
 
     def curvature_bounds(
         self, side: int, most: float, thrust: PressureTerm | None = None
-    ) -> CurvatureBounds:
+    ) -> BoxBounds:
         """side · κ ≤ most, most > 0, with its linear relaxation over boxes; () where none is known.
 
         ``thrust``: a limit on the contact pressure, which leaves less curvature.

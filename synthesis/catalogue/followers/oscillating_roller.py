@@ -24,15 +24,19 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import (
     AffineNorm,
     Ends,
     NonconvexConstraints,
     NormBounds,
+    PressureTerm,
     SizeDomain,
+    SlideCoordinates,
     Vector,
 )
 from synthesis.catalogue.fields import ArmLength, Dimension, Range, ends
+from synthesis.catalogue.followers.arm_curvature import ArmCurvatureBound
 from synthesis.catalogue.followers.arm_pressure_angle import (
     FixedPivotPressureAngle,
     FreePivotPressureAngle,
@@ -250,6 +254,17 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
         speed_squared = lever * lever + across * across
         bend = sigma * (s[1] / l) * lever * ahead - across * s[2]
         return speed_squared + bend, speed_squared
+
+    def curvature_bounds(
+        self, side: int, most: float, thrust: PressureTerm | None = None
+    ) -> BoxBounds:
+        if thrust is not None:
+            return ()
+        l, d = self.reference, self.distance
+        seen = SlideCoordinates.of_motion(2)
+        if d is not None:  # X = lψ = s + z
+            seen = SlideCoordinates(1, (0.0, 0.0, 0.0), ((1.0,), (0.0,), (0.0,)))
+        return (ArmCurvatureBound("", seen, l, self.sigma, d, side, most, l),)
 
     def dimensions(self, z: Vector) -> Mapping[str, float]:
         prime = self._radius(z, 0.0)

@@ -1,13 +1,13 @@
 """Constraints on a flat face that swings, on motion and size together.
 
 Symbols as in ``oscillating_flat_face``: d centre distance, f offset of the face, ψ = ψ0 + φ its
-angle at the pivot, w = 1 + σφ' > 0, Rb = d sinψ0 − f, p = d cosψ0. With d given, the profile radius
-is at least ρ where
+angle at the pivot, w = 1 + σφ' > 0, Rb = d sinψ0 − f, p = d cosψ0. The profile radius is at least ρ
+where
 
-    φ'' ≥ Φ(ψ, w) = k w³ / cosψ − w (2w − 1) tanψ,  k = (f + ρ)/d.
+    φ'' ≥ [(f + ρ) w³ − w (2w − 1) d sinψ] / (d cosψ),
 
-A plane as steep as Φ at the middle of a range of ψ and w lies below it once it is lowered by the
-least of what is left; that is enclosed on small cells by affine models.
+and the other limits read the same without φ''. Over a box of motion and size a plane as steep as
+the right side at a place of it lies below, once it is lowered by the least of what is left.
 """
 
 from __future__ import annotations
@@ -19,22 +19,21 @@ from typing import Any, ClassVar
 import numpy as np
 
 from synthesis.catalogue.constraints import (
+    AffineNorm,
     MotionSizeBox,
     NonconvexConstraint,
+    NormBounds,
     PointInequalities,
     Vector,
 )
-from synthesis.catalogue.followers.arm_pressure_angle import max_of_cosine_minus_line
-from synthesis.numerics.affine import Affine
+from synthesis.numerics.affine import minorant_plane, positive
 from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * math.pi  # rad
 MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at single angles
 FAR = 1e6  # rad: stands for an infinite bound of an angle
-CELLS = (16, 6)  # of the enclosure, along ψ and along w; its cost grows with their product
-STEEPEST = 1.45  # rad: beyond 83° tanψ grows so fast that no plane bounds anything
-Ranges = tuple[Array, Array]  # lower and upper ends, (n,) each
-Plane = tuple[Array, Array, Array]
+WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
+CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,6 @@ class SwingingFaceConstraint(NonconvexConstraint):
         distance: d [mm] where it is a number: then z = (Rb,), else z = (p, Rb).
     """
 
-    order: ClassVar[int] = 2
     linearises: ClassVar[bool] = False
     reference: float
     sigma: float
@@ -62,8 +60,8 @@ class SwingingFaceConstraint(NonconvexConstraint):
     cubed: float = 0.0
 
     @property
-    def has_relaxation(self) -> bool:
-        return self.distance is not None and not self.lean
+    def order(self) -> int:  # type: ignore[override]
+        return 2 if self.bend else 1
 
     def _terms(self, s: Any) -> tuple[Any, Any, Any]:
         """A, B and C."""
@@ -129,54 +127,38 @@ class SwingingFaceConstraint(NonconvexConstraint):
     def relax(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
-        """Where the pivot is given: planes over what the face's angle and speed can be."""
-        if self.distance is None or not self.has_relaxation:
+        """A plane below the limit's left side less its right one, divided by d cosψ if it bends."""
+        unit, one = self.reference, np.ones_like(box.s_min)
+        sizes = np.array(box.sizes).T[:, :, None] * one
+        low = np.concatenate([np.stack([box.s_min, box.v_min]), sizes[0]]) / unit
+        high = np.concatenate([np.stack([box.s_max, box.v_max]), sizes[1]]) / unit
+        if not np.all(high - low <= WIDE):
             return ()
-        if not np.all(np.isfinite(box.v_max - box.v_min)):
-            return ()
-        ((low, high),) = box.sizes
-        start = (low + self.offset) / self.distance, (high + self.offset) / self.distance
-        if not 0.0 <= start[0] <= start[1] < 1.0:
-            return ()
-        swing = box.s_min / self.reference, box.s_max / self.reference
-        angle = swing[0] + math.asin(start[0]), swing[1] + math.asin(start[1])
-        rate = self.sigma * np.stack([box.v_min, box.v_max]) / self.reference
-        below = self._minorant(angle, (1.0 + np.min(rate, axis=0), 1.0 + np.max(rate, axis=0)))
+        at = 0.5 * (low + high)
+        if about is not None:
+            at = np.concatenate([about[0][:2], np.outer(about[1], one)]) / unit
+        below = minorant_plane(self._left, low, high, np.clip(at, low, high), CELLS[: len(low)])
         if below is None:
             return ()
-        by_angle, by_speed, height = below
-        # bend φ'' + by_angle (φ + ψ0) + by_speed (1 + σ φ') + height ≤ known
-        steep, level = _line_below(by_angle, start)
+        slopes, height = below
         none = np.zeros_like(height)
-        rows = np.stack([by_angle, self.sigma * by_speed, none + self.bend, none]) / self.reference
-        upper = -(level + by_speed + height)
-        size = (steep / self.distance)[None, :]
-        return (PointInequalities(rows, size, upper - steep * self.offset / self.distance),)
+        rows = np.stack([slopes[0], slopes[1], none + self.bend, none]) / unit
+        return (PointInequalities(rows, slopes[2:] / unit, -height),)
 
-    def _minorant(self, angle: Ranges, speed: Ranges) -> Plane | None:
-        """A plane below the left side less the right one, over d where there is no bend."""
-        assert self.distance is not None
-        if self.bend:
-            return minorant_plane(-self.cubed / self.distance, angle, speed)
-        # along d cosψ is −along d cos(ψ + π) where along > 0
-        turn, reach = math.pi if self.along > 0.0 else 0.0, abs(self.along)
-        slope = -reach * np.sin(0.5 * (angle[0] + angle[1]) + turn)
-        height = max_of_cosine_minus_line(reach, turn, slope, *angle) + self.known / self.distance
-        return -slope, np.full_like(slope, -self.first / self.distance), -height
-
-
-def _line_below(by_angle: Array, start: tuple[float, float]) -> tuple[Array, Array]:
-    """Slope and height of a line in sinψ0 below by_angle · ψ0, which is convex in it or concave."""
-    low, high = (math.asin(end) for end in start)
-    middle = 0.5 * (low + high)
-    tangent = 1.0 / math.cos(middle)
-    chord = (high - low) / (start[1] - start[0]) if start[1] > start[0] else tangent
-    touching = middle - tangent * math.sin(middle), low - chord * start[0]
-    convex = by_angle >= 0.0
-    return (
-        by_angle * np.where(convex, tangent, chord),
-        by_angle * np.where(convex, touching[0], touching[1]),
-    )
+    def _left(self, swing: Any, rate: Any, *size: Any) -> Any:
+        """What must not exceed 0, of a limit with a bend −bend φ''; lengths over the reference."""
+        unit, w = self.reference, rate * self.sigma + 1.0
+        q = size[-1] + self.offset / unit
+        if self.distance is None:
+            p = size[0]
+        else:
+            p = np.sqrt(q * q * -1.0 + (self.distance / unit) ** 2)
+        cos, sin = np.cos(swing), np.sin(swing)
+        ahead, beside = p * cos - q * sin, p * sin + q * cos
+        lean = (w * 2.0 - 1.0) * w * self.bend + self.lean
+        most = w * w * w * (self.cubed / unit) + w * (self.first / unit) + self.known / unit
+        left = beside * lean - most
+        return left / positive(ahead) if self.bend else left + ahead * self.along
 
 
 @dataclass(frozen=True)
@@ -197,24 +179,12 @@ class LeastPivotDistance(NonconvexConstraint):
         p, q = z[0], z[1] + self.offset
         return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
 
+    @property
+    def norm_bounds(self) -> tuple[NormBounds, ...]:
+        centred = AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, self.offset))
+        return (NormBounds(centred, math.inf, self.source, self.least),)
+
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         count = s.shape[1]
         size = np.stack([np.zeros(count), -np.ones(count)])
         return (PointInequalities(np.zeros_like(s), size, np.full(count, FAR * self.least)),)
-
-
-def minorant_plane(k: float, angle: Ranges, speed: Ranges) -> Plane | None:
-    """A plane by_angle · ψ + by_speed · w + height below Φ, (n,) each, over ranges of ψ and w."""
-    if np.max(np.abs(angle)) > STEEPEST or not np.all(speed[0] > 0.0):
-        return None
-    # 1. The slopes of Φ in the middle of the ranges.
-    psi, w = 0.5 * (angle[0] + angle[1]), 0.5 * (speed[0] + speed[1])
-    by_angle = (k * w**3 * np.sin(psi) - w * (2.0 * w - 1.0)) / np.cos(psi) ** 2
-    by_speed = 3.0 * k * w**2 / np.cos(psi) - (4.0 * w - 1.0) * np.tan(psi)
-    # 2. What stands above a plane of these slopes, enclosed by affine models on small cells.
-    low, width = np.stack([angle[0], speed[0]], axis=-1), np.ptp([angle, speed], axis=1).T / CELLS
-    nth = np.moveaxis(np.indices(CELLS), 0, -1).reshape(-1, 1, 2)
-    at, pace = Affine.variables(low + width * nth, low + width * (nth + 1))
-    above = (pace * pace * pace * k - pace * (pace * 2.0 - 1.0) * np.sin(at)) / np.cos(at)
-    above = above - at * by_angle - pace * by_speed
-    return by_angle, by_speed, np.min(above.lower, axis=0)

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import (
     AffineNorm,
     Ends,
@@ -29,7 +30,7 @@ from synthesis.catalogue.fields import Dimension, Range, ends
 from synthesis.catalogue.followers.base import RollerFollower, base_gap
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.conjugate import SlideClosure
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound, CurvatureBounds
+from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.catalogue.followers.kinematics import Link, Vector2
 from synthesis.catalogue.motion import Motion, Segments
 
@@ -119,7 +120,7 @@ class TranslatingRoller(RollerFollower):
 
     def curvature_bounds(
         self, side: int, most: float, thrust: PressureTerm | None = None
-    ) -> CurvatureBounds:
+    ) -> BoxBounds:
         return (CurvatureBound("", ROLLER, side, most, thrust),)
 
     def dimensions(self, z: Vector) -> Mapping[str, float]:

@@ -18,16 +18,17 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from synthesis.catalogue.box_bounds import BoxBounds, ConstraintBound
 from synthesis.catalogue.constraints import (
     LinearInequality,
     NonconvexConstraints,
     NormBounds,
+    SlideCoordinates,
     Vector,
     VibrationBound,
 )
 from synthesis.catalogue.fields import UnitFields
 from synthesis.catalogue.followers.base import Follower
-from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.forces import ReducedLoad
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -142,9 +143,16 @@ class Limit(UnitFields, ABC):
         """Constraints on motion and size together that are not linear in both."""
         return ()
 
-    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> BoxBounds:
         """Bounds of the traced curves' curvature, relaxed where the trace point lies in a box."""
         return ()
+
+    def box_bounds(self, segment: PlacedSegment, machine: Machine) -> BoxBounds:
+        """All that the limit implies where a trace point, or motion and size, lie in a box."""
+        motion = SlideCoordinates.of_motion(len(machine.follower.size_names))
+        nonconvex = (one for one in self.nonconvex(segment, machine) if one.has_relaxation)
+        bounds = self.curvature_bounds(segment, machine)
+        return (*bounds, *(ConstraintBound(one.source, motion, one) for one in nonconvex))
 
     def smooth_constraints(
         self, segment: PlacedSegment, machine: Machine, theta: Array, s: Any, z: Any

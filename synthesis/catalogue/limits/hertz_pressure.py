@@ -20,8 +20,8 @@ import numpy as np
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import LinearInequality, MotionBox, PressureTerm
-from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.limits.base import Claim, Machine
 from synthesis.catalogue.limits.forces import (
@@ -93,7 +93,7 @@ class HertzPressure(ForceLimit):
             found.append(LinearInequality(motion, size, upper, source=self.kind))
         return tuple(found)
 
-    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> BoxBounds:
         """Of a roller on a slide: what thrust leaves of the curvature that undercut allows."""
         scale = self._scale(machine)
         terms = (RollerPressureTerm(f, segment, machine, scale) for f in machine.follower.flanks)

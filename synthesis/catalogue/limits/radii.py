@@ -16,9 +16,9 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
+from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import LinearInequality, NonconvexConstraints, NormBounds
 from synthesis.catalogue.followers.base import Follower, paths
-from synthesis.catalogue.followers.curvature_bound import CurvatureBounds
 from synthesis.catalogue.followers.kinematics import Flank, TracePoint, edge_offset, labelled
 from synthesis.catalogue.limits.base import Claim, Limit, Machine, scaling
 from synthesis.catalogue.limits.forces import push_sign
@@ -44,7 +44,7 @@ class FlankRadius(Limit, ABC):
             if radius > 0.0:
                 yield flank, radius
 
-    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> CurvatureBounds:
+    def curvature_bounds(self, segment: PlacedSegment, machine: Machine) -> BoxBounds:
         return tuple(
             replace(rows, source=labelled(self.kind, flank.name))
             for flank, radius in self._flanks(machine)

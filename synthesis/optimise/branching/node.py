@@ -7,7 +7,7 @@ limits are nearly binding.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Self
@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 
 from synthesis.catalogue.limits import Limit
-from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound
@@ -31,6 +31,7 @@ Sizes = tuple[tuple[float, float], ...]
 INTERVALS = 20  # of the mesh on which the caps of the laws are read
 SAMPLES = 200  # points of a segment at which limits are looked at
 JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
+BINDS = -0.02  # a smooth limit above this, relative, binds or soon will
 AIM = 0.985  # share of the tolerance: the gap that is to be proven
 
 
@@ -160,25 +161,46 @@ class BoundTask:
         return cls(problem, incumbent, target, tuple(capped), deadline)
 
 
-def binding_parts(state: SolveState, free: PlacedSegment) -> Parts:
-    """Parts of a free law where traced limits nearly bind, in the incumbent or the relaxation."""
-    x = np.linspace(0.0, 1.0, SAMPLES + 1)
-    worst = np.full(len(x), -np.inf)
-    for cam in (state.incumbent, state.relaxed):
-        if cam is not None:
-            (segment,) = (s for s in cam.problem.segments if s.index == free.index)
-            theta = segment.start + segment.angle * x
-            excess = size_rows.relative_excess(cam.problem, segment, theta, cam.size)
-            worst = np.maximum(worst, excess)
-    where = np.flatnonzero(worst > size_rows.NEAR)
-    if not len(where):
-        return ()
+@dataclass(frozen=True, eq=False)
+class BindingLimits:
+    """Where limits with rows over boxes bind on the free laws of some cams.
+
+    Attributes:
+        pairs: positions of laws and numbers of limits that bind on them.
+        parts: of every law on which one does, the parts where one of these nearly does.
+    """
+
+    pairs: frozenset[tuple[int, int]]
+    parts: Mapping[int, Parts]
+
+    @classmethod
+    def on(cls, cams: Iterable[Candidate | None]) -> Self:
+        """On any of these cams."""
+        pairs, x = set[tuple[int, int]](), np.linspace(0.0, 1.0, SAMPLES + 1)
+        worst = dict[int, Array]()
+        for problem, size in ((cam.problem, cam.size) for cam in cams if cam is not None):
+            moving = [segment for segment in problem.segments if segment.free is not None]
+            for position, segment in enumerate(moving):
+                theta = segment.start + segment.angle * x
+                for number, limit in enumerate(problem.limits):
+                    if not limit.box_bounds(segment, problem.machine):
+                        continue
+                    excess = size_rows.relative_excess(problem, segment, theta, size, [limit])
+                    if np.max(excess) > BINDS:
+                        pairs.add((position, number))
+                        worst[position] = np.maximum(worst.get(position, excess), excess)
+        return cls(frozenset(pairs), {k: _parts_near(x, excess) for k, excess in worst.items()})
+
+
+def _parts_near(x: Array, excess: Array) -> Parts:
+    """Parts of a law, sampled at x, where a limit nearly binds; knots will be at their ends."""
+    where = np.flatnonzero(excess > size_rows.NEAR)
     runs = np.split(where, np.flatnonzero(np.diff(where) > JOINED * SAMPLES) + 1)
     ends = np.array([[x[run[0]] - 2.0 / SAMPLES, x[run[-1]] + 2.0 / SAMPLES] for run in runs])
-    places = round_knots(np.clip(ends, 0.0, 1.0))  # there will be knots
+    places = round_knots(np.clip(ends, 0.0, 1.0))
     return tuple((float(low), float(high)) for low, high in places)
 
 
 def is_traced(state: SolveState, limit: Limit) -> bool:
     """Whether a limit implies rows where a traced point is nearly known."""
-    return any(limit.curvature_bounds(s, state.problem.machine) for s in state.problem.segments)
+    return any(limit.box_bounds(s, state.problem.machine) for s in state.problem.segments)

@@ -16,8 +16,8 @@ from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.piecewise import Array, Mask
 from synthesis.optimise.branching.node import AIM, is_traced
 from synthesis.optimise.recovery.candidate import cam_at_size
-from synthesis.optimise.recovery.closed_form import half_planes, inverse_matrix
-from synthesis.optimise.relaxation.size_rows import is_excluded
+from synthesis.optimise.recovery.closed_form import half_planes
+from synthesis.optimise.relaxation.size_rows import is_excluded, norm_range
 from synthesis.optimise.state import SolveState, Stage
 
 LEVELS, BOXES = 60, 6_000  # of one search
@@ -44,10 +44,7 @@ class SizeSearch(BoxSearch[Array]):
         problem = self.state.problem
         self.count += boxes.shape[2]
         middle, half = boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1)
-        matrix, shift = np.array(self.norm.matrix), np.array(self.norm.shift)
-        reach = np.abs(matrix) @ half
-        nearest = np.maximum(np.abs(matrix @ middle + shift[:, None]) - reach, 0.0)
-        radius = np.sqrt((nearest * nearest).sum(axis=0))
+        radius, _ = norm_range(self.norm, boxes)
         # 1. Boxes beyond a half-plane of a linear limit, or where a traced limit's rows are broken.
         least = self.normals @ middle - np.abs(self.normals) @ half
         beyond = least > self.offsets[:, None] + OUTSIDE * problem.length
@@ -90,14 +87,18 @@ def search_sizes(state: SolveState) -> SolveState:
     """
     problem, best, started = state.problem, state.incumbent, state.stopwatch
     norm = problem.objective.norm(problem.machine)
-    square = norm is not None and len(norm.matrix) == len(problem.sizing.bounds)
-    if state.solved or best is None or norm is None or not square or state.time_left <= 0.0:
+    if state.solved or best is None or norm is None or state.time_left <= 0.0:
         return state
-    # ‖M z + m‖ ≤ R leaves each y = M z + m within ±R, and z = M⁻¹ (y − m)
-    inverse = inverse_matrix(norm.matrix)
-    middle, reach = -inverse @ np.array(norm.shift), np.abs(inverse).sum(axis=1) * best.value
-    low, high = np.array(problem.sizing.bounds).T
+    # ‖M z + m‖ ≤ R leaves each y = M z + m within ±R, and z = M⁺ (y − m) but for a part of z of
+    # which M does not speak
+    matrix, (low, high) = np.array(norm.matrix), np.array(problem.sizing.bounds).T
+    inverse = np.linalg.pinv(matrix)
+    unseen = np.abs(np.eye(len(low)) - inverse @ matrix).sum(axis=1) > OUTSIDE
+    reach = np.where(unseen, np.inf, np.abs(inverse).sum(axis=1) * best.value)
+    middle = -inverse @ np.array(norm.shift)
     ends = np.stack([np.maximum(low, middle - reach), np.minimum(high, middle + reach)], axis=1)
+    if not np.all(np.isfinite(ends)):
+        return state
     search = SizeSearch(state)
     search.run(ends[:, :, None], Budget(LEVELS, BOXES))
     kinds = {limit.kind for limit in problem.limits if is_traced(state, limit)}

@@ -1,10 +1,12 @@
-"""Nodes of the branch and bound where limits speak of a traced point: curvature, Hertz pressure.
+"""Nodes of the branch and bound where limits imply rows over boxes of a traced point, or of motion.
 
-The relaxation leaves these limits out. But a cam that is better than the incumbent by the tolerance
-satisfies the rows of the relaxation and a cap on its value; so its size lies in a box and its
-traced point within bounds, which duality gives over all laws. Over these bounds the limits imply
-linear rows (McCormick's under-estimators). Rows and bounds are tightened in turn, until the node is
-empty or the bounds no longer change. Then it is divided, in a size or in the value.
+The relaxation leaves these limits out (curvature, Hertz pressure, those of swinging faces), or its
+rows are not exact (the pressure angle of arms). But a cam that is better than the incumbent by the
+tolerance satisfies the rows of the relaxation and a cap on its value; so its size lies in a box and
+its traced point within bounds, which duality gives over all laws. Over these bounds the limits
+imply linear rows (McCormick's under-estimators, and planes). Rows and bounds are tightened in turn,
+until the node is empty or the bounds no longer change. Then it is divided, in a size or in the
+value.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import numpy as np
 from synthesis.numerics import clock
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.node import BoundTask, Node, Tree, binding_parts, halve, is_traced
+from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node, Tree, halve, is_traced
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
@@ -45,7 +47,8 @@ FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
 WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
 MAX_MESHES = 5  # meshes of one relaxation, each finer than the one before
 EARLY_MESHES = 2
-"""Of these, up to the first whose knots are kept for the node, and refined for small losses."""
+"""Of these, up to the first whose knots are kept for the node, and refined for small losses; from
+then on where knots cost more than rows must still gain."""
 MESH_LOSS = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
 SPREAD = 14  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
@@ -87,13 +90,14 @@ class TracedNode(Node):
         forces = [limit for limit in problem.limits if limit.needs_load]
         if not state.thorough and not any(is_traced(state, limit) for limit in forces):
             return None
-        parts = {k: part for k, s in enumerate(problem.free) if (part := binding_parts(state, s))}
-        if not parts and not size_rows.binds_on_fixed_motion(best.problem, best.size):
+        binding = BindingLimits.on((best, state.relaxed))
+        if not binding.pairs and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
         task = BoundTask.of(state, best, state.proof_deadline)
         if task is None:
             return None
-        region = initial_region(task.problem, task.controls, parts)
+        region = initial_region(task.problem, task.controls, binding.parts)
+        region = replace(region, binding=binding.pairs)
         return cls(
             task, region, lower=state.lower, valid_for=state.valid_for, is_root=True,
             started=started,
@@ -167,7 +171,11 @@ class TracedNode(Node):
                 break
             leaves = [finer if leaf is lowest else leaf for leaf in leaves]
             lowest = min(leaves, key=lambda leaf: leaf.lower)
-        traced = {x.kind for x in state.problem.limits if is_traced(state, x)}
+        # a limit that binds on the cam but had no rows is not in the bound
+        limits = enumerate(state.problem.limits)
+        binding = BindingLimits.on([state.incumbent]).pairs
+        missed = {number for _, number in binding - (lowest.region.binding or frozenset())}
+        traced = {x.kind for k, x in limits if is_traced(state, x) and k not in missed}
         lower = min(lowest.lower, lowest.task.target)
         state = replace(state, modelled_kinds=traced).raise_bound(lower, lowest.valid_for)
         return state.with_stage(
@@ -273,6 +281,7 @@ def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
     """Rows on the size alone that all better cams of a node satisfy."""
     problem, sizes = node.task.problem, node.region.sizes
     rows = list(size_rows.fixed_motion_rows(problem, sizes, scales))
+    rows += size_rows.least_norm_rows(problem, sizes, scales)
     norm = problem.objective.norm(problem.machine)
     if norm is not None and isfinite(node.least):
         rows += size_rows.outside_ball_rows(norm, node.least, sizes, scales)
@@ -297,7 +306,9 @@ def solve_relaxation(
         grids = tuple(grid.knots_only for grid in grids)
         bare = formulate(problem, grids)
         given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
-        model = with_rows(bare, [*given, *node.region.rows(bare, sparing=True)])
+        given += size_rows.least_norm_rows(problem, sizes, bare.scales)
+        implied = node.region.rows(bare, sparing=True)
+        model = with_rows(bare, [*given, *implied])
         solution = solve(model.program, state.time_left)
         # 2. Its multipliers, distributed over points between the knots: the implied rows hold
         #    there too, and a smoother multiplier gives a better bound over all laws.
@@ -320,19 +331,21 @@ def solve_relaxation(
             return node
         # 3. The solution is where the next rows are tangent.
         laws, size = model.recover(solution.x)
-        region = replace(
-            node.region, reference=TangentPoint(tuple(law.curve() for law in laws), size)
-        )
+        cam = recover_cam(problem, laws, size, keep_hint=True)
+        reference = TangentPoint(tuple(law.curve() for law in laws), size)
+        binding = node.region.binding or frozenset()
+        if implied:  # without any rows the solution shows nothing
+            binding |= BindingLimits.on([cam]).pairs
+        region = replace(node.region, reference=reference, binding=binding)
         node = replace(node.with_bound(bound), region=region)
         if number <= EARLY_MESHES:
             node = replace(node, grids=grids)
-        cam = recover_cam(problem, laws, size, keep_hint=True)
         node = replace(node, relaxation=(cam, grids, bound))
         # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
         if node.is_empty or state.time_left <= 0.0:
             break
-        missing = node.largest_value - cam.value
-        fine = number >= EARLY_MESHES or cam.value - bound.value < MESH_LOSS * missing
+        missing, lost = node.largest_value - cam.value, cam.value - bound.value
+        fine = lost < (1.0 if number >= EARLY_MESHES else MESH_LOSS) * missing
         if missing > 0.0 and fine and not every_mesh:
             break
         grids = refine_mesh(problem, grids, cam, bound)

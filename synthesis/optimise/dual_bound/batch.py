@@ -229,7 +229,7 @@ class MultiplierDensity:
 
     @classmethod
     def of(
-        cls, model: ConicModel, denser: Sequence[tuple[LinearBlock, PointRuns]], each: int
+        cls, model: ConicModel, denser: Sequence[tuple[LinearBlock, PointRuns | None]], each: int
     ) -> MultiplierDensity:
         """For a model whose last blocks are these with fewer points.
 

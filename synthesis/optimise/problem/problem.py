@@ -173,6 +173,13 @@ class Problem:
         return tuple(result)
 
     @cached_property
+    def least_norms(self) -> tuple[NormBounds, ...]:
+        """The bounds of norms of the size from below, which are not convex, each once."""
+        curved = (curve for s in self.segments for curve in self.curved_limits_on(s))
+        every = (*self.norm_bounds, *(norm for curve in curved for norm in curve.norm_bounds))
+        return tuple(dict.fromkeys(norm for norm in every if norm.lower > 0.0))
+
+    @cached_property
     def vibration_limits(self) -> tuple[VibrationBound, ...]:
         """The limits on residual vibration."""
         vibrations = (limit.vibration_bounds(self.segments, self.machine) for limit in self.limits)

@@ -108,7 +108,7 @@ class _LawSubproblem:
     law: int
     controls: tuple[Control, ...]
     implied: list[LinearBlock]
-    denser: list[tuple[LinearBlock, PointRuns]]
+    denser: list[tuple[LinearBlock, PointRuns | None]]
 
     @classmethod
     def of(

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synthesis.catalogue.constraints import MotionBox, SlideCoordinates
-from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.catalogue.box_bounds import BoxBound
+from synthesis.catalogue.constraints import MotionBox, SlideCoordinates, Vector
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic import tangent_cuts as cuts
@@ -123,12 +123,15 @@ class ImprovingRegion:
         point_bounds: by position of the free law and the point that is seen.
         half_spaces: what all laws together leave of the size.
         reference: a cam about which rows shall be tight.
+        binding: free laws and numbers of the limits whose rows are written on them; None: all.
+            Others would cost knots and gain nothing.
     """
 
     sizes: Sizes
     point_bounds: Mapping[tuple[int, SlideCoordinates], PointBounds]
     half_spaces: HalfSpaces
     reference: cuts.TangentPoint | None = None
+    binding: frozenset[tuple[int, int]] | None = None
 
     @property
     def is_empty(self) -> bool:
@@ -164,7 +167,11 @@ class ImprovingRegion:
         reference = self.reference
         if reference is not None:
             reference = replace(reference, laws=tuple(reference.laws[k] for k in positions))
-        return replace(self, point_bounds=point_bounds, reference=reference)
+        binding = self.binding
+        if binding is not None:
+            number = {position: k for k, position in enumerate(positions)}
+            binding = frozenset((number[k], limit) for k, limit in binding if k in number)
+        return replace(self, point_bounds=point_bounds, reference=reference, binding=binding)
 
     def bounds_of_law(self, position: int) -> list[tuple[SlideCoordinates, PointBounds]]:
         """Of one law, by the point that is seen."""
@@ -177,46 +184,49 @@ class ImprovingRegion:
     def rows(self, model: ConicModel, *, sparing: bool = False) -> list[LinearBlock]:
         """Rows that limits imply within the bounds: tight in the middle, and at the reference.
 
-        ``sparing``: at the reference alone, where there is one: multipliers of two rows that say
-        nearly the same at a knot alternate, and the bound pays for it.
+        ``sparing``: those with s'' at the reference alone, where there is one: multipliers of two
+        that say nearly the same at a knot alternate, and the bound pays for it.
         """
         return [block for block, _ in self.rows_between(model, 0, sparing=sparing)]
 
     def rows_between(
         self, model: ConicModel, each: int, *, sparing: bool = False
-    ) -> list[tuple[LinearBlock, PointRuns]]:
+    ) -> list[tuple[LinearBlock, PointRuns | None]]:
         """The same rows between the points where they are written, too.
 
-        ``each``: points between two of these.
+        ``each``: points between two of these; none of rows without s'', whose multipliers at points
+        serve the bound as well as densities.
         """
-        result = list[tuple[LinearBlock, PointRuns]]()
+        result = list[tuple[LinearBlock, PointRuns | None]]()
         for position, implied, bounds in self._traced_limits(model.problem):
             # at every knot, so that each has a row of its own
             segment, breaks = model.problem.free[position], model.grids[position].space.breaks
             inside = [(low <= breaks) & (breaks <= high) for low, high in bounds.parts]
-            runs = PointRuns.of(breaks[np.any(inside, axis=0)], bounds.parts, each)
+            jumps = implied.order > 1
+            own = breaks[np.any(inside, axis=0)]
+            runs = PointRuns.of(own, bounds.parts, each if jumps else 0)
             x, (low, high) = runs.points, bounds.at(runs.points)
             grid = Grid(model.grids[position].space, x)
-            near = list[Array]()  # X, u and e, s, s' and s'' of the reference: (6, n)
+            near = list[tuple[Array, Vector]]()  # s, s' and s'' of the reference, and its size
             if self.reference is not None:
-                s, size = self.reference.at(position, segment, x)
-                near.append(np.stack([*implied.coordinates.evaluate(s, size), *s]))
-            for about in near if sparing and near else (None, *near):
-                traced, moving = (None, None) if about is None else (about[:3], about[3:])
-                motion = self._motion_bounds(segment, implied, bounds, x, moving)
-                cut = implied.relax(low, high, traced, motion)
-                if cut is not None:
+                near.append(self.reference.at(position, segment, x))
+            for about in near if sparing and near and jumps else (None, *near):
+                traced = None if about is None else np.stack(implied.coordinates.evaluate(*about))
+                motion = self._motion_bounds(segment, implied, bounds, x, about)
+                for cut in implied.relax(low, high, traced, motion):
                     block = cuts.cut_block(
                         cut, implied.source, position, segment, grid, model.scales, Tightening(),
                         bare=each > 0,
                     )  # fmt: skip
-                    result.append((block, runs))
+                    result.append((block, runs if jumps else None))
         return result
 
-    def _traced_limits(self, problem: Problem) -> Iterator[tuple[int, CurvatureBound, PointBounds]]:
+    def _traced_limits(self, problem: Problem) -> Iterator[tuple[int, BoxBound, PointBounds]]:
         for position, segment in enumerate(problem.free):
-            for limit in problem.limits:
-                for implied in limit.curvature_bounds(segment, problem.machine):
+            for number, limit in enumerate(problem.limits):
+                if self.binding is not None and (position, number) not in self.binding:
+                    continue
+                for implied in limit.box_bounds(segment, problem.machine):
                     key = position, implied.coordinates
                     if key in self.point_bounds:
                         yield position, implied, self.point_bounds[key]
@@ -224,12 +234,12 @@ class ImprovingRegion:
     def _motion_bounds(
         self,
         segment: PlacedSegment,
-        implied: CurvatureBound,
+        implied: BoxBound,
         bounds: PointBounds,
         x: Array,
-        about: Array | None,
+        about: tuple[Array, Vector] | None,
     ) -> MotionBox | None:
-        """What the bounds say of the motion itself, to rows that ask for it."""
+        """What is known of motion and size themselves, for rows that ask for it."""
         if not implied.needs_motion_bounds:
             return None
         low, high = (
@@ -244,7 +254,7 @@ class ImprovingRegion:
         if not segment.free.overshoot:
             least, most = sorted((segment.s_start, segment.s_end))
             low[0], high[0] = np.clip(low[0], least, most), np.clip(high[0], least, most)
-        return MotionBox(segment.start + segment.angle * x, low, high, about)
+        return MotionBox(segment.start + segment.angle * x, low, high, self.sizes, about)
 
 
 def initial_region(
@@ -263,9 +273,9 @@ def initial_region(
         nodes = np.concatenate([np.linspace(*ends, count) for ends, count in both])
         known = dict[SlideCoordinates, int]()  # how many of X, u and s'' are asked for
         for limit in problem.limits:
-            for implied in limit.curvature_bounds(segment, problem.machine):
-                count = 3 if implied.needs_motion_bounds else 2
-                known[implied.coordinates] = max(count, known.get(implied.coordinates, 0))
+            for implied in limit.box_bounds(segment, problem.machine):
+                before = known.get(implied.coordinates, 0)
+                known[implied.coordinates] = max(implied.known_orders, before)
         for coordinates, rows in known.items():
             wide = np.full((rows, len(nodes)), unbounded)
             sense = 0 if segment.free.overshoot else int(np.sign(segment.lift)) * coordinates.sign

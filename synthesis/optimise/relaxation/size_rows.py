@@ -1,7 +1,8 @@
 """Linear rows on the size that nonconvex limits imply over a box of sizes.
 
 * Of a limit on a traced point where the motion is given (dwells, given laws): only the size is open
-  there, so that a box of sizes is all that has to be known.
+  there, so that a box of sizes is all that has to be known. A limit that is linear in the size for
+  a fixed motion has half-planes there, exactly.
 * Of a norm that may not be too small: ‖y‖ ≥ least is not convex, but over a box every y_k² lies
   below its chord, so that the chords together are no less than least²: a row that is exact at the
   corners, the tighter the narrower the box.
@@ -24,6 +25,7 @@ from synthesis.optimise.problem.problem import Problem
 SAMPLES = 48  # of a segment
 PIECES, SLICES = 16, 24  # of a box of sizes
 REPEATED, SHRUNK = 4, 0.8  # times that it is cut anew, where less than that share is left of it
+ROUNDING = 1e-12  # relative: half-planes and norms are loosened by it, far above their rounding
 NEAR = -0.15  # a smooth limit above this, relative, is near to binding
 
 Sizes = Sequence[tuple[float, float]]
@@ -40,7 +42,7 @@ def relative_excess(
     """By how much limits, by default those on a traced point, are exceeded at angles, relative."""
     machine, s = problem.machine, segment.placed().derivatives(theta)
     if limits is None:
-        limits = [limit for limit in problem.limits if limit.curvature_bounds(segment, machine)]
+        limits = [limit for limit in problem.limits if limit.box_bounds(segment, machine)]
     values = [v for x in limits for v in x.smooth_constraints(segment, machine, theta, s, size)]
     return np.asarray(np.max([np.full(len(theta), -np.inf), *values], axis=0))
 
@@ -114,7 +116,20 @@ def is_excluded(problem: Problem, boxes: Array, samples: int = SAMPLES) -> NDArr
             np.min(rows.reshape(len(rows), 1, -1, len(result)) * boxes[:, :, None], axis=1), axis=0
         )
         result |= np.any(least > upper.reshape(-1, len(result)), axis=0)
+    for cone in (*problem.norm_bounds, *problem.least_norms):
+        nearest, farthest = norm_range(cone.norm, boxes)
+        beyond = nearest > cone.upper * (1.0 + ROUNDING)
+        result |= beyond | (farthest < cone.lower * (1.0 - ROUNDING))
     return result
+
+
+def norm_range(norm: AffineNorm, boxes: Array) -> tuple[Array, Array]:
+    """A lower and an upper bound of a norm on boxes of sizes: (d, 2, b) to (b,) each."""
+    matrix, shift = np.array(norm.matrix), np.array(norm.shift)
+    middle, half = boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1)
+    away, reach = np.abs(matrix @ middle + shift[:, None]), np.abs(matrix) @ half
+    nearest = np.maximum(away - reach, 0.0)
+    return np.linalg.norm(nearest, axis=0), np.linalg.norm(away + reach, axis=0)
 
 
 def _rows(
@@ -124,20 +139,28 @@ def _rows(
 
     ``boxes``: (d, 2, b) of sizes; each has n rows of its own, which run slower.
     """
+    farthest = np.abs(boxes).max(axis=(1, 2))
     for segment in problem.segments:
         if segment.law is None:
             continue
         theta = _angles(problem, segment, samples)
-        s = np.asarray(segment.placed().derivatives(theta)[:3])
+        motion = segment.placed().derivatives(theta)
+        s = motion[:3]
         each = np.repeat(s, boxes.shape[2], axis=1)
-        angles = np.repeat(theta, boxes.shape[2])
+        angles, sizes = np.repeat(theta, boxes.shape[2]), np.tile(boxes, len(theta))
+        box = MotionBox(angles, each, each, tuple((size[0], size[1]) for size in sizes))
         for limit in problem.limits:
             for implied in limit.curvature_bounds(segment, problem.machine):
                 low, high = _box(implied.coordinates, s, boxes)
-                cuts = implied.relax(low, high, None, MotionBox(angles, each, each))
-                if cuts is not None:
+                for cuts in implied.relax(low, high, None, box):
                     upper = cuts.upper - np.sum(cuts.coefficients[:3] * each, axis=0)
                     yield cuts.size, upper, implied.source
+            # Of a fixed motion these are linear in the size, whatever the box.
+            for curve in limit.nonconvex(segment, problem.machine):
+                for planes in curve.half_planes(motion):
+                    terms = np.abs(planes.upper) + farthest @ np.abs(planes.size)
+                    upper = np.repeat(planes.upper + ROUNDING * terms, boxes.shape[2])
+                    yield np.repeat(planes.size, boxes.shape[2], axis=1), upper, curve.source
 
 
 def _angles(problem: Problem, segment: PlacedSegment, samples: int = SAMPLES) -> Array:
@@ -162,14 +185,20 @@ def _box(seen: SlideCoordinates, s: Array, boxes: Array) -> tuple[Array, Array]:
 def reverse_convex_rows(
     problem: Problem, sizes: Sequence[tuple[float, float]], scales: Scales
 ) -> Iterator[LinearBlock]:
-    """What least norms of the problem's cones imply within ranges of the size [length]."""
-    for cone in problem.norm_bounds:
-        if cone.lower > 0.0:
-            yield from outside_ball_rows(cone.norm, cone.lower, sizes, scales)
+    """What least norms and the least prime radius imply within ranges of the size [length]."""
+    yield from least_norm_rows(problem, sizes, scales)
     if problem.sizing.min_norm > 0.0:
         yield from outside_ball_rows(
             problem.machine.follower.radius_norm(), problem.sizing.min_norm, sizes, scales
         )
+
+
+def least_norm_rows(
+    problem: Problem, sizes: Sequence[tuple[float, float]], scales: Scales
+) -> Iterator[LinearBlock]:
+    """What least norms that limits state imply within ranges of the size [length]."""
+    for bound in problem.least_norms:
+        yield from outside_ball_rows(bound.norm, bound.lower, sizes, scales)
 
 
 def outside_ball_rows(

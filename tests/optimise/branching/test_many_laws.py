@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 
 from synthesis import DesignSpec
-from synthesis.optimise.branching.node import BoundTask, binding_parts
+from synthesis.optimise.branching.node import BindingLimits, BoundTask
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.subprogram import coupled_laws, submodel
@@ -61,7 +61,7 @@ def posed(laws: int, *, dwells: bool):
 
 def lair_of(found):
     """What is to be shown, and the lair of which nothing is known yet."""
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     parts = {k: each for k, each in parts.items() if each}
     return task, initial_region(task.problem, task.controls, parts)

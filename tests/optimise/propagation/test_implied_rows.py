@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
-from synthesis.optimise.branching.node import BoundTask, binding_parts
+from synthesis.optimise.branching.node import BindingLimits, BoundTask
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
@@ -51,7 +51,7 @@ def test_no_motion_and_size_inside_the_box_is_cut_off(seed, side, most, width):
     free = SlideCoordinates(1, (0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     limit = CurvatureBound("", free, side, most)
     for place in (None, 0.3 * low + 0.7 * high):
-        cuts = limit.relax(low, high, place)
+        (cuts,) = limit.relax(low, high, place)
         for _ in range(25):
             corner = draw.random((3, 5)).round() if draw.random() < 0.3 else draw.random((3, 5))
             at = low + corner * (high - low)
@@ -74,7 +74,7 @@ def test_a_point_is_seen_as_its_curvature_sees_it(seen):
     assert np.allclose(e, 8.3 if seen is ROLLER else -3.7)
     at = np.stack([x, u, e + 0.0 * x])
     limit = CurvatureBound("", seen, 1, 0.04)
-    cuts = limit.relax(at, at, None)  # of no width: nothing is lost
+    (cuts,) = limit.relax(at, at, None)  # of no width: nothing is lost
     needed = sharpest(*at, limit)
     total = cuts.coefficients[:3] * np.stack([s, v, a])
     left = cuts.upper - total.sum(axis=0) - cuts.size[0] * z[0] - cuts.size[1] * z[1]
@@ -87,7 +87,7 @@ def test_what_a_row_loses_shrinks_with_the_square_of_the_box(seed, side, most):
     limit, lost = CurvatureBound("", free, side, most), []
     for width in (0.02, 0.01):
         low, high, _ = box(seed, width)
-        cuts, middle = limit.relax(low, high, None), 0.5 * (low + high)
+        (cuts,), middle = limit.relax(low, high, None), 0.5 * (low + high)
         a = sharpest(*middle, limit)
         lost.append(cuts.upper - np.sum(cuts.size * middle, axis=0) - cuts.coefficients[2] * a)
     assert np.all(lost[1] >= -1e-9)
@@ -97,8 +97,8 @@ def test_what_a_row_loses_shrinks_with_the_square_of_the_box(seed, side, most):
 def test_no_rows_where_the_box_reaches_the_axis_or_is_open():
     low, high, _ = box(7, 0.5)
     limit = CurvatureBound("", ROLLER, 1, 0.05)
-    assert limit.relax(low - np.array([[70.0], [0.0], [0.0]]), high, None) is None
-    assert limit.relax(low, high + np.array([[0.0], [np.inf], [0.0]]), None) is None
+    assert not limit.relax(low - np.array([[70.0], [0.0], [0.0]]), high, None)
+    assert not limit.relax(low, high + np.array([[0.0], [np.inf], [0.0]]), None)
 
 
 SCENE = {
@@ -201,7 +201,7 @@ def keeps(domain, problem, cam) -> None:
 
 
 def test_a_better_cam_lies_where_better_cams_are_said_to_lie(found, finer):
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     domain = initial_region(task.problem, task.controls, parts)
     better = with_value_cap(
@@ -219,7 +219,7 @@ def test_a_better_cam_lies_where_better_cams_are_said_to_lie(found, finer):
 
 
 def test_half_a_box_without_the_best_offset_has_no_better_cam(found):
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     region = initial_region(task.problem, task.controls, parts)
     start = TracedNode(task, region, lower=found.lower, valid_for=found.valid_for)
@@ -232,7 +232,7 @@ def test_half_a_box_without_the_best_offset_has_no_better_cam(found):
 
 
 def test_a_box_is_not_split_across_the_size_in_which_a_cam_grows(found):
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     domain = initial_region(task.problem, task.controls, parts)
     flat = replace(domain, sizes=((1.3, 2.9), (31.0, 58.0)))
@@ -245,7 +245,7 @@ def test_a_box_is_not_split_across_the_size_in_which_a_cam_grows(found):
 
 
 def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     grids = tuple(
         Grid(g.space, g.space.breaks) for g in (uniform_grid(s, 45) for s in task.problem.free)
@@ -312,7 +312,7 @@ def test_thorough_changes_nothing_where_curvature_does_not_bind(spec: DesignSpec
 
 
 def test_the_bound_is_never_above_the_target(found):
-    parts = {k: binding_parts(found, s) for k, s in enumerate(found.problem.free)}
+    parts = BindingLimits.on((found.incumbent, found.relaxed)).parts
     task = BoundTask.of(found, found.incumbent, inf)
     domain = initial_region(task.problem, task.controls, parts)
     # far on the wrong side: no better cam has its offset there
