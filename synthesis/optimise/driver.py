@@ -29,7 +29,7 @@ from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, in_core_units
-from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.grid import Grid, grid_through
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import (
     Candidate,
@@ -40,6 +40,7 @@ from synthesis.optimise.recovery.candidate import (
     weighs_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.refinement.mesh import MOST_INTERVALS
 from synthesis.optimise.root_node import RootNode
 from synthesis.optimise.state import (
     DEFAULT_TIGHTENING,
@@ -93,7 +94,7 @@ def optimise(
     *,
     proof: ProofBudget = QUICK,
     warm_start: WarmStart | None = None,
-    incumbent: Candidate | None = None,
+    earlier: Candidate | None = None,
     sufficient: float = -inf,
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
@@ -105,7 +106,8 @@ def optimise(
         tighten: relative tightening of the rows against the solver's tolerance.
         proof: what may be spent where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
-        incumbent: a cam that another objective under the same limits has led to.
+        earlier: a cam that another objective under the same limits has led to: the first
+            incumbent, and its knots are those of the first mesh.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
 
@@ -123,10 +125,8 @@ def optimise(
         # problem for this driver.
         return _with_coverage(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
-    if incumbent is not None and not presolved:
-        state = state.with_incumbent(
-            recover_cam(problem, incumbent.laws, incumbent.size, keep_hint=True)
-        )
+    if earlier is not None and not presolved:
+        state = _begin_from(state, earlier)
     tree = Tree((RootNode(optimise, presolved),))
     while not any(holds(state, tree, tree.next_node) for _, holds in EXITS):
         node = tree.next_node
@@ -140,6 +140,19 @@ def optimise(
         tree = tree.with_children(node, children)
     state = _with_coverage(tree.next_node.conclude(state, tree))
     return state.with_exit(_exit(state, tree))
+
+
+def _begin_from(state: SolveState, best: Candidate) -> SolveState:
+    """The state with the cam and the knots that an earlier objective has led to.
+
+    On its knots that cam is a point of the relaxation and a start of the local search, however
+    little room the earlier objective's value leaves.
+    """
+    state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_hint=True))
+    if any(len(law.space.breaks) > MOST_INTERVALS for law in best.laws):
+        return state
+    both = zip(state.problem.free, best.laws, strict=True)
+    return replace(state, grids=tuple(grid_through(s, law.space.breaks) for s, law in both))
 
 
 def _exit(state: SolveState, tree: Tree) -> str:

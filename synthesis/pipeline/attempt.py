@@ -207,7 +207,7 @@ def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
                 problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
                 tighten, proof=_proof_budget(spec),
                 warm_start=goal.warm_start if from_start else None,
-                incumbent=attempt.searches[-1].incumbent if rank else None,
+                earlier=attempt.searches[-1].incumbent if rank else None,
                 sufficient=sufficient if from_start else -inf,
             )  # fmt: skip
             attempt.searches.append(state)
@@ -354,11 +354,15 @@ def _base_radius(attempt: Attempt) -> float:
     return attempt.built.follower.dimensions(attempt.best.size)["base_radius_mm"]
 
 
-def _nears_open_end(state: SolveState, best: Candidate) -> bool:
-    """Whether a bound is the open end of the size, and the cam the smallest that was sought."""
+def _nears_open_end(state: SolveState) -> bool:
+    """Whether a bound is the open end of the size, and the cam the smallest that was sought.
+
+    The cam of a later objective may be larger by what that objective was allowed: the open end is
+    the infimum all the same.
+    """
     problem = state.problem
     at_end = state.lower <= problem.least_norm + ROUNDING * problem.length
-    return at_end and replace(state, incumbent=best).is_smallest_sought
+    return at_end and state.is_smallest_sought
 
 
 def _take_best(attempt: Attempt) -> None:
@@ -369,7 +373,7 @@ def _take_best(attempt: Attempt) -> None:
     best = solved[-1].incumbent if solved else None
     if best is not None:
         attempt.bounds = [
-            Bounded(objective, state.lower, state.valid_for, _nears_open_end(state, best))
+            Bounded(objective, state.lower, state.valid_for, _nears_open_end(state))
             for objective, state in zip(objectives, solved, strict=False)
         ]
     else:  # laws and size are given: the only cam there is, its values their own bounds
