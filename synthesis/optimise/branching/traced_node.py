@@ -43,10 +43,12 @@ SPARE = 1e-9  # relative slack of a value that is held, against rounding
 FIRST_TURNS, TURNS, FEW_TURNS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
 WIDTH_KEPT = 0.85  # of the bounds' width: a turn that leaves more is idle
-ROUNDS = 5  # meshes of one relaxation, each finer than the one before
+ROUNDS = 6  # meshes of one relaxation, each finer than the one before
 EARLY_ROUNDS = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
-MESH_LOSS = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
+MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
+"""Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
+which take longer."""
 SPREAD = 14  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 MAX_NODES, FEW_NODES = 21, 3
@@ -332,7 +334,8 @@ def solve_relaxation(
         if node.is_empty or state.time_left <= 0.0:
             break
         missing = node.largest_value - cam.value
-        fine = number >= EARLY_ROUNDS or cam.value - bound.value < MESH_LOSS * missing
+        allowed = MESH_LOSS if number < EARLY_ROUNDS else LATE_MESH_LOSS
+        fine = cam.value - bound.value < allowed * missing
         if missing > 0.0 and fine and not every_mesh:
             break
         grids = refine_mesh(problem, grids, cam, bound)
