@@ -40,7 +40,6 @@ from synthesis.optimise.recovery.candidate import (
     weighs_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.refinement.mesh import MOST_INTERVALS
 from synthesis.optimise.root_node import RootNode
 from synthesis.optimise.state import (
     DEFAULT_TIGHTENING,
@@ -149,8 +148,6 @@ def _begin_from(state: SolveState, best: Candidate) -> SolveState:
     little room the earlier objective's value leaves.
     """
     state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_hint=True))
-    if any(len(law.space.breaks) > MOST_INTERVALS for law in best.laws):
-        return state
     both = zip(state.problem.free, best.laws, strict=True)
     return replace(state, grids=tuple(grid_through(s, law.space.breaks) for s, law in both))
 

@@ -205,7 +205,7 @@ def _solve_tightened(prepared: Attempt, goal: Goal, tighten: float) -> Attempt:
             from_start = rank == 0 and first is None
             state = optimise(
                 problem, spec.tolerance if rank == last else 0.5 * spec.tolerance, goal.stop,
-                tighten, proof=_proof_budget(spec),
+                tighten, proof=_proof_budget(spec, is_last=rank == last),
                 warm_start=goal.warm_start if from_start else None,
                 earlier=attempt.searches[-1].incumbent if rank else None,
                 sufficient=sufficient if from_start else -inf,
@@ -338,15 +338,16 @@ def enlarge_until_simple(crossing: Attempt, goal: Goal, stages: list[Effort]) ->
     return replace(best, bounds=[first, *unknown])
 
 
-def _proof_budget(spec: DesignSpec) -> ProofBudget:
-    """What may be spent on a proof.
+def _proof_budget(spec: DesignSpec, *, is_last: bool) -> ProofBudget:
+    """What may be spent on a proof; of an objective with others after it no more than their share.
 
     ``auto`` spends part of the time that the spec gives; where it gives none, a number of programs,
     so that the answer depends on no machine's speed.
     """
     programs = AUTO_PROGRAMS if spec.time_budget_s is None else inf
     auto = ProofBudget(programs, AUTO_SHARE)
-    return {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
+    budget = {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
+    return budget if is_last else replace(budget, share=min(budget.share, AUTO_SHARE))
 
 
 def _base_radius(attempt: Attempt) -> float:
