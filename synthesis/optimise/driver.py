@@ -29,7 +29,7 @@ from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, in_problem_units
-from synthesis.optimise.problem.grid import Grid
+from synthesis.optimise.problem.grid import Grid, grid_through
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import (
     Candidate,
@@ -96,7 +96,7 @@ def optimise(
     *,
     proof: ProofBudget = QUICK,
     warm_start: WarmStart | None = None,
-    incumbent: Candidate | None = None,
+    earlier: Candidate | None = None,
     sufficient: float = -inf,
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
@@ -108,7 +108,8 @@ def optimise(
         tighten: relative tightening of the rows against the solver's tolerance.
         proof: what may be spent where nonconvex limits leave a gap.
         warm_start: where the local search of a neighbouring problem ended.
-        incumbent: a cam that another objective under the same limits has led to.
+        earlier: a cam that another objective under the same limits has led to: the first
+            incumbent, and its knots are those of the first mesh.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
 
@@ -125,10 +126,8 @@ def optimise(
         # problem for this driver.
         return _with_valid_for(bisect_pressure_angle(state, optimise))
     state, presolved = _presolve(state)
-    if incumbent is not None and not presolved:
-        state = state.with_incumbent(
-            recover_cam(problem, incumbent.laws, incumbent.size, keep_hint=True)
-        )
+    if earlier is not None and not presolved:
+        state = _begin_from(state, earlier)
     tree = Tree((RootNode(optimise, presolved),))
     while not any(holds(state, tree, tree.next_node) for _, holds in EXITS):
         node = tree.next_node
@@ -142,6 +141,17 @@ def optimise(
         tree = tree.with_children(node, children)
     state = _with_valid_for(tree.next_node.conclude(state, tree))
     return state.with_exit(_exit(state, tree))
+
+
+def _begin_from(state: SolveState, best: Candidate) -> SolveState:
+    """The state with the cam and the knots that an earlier objective has led to.
+
+    On its knots that cam is a point of the relaxation and a start of the local search, however
+    little room the earlier objective's value leaves.
+    """
+    state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_hint=True))
+    both = zip(state.problem.free, best.laws, strict=True)
+    return replace(state, grids=tuple(grid_through(s, law.space.breaks) for s, law in both))
 
 
 def _exit(state: SolveState, tree: Tree) -> str:

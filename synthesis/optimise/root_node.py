@@ -224,7 +224,7 @@ class RootNode(Node):
         if not self.dimension_searched:
             if not state.needs_local_search:
                 return state, ()
-            state = local_search(state)
+            state = local_search(replace(state, margin=0.0))
         if not problem.free:
             return search_sizes(state), ()
         if state.solved or state.time_left <= 0.0:
@@ -251,7 +251,9 @@ def _fixable(problem: Problem) -> bool:
 
 
 def _first_mesh(state: SolveState) -> SolveState:
-    """The state with equal intervals, their number by the tolerance."""
+    """The state with equal intervals, their number by the tolerance, unless it has a mesh."""
+    if state.grids:
+        return state
     finest = FINEST_CURVED if state.problem.has_curved_limits else FINEST
     wanted = INTERVALS_AT_UNIT_TOLERANCE / sqrt(state.tolerance)
     count = int(min(max(wanted, COARSEST), finest))

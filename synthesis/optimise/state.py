@@ -299,8 +299,8 @@ class SolveState:
     @property
     def nonconvex_limits_cost(self) -> bool:
         """Whether limits outside the relaxation cost more than the tolerance."""
-        if self.relaxed is None:
-            return False
+        if self.relaxed is None:  # it may know the cam of an earlier objective all the same
+            return self.incumbent is not None and not self.solved
         if self.incumbent is None:
             return True
         return self.incumbent.value > self.relaxed.value and not self.solved

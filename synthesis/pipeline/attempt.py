@@ -160,7 +160,8 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
 
-        numbered, stage, proof = choose_parameters(question.scaled, goal.stop, _proof_budget(spec))
+        budget = _proof_budget(spec, is_last=len(spec.objectives()) == 1)
+        numbered, stage, proof = choose_parameters(question.scaled, goal.stop, budget)
         if proof is not None and isfinite(proof.lower):
             bounded = Bounded(spec.objectives()[0], proof.lower, proof.valid_for)
         stages.append(Effort(**vars(stage)))
@@ -190,9 +191,10 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
             for rank, problem in enumerate(attempt.problems(goal.smallest)):
                 from_start = rank == 0 and attempt.first is None
                 state = optimise(
-                    problem, attempt.tolerance(rank), goal.stop, tighten, proof=_proof_budget(spec),
+                    problem, attempt.tolerance(rank), goal.stop, tighten,
+                    proof=_proof_budget(spec, is_last=rank == len(spec.objectives()) - 1),
                     warm_start=goal.warm_start if from_start else None,
-                    incumbent=attempt.searches[-1].incumbent if rank else None,
+                    earlier=attempt.searches[-1].incumbent if rank else None,
                     sufficient=sufficient if from_start else -inf,
                 )  # fmt: skip
                 attempt.searches.append(state)
@@ -262,22 +264,27 @@ def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
     return replace(attempt, bounds=[own, *later])
 
 
-def _proof_budget(spec: DesignSpec) -> ProofBudget:
-    """What may be spent on a proof.
+def _proof_budget(spec: DesignSpec, *, is_last: bool) -> ProofBudget:
+    """What may be spent on a proof; of an objective with others after it no more than their share.
 
     ``auto`` spends part of the time that the spec gives; where it gives none, a number of programs,
     so that the answer depends on no machine's speed.
     """
     programs = AUTO_PROGRAMS if spec.time_budget_s is None else inf
     auto = ProofBudget(programs, AUTO_SHARE)
-    return {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
+    budget = {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
+    return budget if is_last else replace(budget, share=min(budget.share, AUTO_SHARE))
 
 
-def _nears_open_end(state: SolveState, best: Candidate) -> bool:
-    """Whether a bound is the open end of the size, and the cam the smallest that was sought."""
+def _nears_open_end(state: SolveState) -> bool:
+    """Whether a bound is the open end of the size, and the cam the smallest that was sought.
+
+    The cam of a later objective may be larger by what that objective was allowed: the open end is
+    the infimum all the same.
+    """
     problem = state.problem
     at_end = state.lower <= problem.least_norm + ROUNDING * problem.length
-    return at_end and replace(state, incumbent=best).is_smallest_sought
+    return at_end and state.is_smallest_sought
 
 
 def _take_best(attempt: Attempt) -> None:
@@ -288,7 +295,7 @@ def _take_best(attempt: Attempt) -> None:
     best = solved[-1].incumbent if solved else None
     if best is not None:
         attempt.bounds = [
-            Bounded(objective, state.lower, state.valid_for, _nears_open_end(state, best))
+            Bounded(objective, state.lower, state.valid_for, _nears_open_end(state))
             for objective, state in zip(objectives, solved, strict=False)
         ]
     else:

@@ -45,11 +45,12 @@ SPARE = 1e-9  # relative slack of a value that is held, against rounding
 FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
 WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
-MAX_MESHES = 5  # meshes of one relaxation, each finer than the one before
+MAX_MESHES = 6  # meshes of one relaxation, each finer than the one before
 EARLY_MESHES = 2
-"""Of these, up to the first whose knots are kept for the node, and refined for small losses; from
-then on where knots cost more than rows must still gain."""
-MESH_LOSS = 0.25  # of what rows must still gain: a loss to coarse knots that does not matter yet
+"""Of these, up to the first whose knots are kept for the node, and refined for small losses."""
+MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
+"""Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
+which take longer."""
 SPREAD = 14  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 MAX_NODES, FEW_NODES = 21, 3
@@ -345,7 +346,7 @@ def solve_relaxation(
         if node.is_empty or state.time_left <= 0.0:
             break
         missing, lost = node.largest_value - cam.value, cam.value - bound.value
-        fine = lost < (1.0 if number >= EARLY_MESHES else MESH_LOSS) * missing
+        fine = lost < (MESH_LOSS if number < EARLY_MESHES else LATE_MESH_LOSS) * missing
         if missing > 0.0 and fine and not every_mesh:
             break
         grids = refine_mesh(problem, grids, cam, bound)

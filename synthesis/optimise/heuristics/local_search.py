@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
+import numpy as np
+
 from synthesis.catalogue.objectives import RmsAcceleration, RmsJerk
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
@@ -20,7 +22,7 @@ from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
 from synthesis.optimise.problem.derivative_caps import with_tighter_caps
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
-from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.refinement.row_violations import ALLOWED, breaks_exact_rows, row_violations
 from synthesis.optimise.state import SolveState, Stage, WarmStart
 
 Vector = tuple[float, ...]
@@ -115,7 +117,8 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
         solver_tolerances,
     )
 
-    start = state.incumbent or start
+    known = (cam for cam in (state.incumbent, start, state.relaxed) if cam is not None)
+    start = next((cam for cam in known if _is_on(state.grids, cam.laws)), start)
     accuracies, growth = solver_tolerances(state.tolerance), GROWTH * state.tolerance
     for _ in range(EXCHANGES):
         started = state.stopwatch
@@ -133,10 +136,18 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
         state = state.with_stage(report)
         # once more with points where rows were violated between theirs
         refined = add_violated_points(state, violations)
-        if refined is state or solution.stopped is StopReason.INFEASIBLE:
-            break  # more rows make nothing feasible
+        if refined is state or solution.stopped not in USABLE:
+            break  # more rows make nothing feasible, and nothing easier
         state = refined
     return state
+
+
+def _is_on(grids: Sequence[Grid], laws: Sequence[SplineLaw]) -> bool:
+    """Whether laws are splines of a mesh: it has all of their knots."""
+    return all(
+        law.space.degree == grid.space.degree and np.isin(law.space.breaks, grid.space.breaks).all()
+        for law, grid in zip(laws, grids, strict=True)
+    )
 
 
 def scp_search(
@@ -150,8 +161,6 @@ def scp_search(
     Returns:
         the state, and whether the iteration converged to a cam that satisfies all limits.
     """
-    if state.problem.objective.norm(state.problem.machine) is None:
-        return state, False  # the cost of the final enlargement is known for sizes only
     gap = min(STOP_GAP * state.tolerance, MAX_STOP_GAP)
     repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
@@ -217,7 +226,7 @@ def offer_local_optimum(
         cam = recover_cam(state.problem, laws, size, keep_hint=keep_hint)
         cam = enlarge_for_rows(cam) if keep_hint and not state.problem.has_curved_limits else cam
         violations = row_violations(state, cam)
-        if violations[1] > ALLOWED:
+        if violations[1] > ALLOWED or breaks_exact_rows(state, cam):
             continue
         state = state.with_local_optimum(cam)
         if state.incumbent is not None and state.incumbent.value <= good_enough:

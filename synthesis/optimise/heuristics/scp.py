@@ -24,6 +24,7 @@ from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.linear_rows import LinearBlock, Tightening
 from synthesis.optimise.conic.program import ConicModel, with_rows
 from synthesis.optimise.conic.tangent_cuts import cut_block
+from synthesis.optimise.dual_bound.bound import in_problem_units
 from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_until_feasible, recover_cam
@@ -109,13 +110,15 @@ def solve_scp(
     best = enlarged if keeps else None
     here, reach = enlarged or here, REACH
     converged, programs, rows, iterations = False, 0, 0, 0
+    radius = model.problem.machine.follower.radius_norm()
     while programs < MAX_PROGRAMS and (left := deadline - clock.now()) > 0.0:
         # 1. Linearise smooth limits where they nearly bind, within a trust region of the size.
         tangents = list(_tangents(model, here, peaks, goal.tightened))
         if not all(np.isfinite(each.cuts.upper).all() for each in tangents):
             break
         shrink = -np.eye(len(here.size))[-1]
-        least_size = (here.size[-1] - reach * here.value) / model.scales.size
+        far = reach * radius.value(here.size)
+        least_size = (here.size[-1] - far) / model.scales.size
         trust = LinearBlock.of_size(shrink, np.array([-least_size]), "")
         full = with_rows(model, [*(each.block for each in tangents), trust])
         # 2. The convex program with these tangents; its cam may violate the limits themselves.
@@ -140,9 +143,11 @@ def solve_scp(
             break
         # 4. Stop where tangents at this cam would let it shrink by no more than the tolerance:
         #    the multipliers bound, to first order, what is left to gain.
-        free = target.size[-1] > here.size[-1] - 0.99 * reach * here.value
+        free = target.size[-1] > here.size[-1] - 0.99 * far
         gain = _remaining_gain(full, tangents, goal.tightened, target, solution.multipliers)
-        least = target.value - max(gain, 0.0)
+        value = full.program.value(solution.x)
+        lost = in_problem_units(full, value) - in_problem_units(full, value - max(gain, 0.0))
+        least = target.value - lost
         if step == 1.0 and free and best.value <= least * (1.0 + goal.close):
             converged = True
             break
@@ -199,7 +204,9 @@ def _tangents(
 def _remaining_gain(
     full: ConicModel, tangents: Sequence[Tangent], tightened: float, target: Candidate, z: Array
 ) -> float:
-    """What tangents at the target cam would let it shrink by, to first order: by multipliers."""
+    """What tangents at the target cam would gain, to first order, by multipliers: of the program's
+    objective.
+    """
     program, gain = full.program, 0.0
     counts = [len(each.block.rhs) for each in tangents]
     at = program.equalities + program.inequalities - 1 - sum(counts)
@@ -211,7 +218,7 @@ def _remaining_gain(
         change = _block(full, samples, moved, bare=True).rhs - tangent.block.rhs
         gain += float(z[at : at + count] @ change)
         at += count
-    return gain * full.scales.size
+    return gain
 
 
 def _block(

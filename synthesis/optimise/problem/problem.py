@@ -27,6 +27,7 @@ from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 Place = tuple[object, ...]
 QUIET = 1e-9  # of the stroke: an amplitude that is none
+SMALL = 1e-3  # share of a norm: excesses are relative to no smaller a radius, for rounding's sake
 RESTS = 1e-9  # of the stroke: what the lifts may miss to the lowest position, as in a spec
 
 
@@ -52,6 +53,17 @@ class ObjectiveCap:
     def limits(self, machine: Machine) -> tuple[Limit, ...]:
         """What says so where no row does."""
         return self.objective.equivalent_limits(self.value, machine)
+
+    def excess(self, size: tuple[float, ...], machine: Machine) -> float:
+        """By how much a size exceeds the cap, over the capped value [wire]; −inf: no size does.
+
+        A small base radius on a large roller is a small part of the norm that the cap speaks of.
+        """
+        norm = self.objective.norm(machine)
+        if norm is None:
+            return -inf
+        radius = self.objective.to_wire(self.value, machine)
+        return (norm.value(size) - self.value) / max(min(radius, self.value), SMALL * self.value)
 
 
 @dataclass(frozen=True, eq=False)

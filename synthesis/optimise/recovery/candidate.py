@@ -122,10 +122,8 @@ def _is_out_of_bounds(problem: Problem, size: Vector) -> bool:
     """
     if not problem.machine.follower.allows(size):
         return True
-    for earlier in problem.objective_caps:
-        norm = earlier.objective.norm(problem.machine)
-        if norm is not None and norm.value(size) > earlier.value * (1.0 + BEYOND_CAP):
-            return True
+    if any(cap.excess(size, problem.machine) > BEYOND_CAP for cap in problem.objective_caps):
+        return True
     cones = problem.norm_bounds
     if any(cone.lower > 0.0 for cone in cones) and any(
         cone.norm.value(size) > cone.upper * (1.0 + OUTSIDE) for cone in cones

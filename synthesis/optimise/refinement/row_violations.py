@@ -14,7 +14,7 @@ import numpy as np
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array, sorted_unique
-from synthesis.optimise.conic.linear_rows import applies_at, is_sampled, row_scale
+from synthesis.optimise.conic.linear_rows import applies_at, is_sampled, row_excess, row_scale
 from synthesis.optimise.conic.program import natural_scales
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
@@ -22,6 +22,8 @@ from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState
 
 ALLOWED = 1e-9  # relative excess of a row that is the solver's noise; the certificate decides
+
+CAP_SLACK = 0.01  # share of the tolerance by which a cam may exceed the cap on a radius
 
 
 def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], float]:
@@ -38,6 +40,21 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
                 violated.append(x[excess > ALLOWED])
         points.append(sorted_unique(np.concatenate(violated)))
     return points, worst
+
+
+def breaks_exact_rows(state: SolveState, cam: Candidate) -> bool:
+    """Whether a cam breaks rows that a spline keeps all along once its coefficients keep them.
+
+    A cone program keeps these by itself. A nonlinear one may have stopped before it did, and its
+    start need not: on another mesh the laws of a cam are no longer the same.
+    """
+    laws, scales = {s.index: s for s in cam.problem.segments}, natural_scales(state.problem)
+    return any(
+        row_excess(row, laws[free.index], cam.size) > ALLOWED * row_scale(row, free, scales)
+        for free, grid in zip(state.problem.free, state.grids, strict=True)
+        for row in state.problem.limit_rows(free)
+        if not row.equality and not is_sampled(row, grid.space)
+    )
 
 
 def _excesses(
@@ -75,7 +92,6 @@ def _can_be_violated(row: LinearInequality, grid: Grid, cam: Candidate) -> bool:
 
 def _excess_of_earlier_objectives(state: SolveState, cam: Candidate) -> float:
     """How far the cam exceeds the radius that an earlier objective holds it to, relative."""
-    caps = state.problem.objective_caps
-    norms = ((cap.objective.norm(state.problem.machine), cap.value) for cap in caps)
-    ratios = (norm.value(cam.size) / value for norm, value in norms if norm is not None)
-    return max((ratio - 1.0 - 0.01 * state.tolerance for ratio in ratios), default=-inf)
+    caps, machine = state.problem.objective_caps, state.problem.machine
+    excesses = (cap.excess(cam.size, machine) - CAP_SLACK * state.tolerance for cap in caps)
+    return max(excesses, default=-inf)
