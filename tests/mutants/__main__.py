@@ -15,12 +15,15 @@ import hashlib
 import json
 import re
 import sys
+import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import islice, zip_longest
 from pathlib import Path
 
+from tests.mutants.collected import Collected
 from tests.mutants.operators import Fault, Module, faults
 from tests.mutants.runs import CACHE, Asked, ask, copy_tree, import_libraries, plant, record
 
@@ -115,10 +118,7 @@ def _plant_all(
     room: Room, planted: list[Fault], tree: Path, seconds: float
 ) -> Iterator[tuple[Room, Fault, str]]:
     """Every fault with what sees it, "" where nothing does."""
-    reached = Reached(room, tree)
-    if failed := ask(tree, reached.fastest()):
-        sys.exit(f"{failed} fails without a fault")
-    path = CACHE / "results.json"
+    reached, path = Reached(room, tree), CACHE / "results.json"
     results: dict[str, str] = json.loads(path.read_text()) if path.exists() else {}
     for number, fault in enumerate(planted, 1):
         source = (tree / fault.file).read_text()
@@ -126,16 +126,36 @@ def _plant_all(
         code = hashlib.sha256(fault.plant(source).encode()).hexdigest()
         survived = f"{code} {asked.digest}"
         seen_by = results.get(code, results.get(survived))
+        started = time.monotonic()
         if seen_by is None:
-            with plant(tree / fault.file, fault.plant(source)):
-                seen_by = ask(tree, asked) if asked.tests else ""
+            seen_by = _seen_by(room, tree, fault, source, asked)
             results[code if seen_by else survived] = seen_by
             path.write_text(json.dumps(results))
         said = seen_by or f"LIVES ({len(asked.tests)} tests)"
+        took = f"{time.monotonic() - started:.0f} s"
         print(
-            f"{room.name} {number}/{len(planted)} {fault.place} {fault.key}\n    {said}", flush=True
+            f"{room.name} {number}/{len(planted)} {fault.place} {fault.key}\n    {said}, {took}",
+            flush=True,
         )
         yield room, fault, seen_by
+
+
+def _seen_by(room: Room, tree: Path, fault: Fault, source: str, asked: Asked) -> str:
+    """The test that sees a fault, "" where none does."""
+    file, planted = tree / fault.file, fault.plant(source)
+    collected = _collected(tree, room.tests)
+    if not asked.tests:
+        return ""
+    with plant(file, planted):
+        seen_by = collected.ask(file, source, planted, asked) or ask(tree, asked)
+    if seen_by in asked.tests and not collected.passes(seen_by):
+        sys.exit(f"{seen_by} fails without a fault")
+    return seen_by
+
+
+@cache
+def _collected(tree: Path, folders: tuple[str, ...]) -> Collected:
+    return Collected(tree, [f"tests/{folder}" for folder in folders])
 
 
 class Reached:
@@ -153,10 +173,6 @@ class Reached:
                     for line in lines:
                         for name in (names[line], names[line].partition(": ")[0]):
                             self._of_line[name][test] = None
-
-    def fastest(self) -> Asked:
-        tests = sorted(self._seconds, key=self._seconds.__getitem__)[:40]
-        return Asked(tests, sum(map(self._seconds.__getitem__, tests)), "")
 
     def tests(self, fault: Fault, source: str, most: float) -> Asked:
         """Tests that reach a fault, those that say most in a second first.

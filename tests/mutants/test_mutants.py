@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.mutants.collected import Collected
 from tests.mutants.operators import Fault, faults
 from tests.mutants.runs import Asked, ask, plant, record
 
@@ -114,6 +115,21 @@ def test_what_tests_reach_and_see(tree: Path) -> None:
         with plant(tree / "synthesis/certify/m.py", found[after].plant(SOURCE)):
             assert ask(tree, asked).rpartition("::")[2] == seen_by
     assert ask(tree, asked) == ""  # planted for as long as it is asked about
+
+
+def test_collected_tests_see_what_they_see_in_a_process_of_their_own(tree: Path) -> None:
+    names = ["test_rows", "test_most"]
+    asked = Asked([f"tests/test_m.py::{name}" for name in names], 1.0, "")
+    file, collected = tree / "synthesis/certify/m.py", Collected(tree, ["tests"])
+    seen_by = {
+        fault.after: collected.ask(file, SOURCE, fault.plant(SOURCE), asked).rpartition("::")[2]
+        for fault in faults("synthesis/certify/m.py", SOURCE)
+    }
+    assert (seen_by["a - b"], seen_by["min"], seen_by["0.0"]) == (*names, "")
+    endless = SOURCE.replace("found = [a, -b]", "while True: pass")
+    assert collected.ask(file, SOURCE, endless, Asked(asked.tests, -2.0, "")) == "endless"
+    assert collected.passes(asked.tests[0])
+    assert not collected.passes("tests/test_m.py::test_that_fails")
 
 
 def test_an_endless_loop_is_seen(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
