@@ -50,7 +50,9 @@ class Room:
     store: bool = False
 
 
-CORE = ("certify", "optimise", "catalogue", "machines", "studies", "pipeline")
+# Tests of whole designs (pipeline, studies) take seconds each and see little that these do not.
+NEAR = ("catalogue", "machines/dynamics")
+ANALYSES = tuple(f"studies/test_{each}.py" for each in ("analyse", "analyse_arm", "self_crossing"))
 # What bounds over all laws rest on: rows, their functionals, least integrals, ranges. The rest of
 # the optimiser proposes cams and multipliers, of which any are valid, and meshes.
 BOUNDS = (
@@ -59,9 +61,12 @@ BOUNDS = (
     "dual_bound/row_functionals", "dual_bound/switching", "propagation/*", "relaxation/*",
 )  # fmt: skip
 ROOMS = (
-    Room("certify", 150, ("synthesis/certify/*.py",), CORE),
-    Room("second", 100, ("synthesis/certify/second/*.py",), CORE),
-    Room("optimise", 120, tuple(f"synthesis/optimise/{file}.py" for file in BOUNDS), CORE),
+    Room("certify", 150, ("synthesis/certify/*.py",), ("certify", *NEAR, *ANALYSES)),
+    Room("second", 100, ("synthesis/certify/second/*.py",), ("certify",)),
+    Room(
+        "optimise", 120, tuple(f"synthesis/optimise/{file}.py" for file in BOUNDS),
+        ("optimise", *NEAR),
+    ),
     Room(
         "store", 80, ("service/storage/*.py", "service/sweeps/[cst]*.py"),
         ("service/storage", "service/sweeps", "service/resources"), store=True,
@@ -143,7 +148,7 @@ def _plant_all(
 def _seen_by(room: Room, tree: Path, fault: Fault, source: str, asked: Asked) -> str:
     """The test that sees a fault, "" where none does."""
     file, planted = tree / fault.file, fault.plant(source)
-    collected = _collected(tree, room.tests)
+    collected = _collected(tree, room.store)
     if not asked.tests:
         return ""
     with plant(file, planted):
@@ -154,8 +159,10 @@ def _seen_by(room: Room, tree: Path, fault: Fault, source: str, asked: Asked) ->
 
 
 @cache
-def _collected(tree: Path, folders: tuple[str, ...]) -> Collected:
-    return Collected(tree, [f"tests/{folder}" for folder in folders])
+def _collected(tree: Path, store: bool) -> Collected:
+    """The tests of all rooms of the core, or of the store."""
+    names = dict.fromkeys(name for room in ROOMS if room.store == store for name in room.tests)
+    return Collected(tree, [f"tests/{name}" for name in names])
 
 
 class Reached:
@@ -164,8 +171,9 @@ class Reached:
     def __init__(self, room: Room, tree: Path) -> None:
         self._seconds, self._digests = dict[str, float](), dict[str, str]()
         self._of_line = defaultdict[str, dict[str, None]](dict)  # of lines and whole functions
-        for folder in room.tests:
-            for file in sorted((tree / "tests" / folder).rglob("test_*.py")):
+        for name in room.tests:
+            path = tree / "tests" / name
+            for file in [path] if path.is_file() else sorted(path.rglob("test_*.py")):
                 names, tests = record(tree, file.relative_to(tree))
                 digest = hashlib.sha256(file.read_bytes()).hexdigest()
                 for test, (seconds, lines) in tests.items():

@@ -41,6 +41,7 @@ class Collected:
             finally:
                 os._exit(0)
         requests.close()
+        self._requests.recv()  # all is imported: from now on files may have faults
 
     def ask(self, file: Path, before: str, after: str, asked: runs.Asked) -> str:
         """Run tests until one fails, with the functions of a file as another source has them.
@@ -75,6 +76,7 @@ class _Forks:
             if isinstance(each, FunctionType):
                 functions[each.__code__.co_filename].append(each)
         gc.freeze()
+        self._requests.send(len(items))
         while True:
             try:
                 file, before, after, tests, cpu = self._requests.recv()
