@@ -2,8 +2,8 @@
 
 To import and collect anew takes longer than most tests that see a fault. A fault changes the body
 of a function, and nothing else: so the functions of the module that was imported get the code of
-the planted source. What was computed at import is without the fault. A fault that lives here is
-therefore planted again in a process that imports everything (``runs.ask``).
+the planted source. What was computed at import is without the fault. A fault that lives here, and
+nobody has said why, is therefore planted again in a process that imports everything (``runs.ask``).
 """
 
 from __future__ import annotations
