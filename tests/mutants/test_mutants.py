@@ -127,7 +127,7 @@ def test_collected_tests_see_what_they_see_in_a_process_of_their_own(tree: Path)
     }
     assert (seen_by["a - b"], seen_by["min"], seen_by["0.0"]) == (*names, "")
     endless = SOURCE.replace("found = [a, -b]", "while True: pass")
-    assert collected.ask(file, SOURCE, endless, Asked(asked.tests, -2.0, "")) == "endless"
+    assert collected.ask(file, SOURCE, endless, Asked(asked.tests, -4.0, "")) == "endless"
     assert collected.passes(asked.tests[0])
     assert not collected.passes("tests/test_m.py::test_that_fails")
 

@@ -116,6 +116,27 @@ def test_headings_are_those_of_the_curve_on_the_cam() -> None:
                     assert math.cos(cmath.phase(tangent) - heading) > 1.0 - 1e-12
 
 
+def test_boxes_hold_the_roller_s_centre_and_the_flank() -> None:
+    with ball_precision():
+        found, design = search()
+        e, s0 = design.size
+        for piece in found.motion.pieces:
+            for box in found._boxes_of(piece):
+                middle = found._middle(box)
+                theta = float(piece.angle_at(middle.low))
+                s, v = design.curve.derivatives([theta], 1)[:, 0]
+                centre = e + 1j * (s0 + s)
+                inward = (v - centre) / abs(v - centre)  # the tangent, turned by a quarter
+                for wide, narrow, exact in (
+                    (box.centre, middle.centre, centre),
+                    (box.flank, middle.flank, centre + 6.5 * inward),
+                ):
+                    place = exact * cmath.exp(-1j * theta)
+                    for ball, point, x in zip(wide, narrow, (place.real, place.imag), strict=True):
+                        assert abs(float(ball.mid()) - x) <= float(ball.rad()) + 1e-9
+                        assert float(point) == pytest.approx(x, abs=1e-9)
+
+
 def test_halves_make_up_their_box() -> None:
     with ball_precision():
         found, _ = search()
@@ -188,6 +209,9 @@ def test_rows_of_a_table_are_known_to_a_billionth_of_its_tolerance() -> None:
     for share, expected in ((0.6e-9, "confirmed"), (4e-9, "contradicted")):
         value = line.value + share * line.bound
         assert verdict(design, "table_deviation", value=value) == expected
+    # a line that names no table, or no bound, is not confirmed
+    assert verdict(design, "table_deviation", bound=None) == "incomplete"
+    assert verdict(design, "table_deviation", field="program/2/tolerance_mm") == "incomplete"
 
 
 def harmonic() -> Design:
