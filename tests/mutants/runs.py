@@ -177,10 +177,10 @@ class Recorder:
             self._coverage.switch_context(before)
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
+    def pytest_fixture_setup(self, fixturedef: Any, request: Any) -> Iterator[None]:
         if fixturedef.scope == "function":
             return (yield)
-        with self._in_context(f"fixture {fixturedef.argname}"):
+        with self._in_context(f"fixture {fixturedef.argname} {request.param_index}"):
             return (yield)
 
     @pytest.hookimpl(tryfirst=True)
@@ -189,7 +189,11 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> Iterator[None]:
-        self._uses[item.nodeid] = item.fixturenames  # type: ignore[attr-defined]
+        chosen = getattr(item, "callspec", None)  # which of a fixture's parameters it has
+        self._uses[item.nodeid] = [
+            f"fixture {name} {chosen.indices.get(name, 0) if chosen else 0}"
+            for name in item.fixturenames  # type: ignore[attr-defined]
+        ]
         signal.setitimer(signal.ITIMER_PROF, SLOW)
         with self._in_context(item.nodeid):
             return (yield)
@@ -220,7 +224,7 @@ class Recorder:
                 names.append(f"{path} {line_names[line]}")
         tests = {}
         for test in self._uses.keys() - self._ended:
-            contexts = [test, *(f"fixture {name}" for name in self._uses[test])]
+            contexts = [test, *self._uses[test]]
             contexts = [each for each in contexts if each in self._seconds]
             seconds = sum(self._seconds[each] for each in contexts)
             tests[test] = seconds, sorted(set[int]().union(*(lines[each] for each in contexts)))

@@ -93,7 +93,11 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "synthesis" / "certify" / "m.py").write_text(SOURCE)
     (tmp_path / "tests").mkdir()
     (tmp_path / "tests" / "test_m.py").write_text(
+        "import pytest\n"
         "from synthesis.certify.m import most, rows\n"
+        "@pytest.fixture(scope='module', params=['most', 'rows'])\n"
+        "def made(request): return most([1.0], 2.0) if request.param == 'most' else rows(1, 2)\n"
+        "def test_made(made): assert made\n"
         "def test_rows(): assert rows(1, 2) == [1, -2, 3]\n"
         "def test_most(): assert abs(most([1.0, 2.0], 3.0) - 2.0) < 1e-3\n"
         "def test_that_fails(): assert rows(1, 2) == []\n"
@@ -103,10 +107,15 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_what_tests_reach_and_see(tree: Path) -> None:
     names, tests = record(tree, Path("tests/test_m.py"))
-    assert sorted(tests) == ["tests/test_m.py::test_most", "tests/test_m.py::test_rows"]
-    reached = {names[line] for line in tests["tests/test_m.py::test_rows"][1]}
-    assert "synthesis/certify/m.py rows: found.append(a + b)" in reached
-    assert not any("max(values)" in name for name in reached)
+    each = [
+        f"tests/test_m.py::test_{name}" for name in ("made[most]", "made[rows]", "most", "rows")
+    ]
+    assert sorted(tests) == each
+    for test in each:  # of a fixture's parameters each test has its own
+        reached = {names[line] for line in tests[test][1]}
+        of_rows = "rows" in test
+        assert ("synthesis/certify/m.py rows: found.append(a + b)" in reached) == of_rows
+        assert any("max(values)" in name for name in reached) != of_rows
 
     asked = Asked(sorted(tests), 1.0, "")
     assert ask(tree, asked) == ""
