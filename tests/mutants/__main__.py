@@ -53,6 +53,11 @@ class Room:
 # Tests of whole designs (pipeline, studies) take seconds each and see little that these do not.
 NEAR = ("catalogue", "machines/dynamics")
 ANALYSES = tuple(f"studies/test_{each}.py" for each in ("analyse", "analyse_arm", "self_crossing"))
+SWEEPS = tuple(  # without those that kill processes and wait
+    f"service/sweeps/test_{each}.py"
+    for each in ("leases", "runner", "sweep_store", "sweeps", "warm_sweeps")
+)
+RESOURCES = tuple(f"service/resources/test_{each}.py" for each in ("designs", "earlier_engines"))
 # What bounds over all laws rest on: rows, their functionals, least integrals, ranges. The rest of
 # the optimiser proposes cams and multipliers, of which any are valid, and meshes.
 BOUNDS = (
@@ -69,7 +74,7 @@ ROOMS = (
     ),
     Room(
         "store", 80, ("service/storage/*.py", "service/sweeps/[cst]*.py"),
-        ("service/storage", "service/sweeps", "service/resources"), store=True,
+        ("service/storage", *SWEEPS, *RESOURCES), store=True,
     ),
 )  # fmt: skip
 
