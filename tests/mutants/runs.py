@@ -22,6 +22,7 @@ import zlib
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,9 @@ SLOW = 5.0  # processor time of a test that is not asked [s]
 SLOW_FILE = 45.0  # processor time of a file of tests, after which its other tests are not recorded
 IMPORTED = "ignore::pytest.PytestAssertRewriteWarning"  # what is imported before the fork
 WAITING = 4.0  # a second of waiting costs as much as a quarter of a second's work
-CPU_SHARE = 4.0  # of the time that tests take, before a fault counts as an endless loop
-LEAST = 20.0  # processor time that every run has [s]
+CPU_SHARE = 2.0  # of the time that tests take, before a fault counts as an endless loop
+LEAST = 10.0  # processor time that every run has [s]
+WALL = 6.0  # of its processor time, what a run may take at all: it waits, or others use the cores
 Reached = tuple[list[str], dict[str, tuple[float, list[int]]]]
 
 
@@ -59,7 +61,7 @@ def copy_tree(to: Path) -> None:
         ["git", "ls-files", "-co", "--exclude-standard", "-z", "--", *OURS, "*.*"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    wanted = {name for name in listed.stdout.split("\0") if name and Path(name).exists()}
+    wanted = {name for name in listed.stdout.split("\0") if name and Path(name).is_file()}
     for old in to.rglob("*"):
         name = str(old.relative_to(to))
         if old.is_file() and "__pycache__" not in name and name not in wanted:
@@ -70,13 +72,11 @@ def copy_tree(to: Path) -> None:
             shutil.copyfile(name, to / name)
 
 
-def in_fork(
-    tree: Path, work: Callable[[], Any], cpu: float, wall: float, log: Path
-) -> tuple[int, Any, float]:
-    """Run ``work`` in a child of this process whose modules come from ``tree``.
+def in_fork(work: Callable[[], Any], cpu: float, log: Path) -> tuple[int, Any, float]:
+    """Run ``work`` in a child of this process.
 
     Args:
-        cpu: processor time after which it is ended [s]. wall: the same of any time: waiting.
+        cpu: processor time after which it is ended [s]; after ``WALL`` times that, anyhow.
         log: where its output goes.
 
     Returns:
@@ -89,7 +89,7 @@ def in_fork(
         code = 1
         try:
             os.setsid()
-            _enter(tree, log)
+            write_to(log)
             resource.setrlimit(resource.RLIMIT_CPU, (int(cpu) + 1, int(cpu) + 3))
             answer.write_text(json.dumps(work()))
             code = 0
@@ -98,14 +98,14 @@ def in_fork(
         finally:
             sys.stdout.flush()
             os._exit(code)
-    ends, status, used = time.monotonic() + wall, 0, None
+    ends, status, used = time.monotonic() + WALL * cpu, 0, None
     while used is None:
         ended, status, usage = os.wait4(child, os.WNOHANG)
         if ended:
             used = usage.ru_utime + usage.ru_stime
         elif time.monotonic() > ends:
             os.kill(child, signal.SIGKILL)
-            ends += wall
+            ends = inf
         else:
             time.sleep(0.01)
     with contextlib.suppress(ProcessLookupError):
@@ -115,11 +115,14 @@ def in_fork(
     return code, said, used
 
 
-def _enter(tree: Path, log: Path) -> None:
-    """Make this process one that was started in ``tree``."""
-    output = os.open(log.absolute(), os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
+def write_to(log: Path) -> None:
+    output = os.open(log, os.O_CREAT | os.O_WRONLY | os.O_TRUNC)
     for stream in (1, 2):
         os.dup2(output, stream)
+
+
+def enter(tree: Path) -> None:
+    """Make this process one that was started in ``tree``: its modules come from there."""
     here = str(Path.cwd())
     os.chdir(tree)
     sys.path[:] = [str(Path.cwd()), *(p for p in sys.path if p not in ("", here))]
@@ -129,7 +132,7 @@ def _enter(tree: Path, log: Path) -> None:
     importlib.invalidate_caches()
 
 
-def _pytest(arguments: list[str], plugin: object) -> int:
+def run_pytest(arguments: list[str], plugin: object) -> int:
     return int(
         pytest.main(["-q", "-p", "no:cacheprovider", "-W", IMPORTED, *arguments], plugins=[plugin])
     )
@@ -174,10 +177,10 @@ class Recorder:
             self._coverage.switch_context(before)
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_fixture_setup(self, fixturedef: Any) -> Iterator[None]:
+    def pytest_fixture_setup(self, fixturedef: Any, request: Any) -> Iterator[None]:
         if fixturedef.scope == "function":
             return (yield)
-        with self._in_context(f"fixture {fixturedef.argname}"):
+        with self._in_context(f"fixture {fixturedef.argname} {request.param_index}"):
             return (yield)
 
     @pytest.hookimpl(tryfirst=True)
@@ -186,7 +189,11 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_setup(self, item: pytest.Item) -> Iterator[None]:
-        self._uses[item.nodeid] = item.fixturenames  # type: ignore[attr-defined]
+        chosen = getattr(item, "callspec", None)  # which of a fixture's parameters it has
+        self._uses[item.nodeid] = [
+            f"fixture {name} {chosen.indices.get(name, 0) if chosen else 0}"
+            for name in item.fixturenames  # type: ignore[attr-defined]
+        ]
         signal.setitimer(signal.ITIMER_PROF, SLOW)
         with self._in_context(item.nodeid):
             return (yield)
@@ -217,7 +224,7 @@ class Recorder:
                 names.append(f"{path} {line_names[line]}")
         tests = {}
         for test in self._uses.keys() - self._ended:
-            contexts = [test, *(f"fixture {name}" for name in self._uses[test])]
+            contexts = [test, *self._uses[test]]
             contexts = [each for each in contexts if each in self._seconds]
             seconds = sum(self._seconds[each] for each in contexts)
             tests[test] = seconds, sorted(set[int]().union(*(lines[each] for each in contexts)))
@@ -232,13 +239,15 @@ def record(tree: Path, tests: Path) -> Reached:
         names, found = json.loads(kept.read_text())
         return names, found
 
+    log = CACHE.absolute() / "record.log"
+
     def work() -> Reached:
+        enter(tree)
         recorder = Recorder()
-        _pytest([str(tests)], recorder)
+        run_pytest([str(tests)], recorder)
         return recorder.tests()
 
-    log = CACHE / "record.log"
-    code, said, used = in_fork(tree, work, 2.0 * SLOW_FILE, 4.0 * SLOW_FILE, log)
+    code, said, used = in_fork(work, 2.0 * SLOW_FILE, log)
     if said is None and code != -signal.SIGKILL:
         sys.exit(f"{tests} could not be recorded: see {log}")
     names, found = said or ([], {})
@@ -274,6 +283,11 @@ class Asked:
     seconds: float
     digest: str
 
+    @property
+    def cpu(self) -> float:
+        """Processor time that they have [s]."""
+        return CPU_SHARE * self.seconds + LEAST
+
 
 @contextlib.contextmanager
 def plant(path: Path, source: str) -> Iterator[None]:
@@ -292,13 +306,18 @@ def plant(path: Path, source: str) -> Iterator[None]:
 
 def ask(tree: Path, asked: Asked) -> str:
     """Run tests until one fails; its name, "" where none does, and what else ended the run."""
+    log = CACHE.absolute() / "run.log"
 
     def work() -> tuple[int, str]:
+        enter(tree)
         first = FirstFailure()
-        return _pytest(["-x", *asked.tests], first), first.test
+        return run_pytest(["-x", *asked.tests], first), first.test
 
-    cpu = CPU_SHARE * asked.seconds + LEAST
-    code, said, _ = in_fork(tree, work, cpu, 2.0 * cpu, CACHE / "run.log")
+    return verdict(*in_fork(work, asked.cpu, log)[:2])
+
+
+def verdict(code: int, said: tuple[int, str] | None) -> str:
+    """What ended tests: ``code`` of their process, and what it said: pytest's status, the test."""
     if said is None:
         return "endless" if code in (-signal.SIGKILL, -signal.SIGXCPU) else "crash"
     status, test = said

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.mutants.collected import Collected
 from tests.mutants.operators import Fault, faults
 from tests.mutants.runs import Asked, ask, plant, record
 
@@ -92,7 +93,11 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "synthesis" / "certify" / "m.py").write_text(SOURCE)
     (tmp_path / "tests").mkdir()
     (tmp_path / "tests" / "test_m.py").write_text(
+        "import pytest\n"
         "from synthesis.certify.m import most, rows\n"
+        "@pytest.fixture(scope='module', params=['most', 'rows'])\n"
+        "def made(request): return most([1.0], 2.0) if request.param == 'most' else rows(1, 2)\n"
+        "def test_made(made): assert made\n"
         "def test_rows(): assert rows(1, 2) == [1, -2, 3]\n"
         "def test_most(): assert abs(most([1.0, 2.0], 3.0) - 2.0) < 1e-3\n"
         "def test_that_fails(): assert rows(1, 2) == []\n"
@@ -102,10 +107,15 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_what_tests_reach_and_see(tree: Path) -> None:
     names, tests = record(tree, Path("tests/test_m.py"))
-    assert sorted(tests) == ["tests/test_m.py::test_most", "tests/test_m.py::test_rows"]
-    reached = {names[line] for line in tests["tests/test_m.py::test_rows"][1]}
-    assert "synthesis/certify/m.py rows: found.append(a + b)" in reached
-    assert not any("max(values)" in name for name in reached)
+    each = [
+        f"tests/test_m.py::test_{name}" for name in ("made[most]", "made[rows]", "most", "rows")
+    ]
+    assert sorted(tests) == each
+    for test in each:  # of a fixture's parameters each test has its own
+        reached = {names[line] for line in tests[test][1]}
+        of_rows = "rows" in test
+        assert ("synthesis/certify/m.py rows: found.append(a + b)" in reached) == of_rows
+        assert any("max(values)" in name for name in reached) != of_rows
 
     asked = Asked(sorted(tests), 1.0, "")
     assert ask(tree, asked) == ""
@@ -114,6 +124,21 @@ def test_what_tests_reach_and_see(tree: Path) -> None:
         with plant(tree / "synthesis/certify/m.py", found[after].plant(SOURCE)):
             assert ask(tree, asked).rpartition("::")[2] == seen_by
     assert ask(tree, asked) == ""  # planted for as long as it is asked about
+
+
+def test_collected_tests_see_what_they_see_in_a_process_of_their_own(tree: Path) -> None:
+    names = ["test_rows", "test_most"]
+    asked = Asked([f"tests/test_m.py::{name}" for name in names], 1.0, "")
+    file, collected = tree / "synthesis/certify/m.py", Collected(tree, ["tests"])
+    seen_by = {
+        fault.after: collected.ask(file, SOURCE, fault.plant(SOURCE), asked).rpartition("::")[2]
+        for fault in faults("synthesis/certify/m.py", SOURCE)
+    }
+    assert (seen_by["a - b"], seen_by["min"], seen_by["0.0"]) == (*names, "")
+    endless = SOURCE.replace("found = [a, -b]", "while True: pass")
+    assert collected.ask(file, SOURCE, endless, Asked(asked.tests, -4.0, "")) == "endless"
+    assert collected.passes(asked.tests[0])
+    assert not collected.passes("tests/test_m.py::test_that_fails")
 
 
 def test_an_endless_loop_is_seen(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:

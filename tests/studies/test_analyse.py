@@ -55,6 +55,12 @@ def test_extremes_of_every_curve_are_those_of_the_textbook() -> None:
     )
 
 
+def test_without_a_dwell_none_is_summed_up() -> None:
+    moves = [each | {"angle_deg": 180.0} for each in program() if each["kind"] != "dwell"]
+    angles = [each for each in analyse(spec(program=moves)).curves if each.unit == "deg"]
+    assert [each.over for each in angles] == ["turn", "rise", "return"]
+
+
 def test_a_broken_limit_says_by_how_much_and_where() -> None:
     found, book = given(), Textbook(spec())
     rise = book.degrees <= 73.3

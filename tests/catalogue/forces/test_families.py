@@ -122,6 +122,7 @@ def test_extremes_and_arcs_are_those_of_a_dense_turn(kind: str, sample: int) -> 
         force = turn.contact[flank.flank]
         assert flank.largest_n.value == pytest.approx(force.max(), rel=2e-4)
         assert flank.smallest_n.value == pytest.approx(force.min(), rel=2e-4)
+        assert (flank.largest_pressure_mpa is None) == edged(kind, sample)  # without a radius
         if flank.largest_pressure_mpa is not None:
             pressure = turn.pressure[flank.flank].max()
             assert flank.largest_pressure_mpa.value == pytest.approx(pressure, rel=2e-4)

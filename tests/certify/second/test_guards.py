@@ -23,7 +23,8 @@ from synthesis.certify.second.exact_motion import (
 )
 from synthesis.certify.second.invariants import _backward_travel
 from synthesis.certify.second.self_intersection import _far_pairs, _FlankSearch
-from tests.certify.second.test_values import body, given
+from tests.certify.second.test_families import designed
+from tests.certify.second.test_values import RPM, H, body, given
 
 
 @pytest.mark.parametrize(("roundings", "agrees"), [(6, True), (60, False)])
@@ -115,6 +116,27 @@ def test_headings_are_those_of_the_curve_on_the_cam() -> None:
                     assert math.cos(cmath.phase(tangent) - heading) > 1.0 - 1e-12
 
 
+def test_boxes_hold_the_roller_s_centre_and_the_flank() -> None:
+    with ball_precision():
+        found, design = search()
+        e, s0 = design.size
+        for piece in found.motion.pieces:
+            for box in found._boxes_of(piece):
+                middle = found._middle(box)
+                theta = float(piece.angle_at(middle.low))
+                s, v = design.curve.derivatives([theta], 1)[:, 0]
+                centre = e + 1j * (s0 + s)
+                inward = (v - centre) / abs(v - centre)  # the tangent, turned by a quarter
+                for wide, narrow, exact in (
+                    (box.centre, middle.centre, centre),
+                    (box.flank, middle.flank, centre + 6.5 * inward),
+                ):
+                    place = exact * cmath.exp(-1j * theta)
+                    for ball, point, x in zip(wide, narrow, (place.real, place.imag), strict=True):
+                        assert abs(float(ball.mid()) - x) <= float(ball.rad()) + 1e-9
+                        assert float(point) == pytest.approx(x, abs=1e-9)
+
+
 def test_halves_make_up_their_box() -> None:
     with ball_precision():
         found, _ = search()
@@ -158,6 +180,38 @@ def test_an_end_state_that_nobody_asked_for_is_not_confirmed() -> None:
     )
     design = given().model_copy(update={"extremes": [*given().extremes, line]})
     assert confirm(design).verdict == "incomplete"
+
+
+def test_a_state_is_measured_at_the_end_that_it_was_asked_of() -> None:
+    """Of a rise that picks up a constant velocity and comes to rest."""
+    velocity, law = 41.3, {"kind": "polynomial_5"}
+    between = velocity * 23.1 / (6.0 * RPM)  # in 23.1° [mm]
+    program = [
+        {"kind": "rise", "angle_deg": 71.25, "lift_mm": H, "law": law},
+        {"kind": "constant_velocity", "angle_deg": 23.1, "lift_mm": between},
+        {"kind": "rise", "angle_deg": 53.5, "lift_mm": 9.7, "law": law,
+         "start": {"velocity_mm_per_s": velocity}},
+        {"kind": "return", "angle_deg": 121.9, "lift_mm": H + between + 9.7,
+         "law": {"kind": "polynomial_3_4_5"}},
+        {"kind": "dwell", "angle_deg": 90.25},
+    ]  # fmt: skip
+    design = synthesise(DesignSpec.model_validate(body(program=program)))
+    (line,) = (line for line in confirm(design).lines if line.limit == "velocity_asked")
+    assert (line.field, line.agrees) == ("program/2/start", True)
+    assert float(line.value or 1.0) < 1e-12 * velocity
+
+
+def test_rows_of_a_table_are_known_to_a_billionth_of_its_tolerance() -> None:
+    design = designed("table")
+    (line,) = (e for e in design.extremes if e.limit == "table_deviation")
+    assert line.value is not None
+    assert line.bound is not None
+    for share, expected in ((0.6e-9, "confirmed"), (4e-9, "contradicted")):
+        value = line.value + share * line.bound
+        assert verdict(design, "table_deviation", value=value) == expected
+    # a line that names no table, or no bound, is not confirmed
+    assert verdict(design, "table_deviation", bound=None) == "incomplete"
+    assert verdict(design, "table_deviation", field="program/2/tolerance_mm") == "incomplete"
 
 
 def harmonic() -> Design:

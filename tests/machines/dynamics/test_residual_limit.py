@@ -113,6 +113,25 @@ def test_the_remainder_of_a_short_series_is_bounded(
             assert early.lower <= whole <= early.upper
 
 
+def test_the_allowance_for_rounding_is_the_same_all_round_the_turn() -> None:
+    """Of two equal rises, one far from where the turn begins."""
+    half = [
+        {"kind": kind, "angle_deg": angle, "law": {"kind": "polynomial_3_4_5"}, "lift_mm": LIFT}
+        if kind != "dwell"
+        else {"kind": kind, "angle_deg": angle}
+        for kind, angle in (("rise", 43.0), ("dwell", 29.0), ("return", 71.0), ("dwell", 37.0))
+    ]
+    question = spec(quiet(hertz(1.7), 1.0, 0.1), program=[*half, *half])
+    motion = PiecewiseMotion(Motion.of(question.placed_segments()))
+    early, _, late, _ = (
+        residual_vibration._cancellation(
+            motion, residual_vibration._steps(motion, ring), ring.frequency
+        )
+        for ring in rings(question)
+    )
+    assert late == pytest.approx(early, rel=1e-9)
+
+
 def test_both_judges_name_the_run_that_rings_most() -> None:
     question = spec(quiet(hertz(1.6), 9.0, 0.1), laws=("modified_sine", "modified_trapezoid"),
                     base_radius_mm=90.0)  # fmt: skip

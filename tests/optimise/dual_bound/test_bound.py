@@ -84,6 +84,15 @@ def test_below_the_optimum_on_much_finer_knots(name: str) -> None:
         assert len(coarse.switching) == len(question.free)
 
 
+def test_of_given_laws_the_bound_is_the_optimum() -> None:
+    law = "cycloidal"
+    program = rise(71.7, law=law), dwell(23.9), fall(83.3, law=law), dwell(181.1)
+    value, lower = found(problem(scene(program, angles(29.0, 37.0))), 12)
+    assert lower.value == pytest.approx(value, rel=1e-6)
+    assert lower.value <= value
+    assert (lower.switching, lower.controls) == ((), ())
+
+
 @pytest.mark.parametrize("name", [name for name in CASES if name not in FAMILY])
 def test_the_gap_closes_with_knots(name: str) -> None:
     """As the knots' distance squared; only as the distance where no jerk is capped."""

@@ -119,8 +119,10 @@ def test_a_cone_that_leaves_a_direction_open_bounds_nothing() -> None:
         radius=1.0,
     )  # fmt: skip
     capped = SimpleNamespace(**vars(flat) | {"matrix": np.eye(2), "bound_column": 3})
+    # of a flat face that swings: the base radius alone, beside its pivot
+    one = SimpleNamespace(**vars(flat) | {"matrix": np.array([[0.0, 1.0]]), "shift": np.zeros(1)})
     model = SimpleNamespace(
-        cone_blocks=[flat, capped], size=slice(0, 2), scales=SimpleNamespace(size=1.0)
+        cone_blocks=[flat, capped, one], size=slice(0, 2), scales=SimpleNamespace(size=1.0)
     )
     assert _box_within_cones(model, BOX) == BOX
 

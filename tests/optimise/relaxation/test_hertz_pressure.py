@@ -5,6 +5,7 @@ the roller centre's path as complex numbers.
 """
 
 from copy import deepcopy
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -14,7 +15,11 @@ from hypothesis import strategies as st
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.catalogue.constraints import MotionBox
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.relaxation.size_rows import tighten_sizes
 
 RPM, MASS, DAMPING, RATE, PRELOAD, WIDTH, ROLLER = 317.0, 2.1, 31.0, 6.3, 410.0, 12.3, 9.7
@@ -260,6 +265,27 @@ def test_a_dwell_alone_needs_a_size():
     assert np.count_nonzero(kept) > 100
     assert np.all((e <= offset[kept]) & (offset[kept] <= e_))
     assert np.all((low <= height[kept]) & (height[kept] <= high))
+
+
+def test_bounds_of_the_traced_point_and_of_the_motion_imply_rows():
+    """Within narrow bounds about a 3-4-5 motion."""
+    spec = spec_of()
+    problem = formulate_problem(spec, *spec.objectives())
+    model = formulate(problem, [uniform_grid(segment, 20) for segment in problem.free])
+    controls = law_controls(model)
+    assert controls is not None
+    size = (3.1, 41.0)
+    sizes = tuple((z - 1e-3, z + 1e-3) for z in size)
+    region = initial_region(problem, controls, {0: ((0.1, 0.9),)}).restrict(sizes)
+    ((_, coordinates), bounds), *_ = region.point_bounds.items()
+    x, rise = bounds.nodes, problem.free[0]
+    course = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])
+    s = [rise.lift / rise.angle**k * course.deriv(k)(x) for k in range(3)]
+    height, speed, _ = coordinates.evaluate(s, size)
+    point = np.stack([height, speed, s[2]])
+    near = replace(bounds, low=point - 1e-3, high=point + 1e-3, cap=1.0)
+    blocks = replace(region, point_bounds={(0, coordinates): near}).rows(model)
+    assert "hertz_pressure" in {block.source for block in blocks}
 
 
 def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
