@@ -86,6 +86,10 @@ class SpatialFollower:
         """Name of the minimised dimension."""
         return (self.machine.size_field,)
 
+    def allows(self, z: tuple[float, ...]) -> bool:
+        """Every size of the domain; see ``Follower``."""
+        return True
+
     @property
     def travel(self) -> Travel:
         """Units of displacement: lengths inside the optimiser, the machine's on the wire."""
