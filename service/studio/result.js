@@ -103,7 +103,7 @@ function meter(used) {
 }
 
 /** What cannot hold together, and what would help; `apply` is given the change that is taken. */
-export function conflict({ limits, relaxations, evidence }, apply) {
+export function conflict({ limits, relaxations, program_changes: changes = [], evidence }, apply) {
   const lines = relaxations.map((each) => {
     if (each.needed === null) return element("li", {}, `${nameAndUnit(each.limit)[0]}: ${each.note || "alone cannot help"}`);
     const bound = each.at_least === null ? "" : `, ${figure(each.at_least, 6)} proven impossible`;
@@ -115,6 +115,18 @@ export function conflict({ limits, relaxations, evidence }, apply) {
   return [
     element("p", {}, `What cannot hold together: ${limits.map((each) => nameAndUnit(each)[0]).join(", ")}. Any one of these changes would help:`),
     element("ul", {}, ...lines),
+    ...(changes.length ? programChanges(changes) : []),
     element("p", { class: "note" }, evidence),
   ];
+}
+
+// Numbers of the program whose change helps with all limits kept; those of one name change together.
+function programChanges(changes) {
+  const names = [...new Set(changes.map((each) => each.limit))];
+  const lines = names.map((name) => {
+    const parts = changes.filter((each) => each.limit === name && each.needed !== null)
+      .map((each) => `${each.field} ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}`);
+    return element("li", {}, `${nameAndUnit(name)[0]}: ${parts.join(", ")}`);
+  });
+  return [element("p", {}, "Or one of these changes of the motion, with all limits kept:"), element("ul", {}, ...lines)];
 }

@@ -52,16 +52,14 @@ FINEST_CURVED = 16
 """Intervals of the first mesh at most where curved limits are to be linearised on it."""
 FINEST_WITHOUT_ROWS = 150
 """Intervals of all laws at most where curved limits have no rows: a local search follows."""
-CURVATURE_GAP = 0.05
-"""A gap below which finer meshes do not pay where curvature decides."""
+CURVATURE_GAP = 0.05  # below which finer meshes do not pay where curvature decides
 FINE_ENOUGH = 2.0
 """Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
 GROWTH = 1.1
 """Factor on the number of intervals: a mesh that adds fewer says nothing about finer knots."""
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
 IDLE = 0.9  # a mesh that leaves more of the gap is idle
-MARGIN_BITS = 16
-"""Of the margin for rows written at points: it is known no better."""
+MARGIN_BITS = 16  # of the margin for rows written at points: it is known no better
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
 MOST_LEVELS = 12  # of a fractional objective on one mesh

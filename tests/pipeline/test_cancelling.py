@@ -21,8 +21,9 @@ SCENES: dict[str, dict[str, Any]] = {
     "tangents": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "quick"},
     "IPOPT": {
         "limits": [PRESSURE, RADIUS],
-        "base_radius_mm": {"max": 40.0},
+        "base_radius_mm": {"max": 34.0},
         "objective": {"kind": "peak_jerk"},
+        "proof": "quick",
     },
     "hulls": {"limits": [PRESSURE, jerk(48.0), RADIUS], "proof": "thorough"},
 }

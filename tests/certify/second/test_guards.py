@@ -196,7 +196,7 @@ def test_a_state_is_measured_at_the_end_that_it_was_asked_of() -> None:
         {"kind": "dwell", "angle_deg": 90.25},
     ]  # fmt: skip
     design = synthesise(DesignSpec.model_validate(body(program=program)))
-    (line,) = (line for line in confirm(design).lines if line.limit == "velocity_asked")
+    (line,) = (line for line in confirm(design).lines if line.limit == "velocity_required")
     assert (line.field, line.agrees) == ("program/2/start", True)
     assert float(line.value or 1.0) < 1e-12 * velocity
 
