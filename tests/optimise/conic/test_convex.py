@@ -32,7 +32,7 @@ from tests.optimise.scenes import (
     velocity,
 )  # fmt: skip
 
-SAME = 1e-6
+SAME = 3e-6  # relative: what two solvers may differ by with C4 laws that overshoot
 STEPS = (rise(61.3, 11.9), rise(77.9, 15.4), dwell(41.7), fall(99.1), dwell(80.0))
 LIMITS = (angles(29.3, 41.7), velocity(2.13, 71.7), acceleration(6.3, 71.7), jerk(67.0, 71.7))
 
