@@ -92,7 +92,8 @@ class RootNode(Node):
         problem = state.problem
         if self.presolved:
             return self._finish(state)
-        if problem.has_curved_limits and _fixable(problem):
+        dimension = problem.machine.follower.fixable_dimension()
+        if problem.has_curved_limits and dimension is not None:
             node = replace(self, processed=True, dimension_searched=True)
             return search_dimension(state, self.optimise), node
         if self.mesh_number == 1:
@@ -223,10 +224,11 @@ class RootNode(Node):
             if not state.needs_local_search:
                 return state, ()
             state = local_search(replace(state, margin=0.0))
+        dimension = problem.machine.follower.fixable_dimension()
+        if state.solved or state.time_left <= 0.0 or (dimension is not None and dimension.needed):
+            return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()
-        if state.solved or state.time_left <= 0.0:
-            return state, ()
         child: Node | None = TracedNode.root(state)
         by_pivots = self.dimension_searched or problem.omits_curved_rows
         if child is None and by_pivots and problem.has_curved_limits:
@@ -241,11 +243,6 @@ class RootNode(Node):
 
     def conclude(self, state: SolveState, tree: Tree) -> SolveState:
         return state
-
-
-def _fixable(problem: Problem) -> bool:
-    """Whether the problem becomes convex with one dimension of the follower fixed."""
-    return problem.machine.follower.fixable_dimension() is not None
 
 
 def _first_mesh(state: SolveState) -> SolveState:
