@@ -58,7 +58,7 @@ endif
 # cores wait for each other at work.
 test-%: export OPENBLAS_NUM_THREADS = 1
 test-%: $(DEV)
-	@$(PY) -m pytest $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
+	@$(PY) -m pytest --durations=25 $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 
 hard: $(DEV)  ## question after question, judged: ARGS=random (the default), loaded, mixed, bounds, transformed; ARGS=--help says more
 	$(PY) -m tests.hard.run $(ARGS)
