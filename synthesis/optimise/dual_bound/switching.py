@@ -98,7 +98,8 @@ class Switching:
         paid = weight * w**2 + psi * w
         ideal = -cap * np.abs(psi) if weight == 0.0 else -(psi**2) / (4.0 * weight)
         loss = np.sum((paid - ideal) * shares, axis=1)
-        interval = np.searchsorted(knots, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
+        # the middle between the last two cuts may round to the end itself
+        interval = np.searchsorted(knots[:-1], 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1
         sums = np.bincount(interval, np.maximum(loss, 0.0), minlength=len(knots) - 1)
         return np.asarray(sums, dtype=float)
 
