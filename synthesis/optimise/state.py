@@ -24,6 +24,8 @@ from synthesis.optimise.recovery.candidate import CLEARANCE, Candidate, enlarge_
 
 DEFAULT_TIGHTENING = 1e-7
 """Relative tightening of the rows as long as the certificate has refused no cam."""
+SINGLE_SHARE = 0.4
+"""Of the tolerance, for the gap at chosen angles and lifts: the rest is for all others."""
 AT_END = 4.0 * CLEARANCE
 """Relative: by how much a cam's size may lie above the least that is sought, and count as that."""
 

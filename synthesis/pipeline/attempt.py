@@ -24,7 +24,14 @@ from synthesis.optimise.problem.problem import (
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST
-from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState, WarmStart
+from synthesis.optimise.state import (
+    QUICK,
+    SINGLE_SHARE,
+    THOROUGH,
+    ProofBudget,
+    SolveState,
+    WarmStart,
+)
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
@@ -34,8 +41,6 @@ AUTO_PROGRAMS = 100
 """Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
 0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
-SINGLE_SHARE = 0.4
-"""Of the tolerance, for the gap at numbers that were chosen: the rest is for all others."""
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
 

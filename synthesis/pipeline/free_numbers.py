@@ -11,20 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from synthesis.catalogue.limits.motion import Acceleration, DerivativeLimit, Jerk
-from synthesis.catalogue.objectives import AnyObjective, PeakAcceleration, PeakJerk
+from synthesis.catalogue.limits.motion import DerivativeLimit
 from synthesis.design.design import Conflict, Effort
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal, prepare
+from synthesis.pipeline.boundary import OBJECTIVE_OF
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above a limit by to exclude every cam
 ROUGH = 2e-2  # tolerance of a search for a least peak: most caps are missed by more
-PEAKS: tuple[tuple[type[DerivativeLimit], AnyObjective], ...] = (
-    (Jerk, PeakJerk()),
-    (Acceleration, PeakAcceleration()),
-)
 
 
 def over_all_numbers(
@@ -70,8 +66,9 @@ def _proofs(
     if smallest is not None and smallest.excludes:
         least = f"{smallest.lower:.6g} mm ({smallest.valid_for})"
         yield f"proven: no cam has a base radius below {least}"
-    for kind, objective in PEAKS:
-        caps = [limit for limit in spec.limits if isinstance(limit, kind)]
+    capped = [limit for limit in spec.limits if isinstance(limit, DerivativeLimit)]
+    for kind in ("jerk", "acceleration"):
+        objective, caps = OBJECTIVE_OF[kind], [limit for limit in capped if limit.kind == kind]
         if not caps:
             continue
         others = [limit for limit in spec.limits if limit not in caps]
@@ -82,8 +79,8 @@ def _proofs(
         (bounded,) = in_wire_units(prepared.question, prepared.final_spec, [prepared.number_bound])
         most = min(limit.bound for limit in caps)
         if bounded.lower > most * (1.0 + ROUNDING):
-            unit = spec.machine().derivative_unit(kind.order)
+            unit = spec.machine().derivative_unit(caps[0].order)
             yield (
-                f"proven: the peak {caps[0].kind} is {bounded.lower:.6g} {unit} at least "
+                f"proven: the peak {kind} is {bounded.lower:.6g} {unit} at least "
                 f"({bounded.valid_for})"
             )

@@ -293,8 +293,8 @@ def parametric_bound(
         slope -= moved * placement.lifts.slope[position]
     # 3. ψ of every law, as a function of its length where that is free.
     shares = [
-        _share(lagrangian, position, control, costates[0, position], placement)
-        for position, control in enumerate(controls)
+        _share(lagrangian, position, control, psi, costates[0, position], placement)
+        for position, (control, psi) in enumerate(zip(controls, lagrangian.psi(), strict=True))
     ]
     known = tuple(share for share in shares if share is not None)
     if len(known) < len(shares):
@@ -309,10 +309,10 @@ def parametric_bound(
 
 
 def _share(
-    lagrangian: Lagrangian, position: int, control: Control, end: Array, placement: Placement
-) -> LawShare | None:
+    lagrangian: Lagrangian, position: int, control: Control, psi: Switching, end: Array,
+    placement: Placement,
+) -> LawShare | None:  # fmt: skip
     """The share of one law; None where its angle is free and neither of its ends can move."""
-    psi = lagrangian.psi()[position]
     if placement.coordinates[position] is None:
         return LawShare(control, psi.breaks, psi.poly, np.zeros(control.order))
     return LawShare.of(lagrangian, position, control, psi, end)

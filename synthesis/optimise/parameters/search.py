@@ -30,13 +30,12 @@ from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.parameters.number_search import NumberProof, NumberSearch
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
-from synthesis.optimise.state import QUICK, ProofBudget, Stage
+from synthesis.optimise.state import QUICK, SINGLE_SHARE, ProofBudget, Stage
 from synthesis.spec.design_spec import DesignSpec
 
 LITTLE = 0.05  # relative: descents gain no more than the gap that is left
-SINGLE_SHARE, ALL_NUMBERS_SHARE = 0.4, 0.95
-"""Of the tolerance: for the gap at single numbers, and for that over all of them, which includes
-it."""
+ALL_NUMBERS_SHARE = 0.95
+"""Of the tolerance, for the gap over all numbers, which includes that at single ones."""
 FIRST_PROGRAMS = 20
 """For a bound over all numbers before any descent, for each free direction: half a second."""
 SAMPLED, COARSE = 12, 24  # spline intervals: of samples, of a descent
