@@ -1,4 +1,4 @@
-"""A sample of the questions that an answer's own numbers satisfy; ``run_own`` asks all of them."""
+"""A sample of the questions that an answer satisfies; ``make hard ARGS=own`` asks all of them."""
 
 from __future__ import annotations
 
