@@ -22,6 +22,7 @@ from tests.exporters.written import written
 from tests.numerics.geometry.agreement import agree
 from tests.numerics.geometry.slopes import slopes
 
+POINTS = 180  # of a file: whatever it holds, it is written alike with more
 NAMES = ("displacement", "velocity", "acceleration", "jerk")
 family = pytest.mark.parametrize(("kind", "sample"), CASES)
 
@@ -144,8 +145,10 @@ def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> Non
 def test_every_format_writes_it(kind: str, sample: int) -> None:
     question = spec(kind, sample)
     unit, design = question.follower.travel.unit, synthesise(question)
-    profiles = {name: written(exporter, design) for name, exporter in PROFILE_FORMATS.items()}
-    motions = {n: f.write(design, f.options()) for n, f in MOTION_FORMATS.items()}
+    profiles = {
+        name: written(exporter, design, POINTS) for name, exporter in PROFILE_FORMATS.items()
+    }
+    motions = {name: written(exporter, design, POINTS) for name, exporter in MOTION_FORMATS.items()}
     for name, content in {**profiles, **{f"motion {n}": c for n, c in motions.items()}}.items():
         assert content, name
     header, *rows = list(csv.reader(io.StringIO(motions["csv"].decode())))
