@@ -18,11 +18,10 @@ from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers import samples
 from tests.catalogue.followers.samples import CASES, LIFTS, SAMPLES, spec
-from tests.exporters.written import written
+from tests.exporters.written import coarse, written
 from tests.numerics.geometry.agreement import agree
 from tests.numerics.geometry.slopes import slopes
 
-POINTS = 180  # of a file: whatever it holds, it is written alike with more
 NAMES = ("displacement", "velocity", "acceleration", "jerk")
 family = pytest.mark.parametrize(("kind", "sample"), CASES)
 
@@ -146,9 +145,13 @@ def test_every_format_writes_it(kind: str, sample: int) -> None:
     question = spec(kind, sample)
     unit, design = question.follower.travel.unit, synthesise(question)
     profiles = {
-        name: written(exporter, design, POINTS) for name, exporter in PROFILE_FORMATS.items()
+        name: written(exporter, design, coarse(exporter))
+        for name, exporter in PROFILE_FORMATS.items()
     }
-    motions = {name: written(exporter, design, POINTS) for name, exporter in MOTION_FORMATS.items()}
+    motions = {
+        name: written(exporter, design, coarse(exporter))
+        for name, exporter in MOTION_FORMATS.items()
+    }
     for name, content in {**profiles, **{f"motion {n}": c for n, c in motions.items()}}.items():
         assert content, name
     header, *rows = list(csv.reader(io.StringIO(motions["csv"].decode())))
