@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -285,8 +286,10 @@ def test_a_pivot_that_may_not_come_nearer_stays_away() -> None:
     )
 
 
-@pytest.mark.usefixtures("coarse_conflicts")
-def test_what_cannot_be_says_what_is_in_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_says_what_is_in_the_way(
+    explain_only: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    explain_only("limits/1/rise_deg")
     monkeypatch.setattr("synthesis.pipeline.boundary.ACCURACY", 0.2)  # of the way
     design = synthesise(question(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from math import cos, pi, radians, sin, tan
 from typing import Any
 
@@ -138,7 +139,10 @@ def test_a_least_size_that_pushes_contact_off_the_face_is_named() -> None:
 
 
 @pytest.mark.parametrize(("tilt", "law"), [(TILT, None), (-TILT, "cycloidal")])
-def test_a_pressure_angle_below_the_tilt_cannot_be(tilt: float, law: str | None) -> None:
+def test_a_pressure_angle_below_the_tilt_cannot_be(
+    tilt: float, law: str | None, explain_only: Callable[[str], None]
+) -> None:
+    explain_only("limits/1/rise_deg")
     limit = {"kind": "pressure_angle", "rise_deg": 19.0, "return_deg": 35.0}
     design = synthesise(tilted(RADIUS, limit, jerk(60.0, 73.0), tilt=tilt, law=law, tolerance=1e-2))
     assert design.status == "infeasible"
