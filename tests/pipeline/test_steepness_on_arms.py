@@ -89,7 +89,7 @@ def test_mirrored_and_enlarged_it_is_the_same() -> None:
 def free() -> Design:
     return synthesise(
         scene(jerk(1.9), distance=DISTANCE, base_radius_mm={"max": 20.3}, objective=PEAK,
-              tolerance=1e-2)
+              tolerance=2e-2)
     )  # fmt: skip
 
 
