@@ -29,7 +29,7 @@ def exits(design: Design) -> list[str]:
 def bent() -> Design:
     """An answer with everything in it: a relaxation, local searches, a proof without its end."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(attempt, "AUTO_PROGRAMS", 40)
+        patch.setattr(attempt, "AUTO_PROGRAMS", 50)
         return synthesise(HARD.model_copy(update={"tolerance": 1.5e-4}))
 
 

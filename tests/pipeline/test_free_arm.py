@@ -105,7 +105,7 @@ def test_a_length_in_mm_holds_it_up() -> None:
     least = {"kind": "profile_radius", "min_mm": 14.3}
     question: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}, "tolerance": 2e-2}
     found = sized(angles(), least, **question)
-    for arm in (60.1, 71.9):
+    for arm in (50.3, 60.1, 71.9, 97.7):
         assert prime(found) <= prime(sized(angles(), least, arm=arm, **question)) * (1.0 + 1e-3)
     (radius,) = [e for e in found.extremes if e.limit == "profile_radius"]
     assert radius.value is not None
