@@ -149,10 +149,9 @@ def test_a_radius_given_above_the_smallest_cam_is_a_bound_of_its_own() -> None:
 
 
 def test_a_maximum_between_bound_and_cam_claims_no_proof(
-    explain_only: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+    explain_only: Callable[[str], None],
 ) -> None:
     explain_only("base_radius_mm/max")
-    monkeypatch.setattr("synthesis.pipeline.boundary.ACCURACY", 0.2)  # of the way
     proof = smallest("open gap").certificate
     assert proof.lower_bound is not None
     assert proof.value is not None

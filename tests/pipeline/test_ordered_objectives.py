@@ -80,7 +80,6 @@ def test_another_search_is_no_better_than_the_later_bound(
         "objective": body["objective"][1],
         "base_radius_mm": {"max": design.certificate.value},
         "proof": "quick",
-        "tolerance": 1e-2,
     }
     other = synthesise(DesignSpec.model_validate(alone)).certificate
     if other.value is not None:
