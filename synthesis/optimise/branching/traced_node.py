@@ -51,7 +51,7 @@ EARLY_MESHES = 2
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 """Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
 which take longer."""
-SPREAD = 14  # points between two rows over which their multipliers are distributed
+SPREAD = 28  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 MAX_NODES, FEW_NODES = 21, 3
 """Nodes at most: of a thorough proof, and of another one where the gap is wide."""
