@@ -156,7 +156,7 @@ def merge_knots(
     pushing = np.setdiff1d(pinned, np.intersect1d(coarse, needed))  # not those that were there
     far = np.min(np.abs(coarse[:, None] - pushing[None, :]), axis=1) > spacing
     result = np.union1d(pinned, coarse[far])
-    if not softer:
+    if softer <= 0:
         return result
     # a ramp about each wanted point in its place, and ramps at the ends
     around = np.array(ramped)[:, None] + RAMP_STEP * (np.arange(softer + 1) - 0.5 * softer)

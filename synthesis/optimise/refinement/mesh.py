@@ -133,13 +133,17 @@ def _knots_of_costly_intervals(
         for end in (state.start, state.end)
     ]
     # A law that is less smooth than it has to be switches at once, on knots that cost it nothing.
-    jumps = counts == 1 if curve.poly.shape[1] - 2 < free.smoothness else single
-    wanted, beside = switches[jumps[inside]], (*(ends - step), *(ends + step))
+    jumps = curve.poly.shape[1] - 2 < free.smoothness
+    wanted = switches[(counts == 1 if jumps else single)[inside]]
     finer, present = (
-        merge_knots(each, wanted, free.knots, beside, softer, (steps[0], steps[1]))
+        merge_knots(
+            each, wanted, free.knots, (*(ends - step), *(ends + step)), softer, (steps[0], steps[1])
+        )
         for each in (halved, breaks)
     )
-    return finer if len(finer) <= MOST_INTERVALS else present
+    if len(finer) <= MOST_INTERVALS:
+        return finer
+    return present if jumps else breaks
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
