@@ -34,7 +34,7 @@ from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
-from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
+from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
 from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state import SolveState, Stage
@@ -198,6 +198,8 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     if node.relaxation is None:
         return state, node
     cam, grids, bound = node.relaxation
+    if any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids):
+        grids = node.grids  # those were for the bound's last digits
     grids = refine_mesh(state.problem, grids, cam, bound)
     points, _ = row_violations(replace(state, grids=grids), cam)
     both = zip(grids, points, strict=True)
