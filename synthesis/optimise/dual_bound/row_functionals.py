@@ -157,8 +157,9 @@ class RowFunctional:
         of = self.point_rows(np.zeros(len(hats.left), dtype=np.intp))
         return replace(of, x=hats.left, weights=hats.weights, spans=hats.spans, poly=hats.poly)
 
-    def distribute(self, z: Array, *, dense: bool = False) -> tuple[Array, Terms]:
-        """Multipliers z (r,) shared out: what stays at the points (r,), and densities.
+    def distribute(self, z: Array, *, dense: bool = False) -> tuple[Array, Array, Array]:
+        """Multipliers z (r,) shared out: what stays at the points (r,); nodes of densities (n,),
+        linear in between, and their masses (n,).
 
         ``dense``: whether there are many points in a knot interval, with the multipliers of a
         density already: then it is linear between these points.
@@ -167,9 +168,9 @@ class RowFunctional:
         bound is met along an arc the true multiplier is a density, and ψ vanishes there. Where a
         window ends its bound may be met at that very point.
         """
-        windowed = self.block.spans is not None
+        windowed, none = self.block.spans is not None, np.zeros(0)
         if not self.jumps or not self.uniform or (windowed and len(z) <= 3):
-            return z, []
+            return z, none, none
         kept, nodes = np.zeros_like(z), self.block.x
         if windowed:
             kept[[0, -1]] = z[[0, -1]]
@@ -177,8 +178,7 @@ class RowFunctional:
         if not self.block.exact and not dense:
             alone, nodes, mass = self._quadrature(mass)
             kept += alone
-        hats = np.concatenate(distribute_to_intervals(nodes, mass))
-        return kept, [(self.hat_rows(nodes).select(hats != 0.0), hats[hats != 0.0])]
+        return kept, nodes, mass
 
     def _quadrature(self, mass: Array) -> tuple[Array, Array, Array]:
         """Multipliers (r,) ≥ 0 as a quadrature of a density, with one node in a knot interval.

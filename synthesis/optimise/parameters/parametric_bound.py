@@ -37,6 +37,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
+from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.bound import (
     ROUNDING,
     level_price,
@@ -282,10 +283,10 @@ def parametric_bound(
     lagrangian, slope = Lagrangian(model, order), np.zeros(len(u))
     for one in terms.row_functionals(model, order, z):
         own = z[one.first_row : one.first_row + one.count]
-        points, densities = one.distribute(own)
+        points, nodes, masses = one.distribute(own)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        for rows, mass in densities:
+        for rows, mass in density_terms(one, nodes, masses):
             lagrangian.add_rows(rows, mass)
         origin = one.block.origin
         if origin is not None:

@@ -21,13 +21,14 @@ from synthesis.catalogue.motion import FreeLaw
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
+from synthesis.optimise.problem.boundary import BoundaryState, boundary_states
 from synthesis.optimise.problem.grid import (
     CLOSEST_KNOTS,
+    RAMP_STEP,
     Grid,
+    beside_step,
     grid_through,
     merge_knots,
-    ramp_knots,
-    ramp_step,
     uniform_grid,
 )
 from synthesis.optimise.problem.problem import Problem
@@ -59,19 +60,20 @@ def refine_mesh(
     violated_points: Sequence[Array] = (),
 ) -> tuple[Grid, ...]:
     """Finer knots where the law pays more than the ideal one; points where rows are violated."""
-    chosen = []
+    chosen, (states, _) = [], boundary_states(problem.segments, grids)
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
         breaks = grid.space.breaks
         if cam is None or lower is None or not lower.switching:
-            breaks = _halved(breaks)
+            finer = _halved(breaks)
+            chosen.append(finer if len(finer) <= MOST_INTERVALS else breaks)
         else:
-            breaks = _knots_of_costly_intervals(
-                segment.free, breaks, cam.laws[position].curve(), lower, position
+            curve = cam.laws[position].curve()
+            chosen.append(
+                _knots_of_costly_intervals(
+                    segment.free, states[position], breaks, curve, lower, position
+                )
             )
-        if len(breaks) > MOST_INTERVALS:
-            breaks = grid.space.breaks
-        chosen.append(breaks)
     if _nearly_equal(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
         return halve_intervals(problem, grids, violated_points)
     return _mesh_through(problem, chosen, violated_points)
@@ -100,7 +102,12 @@ def _mesh_through(
 
 
 def _knots_of_costly_intervals(
-    free: FreeLaw, breaks: Array, curve: Piecewise, lower: Bound, position: int
+    free: FreeLaw,
+    state: BoundaryState,
+    breaks: Array,
+    curve: Piecewise,
+    lower: Bound,
+    position: int,
 ) -> Array:
     """The knots, and more in each interval that loses much against the ideal law.
 
@@ -118,9 +125,25 @@ def _knots_of_costly_intervals(
     # Beside the ends of windows knots lie as close as they may: a bound or a value that ends there
     # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order
-    ends, step = np.array(free.knots), ramp_step(softer)
-    ramps = ramp_knots(switches[single[inside]], softer)
-    return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), free.knots)
+    ends, step = np.array(free.knots), beside_step(softer)
+    # A ramp from rest has equal coefficients, exactly. Where the law moves they are rounded, and
+    # that is divided by the third power of the ramp's length.
+    steps = [
+        RAMP_STEP if len(end) > free.smoothness and not end[1:].any() else step
+        for end in (state.start, state.end)
+    ]
+    # A law that is less smooth than it has to be switches at once, on knots that cost it nothing.
+    jumps = curve.poly.shape[1] - 2 < free.smoothness
+    wanted = switches[(counts == 1 if jumps else single)[inside]]
+    finer, present = (
+        merge_knots(
+            each, wanted, free.knots, (*(ends - step), *(ends + step)), softer, (steps[0], steps[1])
+        )
+        for each in (halved, breaks)
+    )
+    if len(finer) <= MOST_INTERVALS:
+        return finer
+    return present if jumps else breaks
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
