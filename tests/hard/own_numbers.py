@@ -7,6 +7,7 @@ confirms that the answer's own cam, or the same cam a little larger, keeps every
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import time
@@ -179,9 +180,12 @@ def report(found: list[Outcome]) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    count = int(arguments[0]) if arguments else SCENES
-    word = arguments[1] if len(arguments) > 1 else ""
-    scenes = [(family, number) for family in FAMILIES if word in family for number in range(count)]
+    parser = argparse.ArgumentParser(prog="python -m tests.hard.own_numbers")
+    parser.add_argument("scenes", type=int, nargs="?", default=SCENES, help="of each family")
+    parser.add_argument("word", nargs="?", default="", help="that the names of the families hold")
+    given = parser.parse_args(arguments)
+    families = [family for family in FAMILIES if given.word in family]
+    scenes = [(family, number) for family in families for number in range(given.scenes)]
     found: list[Outcome] = []
     with ProcessPoolExecutor(2) as pool:
         for scene, (status, outcomes) in zip(scenes, pool.map(scene_outcomes, scenes), strict=True):
