@@ -18,7 +18,8 @@ def slope_of(excesses: Mapping[float, float], noise: float) -> float:
     # The search for a cam that is small enough ends with the first: others' excesses say more.
     others.sort(key=lambda pair: (pair[1] < 0.0, abs(pair[1])))
     apart = (pair for pair in others if abs(pair[1] - excess) > noise)
-    other, further = next(apart, others[-1] if noise else others[0])
+    farthest = max(others, key=lambda pair: pair[1])
+    other, further = next(apart, farthest if noise else others[0])
     return (further - excess) / (value - other)
 
 
