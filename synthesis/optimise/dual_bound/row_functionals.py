@@ -72,15 +72,19 @@ class WeightedRows:
         result = np.where(self.x > tau[:, None], self.weights[:, -1], 0.0)
         for k in range(order - 1):
             result += self.weights[:, k] * ahead ** (order - 1 - k) / factorial(order - 1 - k)
-        if self.poly is None:
-            return result
-        assert self.spans is not None
-        low, high = self.spans.T
-        inside = (low <= tau[:, None]) & (tau[:, None] < high)
-        row, column = np.nonzero(inside)
-        s = (tau[row] - low[column]) / (high - low)[column]
-        result[row, column] += sum(self.poly[column, j] * s**j for j in range(self.poly.shape[1]))
+        row, column, density = self.densities(tau)
+        result[row, column] += density
         return result
+
+    def densities(self, tau: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """The part of ``psi`` that acts along spans alone: rows, columns and values, (k,) each."""
+        if self.poly is None or self.spans is None:
+            nowhere = np.zeros(0, dtype=np.intp)
+            return nowhere, nowhere, np.zeros(0)
+        low, high = self.spans.T
+        row, column = np.nonzero((low <= tau[:, None]) & (tau[:, None] < high))
+        s, poly = (tau[row] - low[column]) / (high - low)[column], self.poly[column]
+        return row, column, np.asarray(sum(poly[:, j] * s**j for j in range(poly.shape[1])))
 
     def select(self, which: NDArray[Any]) -> WeightedRows:
         """Some of them: a mask or numbers."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -38,8 +39,12 @@ from synthesis.optimise.state import SolveState, Stage
 MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than they gain
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
-POLISH_INTERVALS: Final = 48  # equal ones between the switches
+POLISH_INTERVALS: Final = (48, 144)
+"""Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
+48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
+POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4
 POLISH_ITERATIONS: Final = 6  # of moving knots to switches
+LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
 FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
@@ -160,12 +165,31 @@ def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
     if unfit or (state.is_close(cam) and state.covers_all_laws):
         return state
-    return _improve_multipliers(_move_knots(state, cam, solve_once))
+    state = _move_knots(state, cam, solve_once)
+    return state if state.suffices else _improve_multipliers(state, solve_once)
 
 
-def _improve_multipliers(state: SolveState) -> SolveState:
-    """Raise the bound of the last program by the best multipliers of its rows."""
+def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState:
+    """Raise the bound by the best multipliers of the last program's rows.
+
+    The bound needs fewer knots than the law: a program on the fewest comes first.
+    """
     if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
+        return state
+    fewest, _ = POLISH_INTERVALS
+    if polish_intervals(state.tolerance) > fewest and state.relaxed is not None:
+        grids = grids_on_switches(state.problem, state.relaxed, fewest)
+        coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
+        state = replace(
+            _with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation
+        )
+        if state.is_close(state.relaxed):
+            return state
+    return _with_best_multipliers(state)
+
+
+def _with_best_multipliers(state: SolveState) -> SolveState:
+    if state.relaxation is None:
         return state
     started = time.perf_counter()
     model, solution, lower = state.relaxation
@@ -189,13 +213,21 @@ def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> Sol
         switches = _switches_of_laws(cam)
         if not switches or _nearly_equal(switches, before, STAYS) or state.time_left <= 0.0:
             break
-        grids = _through_switches(state.problem, switches, POLISH_INTERVALS)
+        grids = _through_switches(state.problem, switches, polish_intervals(state.tolerance))
         state, before = replace(state, grids=grids), switches
         state, latest = solve_once(state, number)
         if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
             break
+        if state.suffices or cam.value - latest.value <= LITTLE * state.tolerance * latest.value:
+            break  # what is left of the gap is the bound's
         cam = latest
     return state
+
+
+def polish_intervals(tolerance: float) -> int:
+    """Equal intervals between the switches of a law that is to be the best within a tolerance."""
+    least, most = POLISH_INTERVALS
+    return int(min(max(POLISH_INTERVALS_AT_UNIT_TOLERANCE / sqrt(tolerance), least), most))
 
 
 def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple[Grid, ...]:
