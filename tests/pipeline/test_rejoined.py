@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from synthesis import DesignSpec, synthesise
+from synthesis import Design, DesignSpec, synthesise
 from tests.hard.random_specs import random_spec
 from tests.hard.verifier import verify
 
@@ -44,3 +45,35 @@ def test_a_law_meets_a_given_one_that_does_not_rest() -> None:
     joins = {each.limit: each for each in design.extremes if each.limit.endswith("_join")}
     assert design.status != "infeasible", design.conflict
     assert all(each.value <= 0.5 * each.bound for each in joins.values())
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_where_one_of_two_laws_may_overshoot_the_velocity_between_them_is_free(first: bool) -> None:
+    """The quicker move takes some of the other's angle, which goes beyond the lift: less jerk."""
+    angles = (103.0, 81.0) if first else (81.0, 103.0)
+
+    def answer(*overshoot: bool) -> Design:
+        moves = [
+            {
+                "kind": kind, "angle_deg": angle, "lift_mm": 10.7,
+                "law": {"kind": "spline", "overshoot": may},
+            }
+            for kind, angle, may in zip(("rise", "return"), angles, overshoot, strict=True)
+        ]  # fmt: skip
+        body = {
+            "speed_rpm": 61.0,
+            "program": [*moves, {"kind": "dwell", "angle_deg": 176.0}],
+            "follower": {"kind": "translating_flat_face"},
+            "base_radius_mm": 900.0,
+            "objective": {"kind": "peak_jerk"},
+            "proof": "quick",
+        }
+        return synthesise(DesignSpec.model_validate(body))
+
+    turning, free = answer(False, False), answer(first, not first)
+    assert turning.certificate.lower_bound is not None
+    assert free.certificate.certified
+    assert free.certificate.value is not None
+    velocity = free.curve.derivatives([np.radians(angles[0])])[1, 0]
+    assert velocity * (-1.0 if first else 1.0) > 0.1
+    assert free.certificate.value < 0.9 * turning.certificate.lower_bound

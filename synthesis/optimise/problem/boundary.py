@@ -118,11 +118,12 @@ def _free_joint(
 ) -> tuple[Junction, tuple[EndState, EndState]]:
     """The joint of two free laws, and what is known of it on both sides.
 
-    Where the follower turns back without overshoot its velocity is known to be 0.
+    Where the follower turns back and neither law may overshoot, its velocity is known to be 0: it is
+    not negative on one side and not positive on the other.
     """
     assert before.free is not None
     assert after.free is not None
-    monotone = not (before.free.overshoot and after.free.overshoot)
+    monotone = not (before.free.overshoot or after.free.overshoot)
     turn = EndState(0.0 if monotone and before.lift * after.lift < 0.0 else None)
     sides = before.end_state.filled_from(turn), after.start_state.filled_from(turn)
     highest = min(
