@@ -118,8 +118,8 @@ def _free_joint(
 ) -> tuple[Junction, tuple[EndState, EndState]]:
     """The joint of two free laws, and what is known of it on both sides.
 
-    Where the follower turns back and neither law may overshoot, its velocity is known to be 0: it is
-    not negative on one side and not positive on the other.
+    Where the follower turns back and neither law may overshoot, its velocity is known to be 0: it
+    is not negative on one side and not positive on the other.
     """
     assert before.free is not None
     assert after.free is not None
