@@ -129,7 +129,7 @@ class Threshold:
         law: the closed form, as printed.
         least: its value for unit lift and angle.
         caps: limits by derivative, in units of the rise.
-        above: how little above it a limit is still met.
+        above: how little above it a limit is still met. below: how little below it none is, proven.
         smoothness: of the splines.
     """
 
@@ -138,6 +138,7 @@ class Threshold:
     caps: tuple[tuple[int, float], ...]
     above: float
     smoothness: int = 2
+    below: float = 1e-4
 
     @cache  # noqa: B019 - there are three, for good
     def status(self, factor: float) -> str:
@@ -158,11 +159,11 @@ THRESHOLDS = (
         (1.0 - A / J - sqrt((1.0 - A / J) ** 2 - 4.0 / A)) * A / 2.0,
         ((2, A), (3, J)),
         5e-4,
+        below=4e-3,
     ),
     Threshold("(A − √(A² − 4A))/2, A = 5.3", (A - sqrt(A * A - 4.0 * A)) / 2.0, ((2, A),), 1.2e-2),
     Threshold("the same, C1", (A - sqrt(A * A - 4.0 * A)) / 2.0, ((2, A),), 1e-4, smoothness=1),
 )
-BELOW = 1e-4
 
 
 @cache
@@ -194,8 +195,8 @@ def thresholds() -> Iterator[str]:
     for case in THRESHOLDS:
         yield (
             f"| {case.law} | {case.least:.6f} | {millionths(case.above)} "
-            f"| {case.status(1.0 + case.above)} | {millionths(BELOW)} "
-            f"| {case.status(1.0 - BELOW)} |"
+            f"| {case.status(1.0 + case.above)} | {millionths(case.below)} "
+            f"| {case.status(1.0 - case.below)} |"
         )
 
 

@@ -43,7 +43,8 @@ AUTO_PROGRAMS = 100
 0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
 SWITCHING = 3  # degree of splines whose highest derivative may step at a knot as the best law's
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
-TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
+TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+"""Relative amounts by which limits are tightened, in turn."""
 
 
 @dataclass(frozen=True, eq=False)

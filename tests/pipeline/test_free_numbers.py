@@ -65,7 +65,7 @@ def test_three_moves_between_dwells_share_the_angle(
     shares = np.array(lifts) ** power
     expected = rest * shares / shares.sum()
     angles = [segment.angle_deg for segment in design.motion][::2]
-    assert angles == pytest.approx(expected.tolist(), rel=6e-3)
+    assert angles == pytest.approx(expected.tolist(), rel=1.2e-2)
     beta = np.radians(expected)
     if factor:
         exact = factor * lifts[0] / beta[0] ** order * OMEGA**order
@@ -119,8 +119,7 @@ def test_no_other_angle_is_better(objective: str) -> None:
 
 def test_a_looser_jerk_limit_gives_no_larger_cam(monkeypatch: pytest.MonkeyPatch) -> None:
     """Knots of a coarse mesh lie badly for much jerk: its values rise where those of cams fall."""
-    for name, value in (("CORNERS", 1), ("DESCENTS", 1), ("EACH_DIRECTION", 3)):
-        monkeypatch.setattr(search, name, value)
+    monkeypatch.setattr(search, "DESCENTS", 1)
     known = 0.663  # mm, at the angles that the answer to half of the jerk chose
     angles = ({"min": 61.5, "max": 123.0}, {"min": 86.1, "max": 172.0})
     found = synthesise(

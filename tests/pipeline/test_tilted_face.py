@@ -149,7 +149,7 @@ def test_a_pressure_angle_below_the_tilt_cannot_be(
     assert design.conflict is not None
     assert "whatever law and size" in design.conflict.evidence
     (mend,) = [r for r in design.conflict.relaxations if r.field == "limits/1/rise_deg"]
-    assert TILT <= mend.needed <= TILT * (1.0 + 1.1e-6)  # a cam may need a millionth of slack
+    assert TILT <= mend.needed <= TILT + 6e-4 * (TILT - mend.requested)  # a share of the way
     reported = extreme(design, "pressure_angle_rise")
     assert not reported.holds
     assert reported.value == pytest.approx(tilt, rel=1e-12)

@@ -154,7 +154,7 @@ def test_a_limit_that_laws_only_approach_is_refused_without_a_proof() -> None:
 @pytest.mark.usefixtures("unexplained")
 def test_acceleration_that_leaves_no_room_for_ramps_is_said_to_be_undecided() -> None:
     """A law of class C2 may be a hair gentler than those on knots can be; one that jumps is."""
-    limit = acceleration(4.0 * (1.0 + 1.4e-4))
+    limit = acceleration(4.0 * (1.0 + 2e-5))
     refused = designed(limit)
     assert refused.conflict is not None
     evidence = refused.conflict.evidence

@@ -51,8 +51,8 @@ class Ticking:
     def costing(self, solve: Callable[..., Any]) -> Callable[..., Any]:
         """A solver that takes time on this clock, and no more of it than it is given."""
 
-        def costly(program: Any, *more: Any) -> Any:
-            found = solve(program, *more)
+        def costly(program: Any, *more: Any, **named: Any) -> Any:
+            found = solve(program, *more, **named)
             limits = [each for each in more if isinstance(each, float)]
             cost = ENTRY * max(found.iterations, 1) * _entries(program)
             self.solving += min([cost, *(max(limit, 0.0) for limit in limits[:1])])

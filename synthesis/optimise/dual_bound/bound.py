@@ -113,7 +113,9 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     flat = _bound_of_rows(
         model, solution, controls, costates, z, rows, dense=False, psi=bound.switching
     )
-    return max(bound, flat, key=lambda each: each.value)
+    # Knots go on the switches of the multipliers as they were: along such an arc the other ψ is
+    # nearly zero, and where it changes sign means nothing.
+    return replace(bound, value=max(bound.value, flat.value))
 
 
 def _bound_of_rows(

@@ -40,6 +40,7 @@ from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.bound import (
     ROUNDING,
+    dual_bound,
     level_price,
     minimum_over_sizes,
     unknown_initial_values,
@@ -279,14 +280,19 @@ def parametric_bound(
     for at, block in model.numbered_blocks:
         if block.origin is None and block.kind != "monotone" and block.source != "bounds":
             z[at : at + len(block.rhs)] = 0.0
-    # 1. Rows at the program's own numbers; their right-hand sides move with the levels.
+    # 1. Rows at the program's own numbers; their right-hand sides move with the levels. Along arcs
+    # their multipliers are moved as in the dual bound, which this bound is at these numbers.
     lagrangian, slope = Lagrangian(model, order), np.zeros(len(u))
-    for one in terms.row_functionals(model, order, z):
+    row_functionals = list(terms.row_functionals(model, order, z))
+    arcs = any(one.jumps and one.uniform for one in row_functionals)
+    psi = dual_bound(model, solution).switching if arcs else ()
+    for one in row_functionals:
         own = z[one.first_row : one.first_row + one.count]
         points, nodes, masses = one.distribute(own)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        for rows, mass in density_terms(one, nodes, masses):
+        seen = psi[one.block.segment] if psi and one.block.segment is not None else None
+        for rows, mass in density_terms(one, nodes, masses, seen):
             lagrangian.add_rows(rows, mass)
         origin = one.block.origin
         if origin is not None:

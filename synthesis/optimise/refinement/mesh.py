@@ -42,7 +42,7 @@ FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its ti
 POLISH_INTERVALS: Final = (48, 144)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
 48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
-POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4
+POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4  # by the same square: over the root of a tolerance
 POLISH_ITERATIONS: Final = 6  # of moving knots to switches
 LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located

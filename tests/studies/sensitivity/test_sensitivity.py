@@ -41,9 +41,8 @@ PARTLY: dict[str, tuple[str, dict[str, float]]] = {
 
 
 def sought(body: dict[str, Any], tolerance: float = CLOSE) -> Design:
-    """To a tolerance that is small beside what the moved limits change; of proofs a quick one."""
-    changed = {"tolerance": tolerance, "proof": "quick"}
-    return synthesise(DesignSpec.model_validate({**body, **changed}))
+    """To a tolerance that is small beside what the moved limits change."""
+    return synthesise(DesignSpec.model_validate({**body, "tolerance": tolerance}))
 
 
 def moved(body: dict[str, Any], field: str, share: float) -> dict[str, Any]:
@@ -87,7 +86,7 @@ def test_they_are_the_slopes_of_what_is_best(name: str) -> None:
         more, less = (value(body, field, move, tolerance(name)) for move in (share, -share))
         rise = more - less
         assert reported[field].per_unit == pytest.approx(
-            rise / (2.0 * share * reported[field].requested), rel=0.05
+            rise / (2.0 * share * reported[field].requested), rel=0.07
         )
     for field, each in reported.items():
         if name in SCENES and field not in fields:
