@@ -1,0 +1,532 @@
+#!/usr/bin/env python3
+"""Check a proof about a cam, in exact arithmetic: python3 -I -S check.py proof.json
+
+One file, the standard library alone, integers and fractions in everything that it concludes. It
+reads the question as it was asked and believes nothing else in the file: the cam and the
+multipliers are witnesses, which may be wrong and are then refused. docs/proof.md has the format,
+and the theorem behind each step by its number here. Exit codes: 0 and a sentence for each claim;
+1 and the first step that fails; 2 and why the file cannot be read.
+
+Symbols: cam angles are in degrees, so that the motion has rational numbers only. On a segment of d
+degrees s = level + h g(x), x from 0 to 1; v, a, j are the derivatives of s per degree [mm]. A
+degree is c = pi/180 radian, so that s' = v/c and s'' = a/c^2. Of a roller e is the offset, s0 the
+height of its centre at the lowest position, X = s0 + s, u = s' - e, W^2 = X^2 + u^2; of a flat face
+Rb is the base radius. The size z is (c e, s0), of a face (c^2 Rb, 0).
+"""
+import json
+import re
+import sys
+from collections import Counter, defaultdict
+from fractions import Fraction
+from functools import lru_cache
+from math import comb, factorial, isqrt
+
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 40, 60  # of the file; of a number
+MOST = {"numbers": 50_000, "halvings of intervals": 200_000}  # of one file
+DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
+UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
+JUMP = Fraction(1, 10**9)  # of lift/degrees^k: what a joint may jump by; the sentence tells it
+ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
+FIELDS = {"velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3"}
+OF_LIMITS = {"pressure_angle": "rise_deg return_deg dwell_deg", "profile_radius": "min_mm",
+             "cutter_radius": "radius_mm", "face_width": "width_mm left_mm right_mm"}
+spent = Counter()
+
+class Failure(Exception):
+    """Why a file is refused; with a second argument, why it cannot be read."""
+
+def demand(holds, text, *code):
+    if not holds:
+        raise Failure(text, *code)
+
+def spend(what):
+    spent[what] += 1
+    demand(spent[what] <= MOST[what], f"there are more than {MOST[what]} {what}", 2)
+
+# Step 1. Read. Decimals become fractions; digits and exponents are bounded before that.
+def number(text):
+    spend("numbers")
+    form = r"(-?[0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]+))?"
+    match = re.fullmatch(form, text) if len(text) <= MOST_DIGITS else None
+    good = match and abs(int(match[3] or 0)) <= MOST_EXPONENT
+    demand(good, f"{text[:50]} is no number, or has too many digits", 2)
+    digits = match[2] or ""
+    return int(match[1] + digits) * Fraction(10) ** (int(match[3] or 0) - len(digits))
+
+def members(pairs):
+    demand(len(dict(pairs)) == len(pairs), "a name occurs twice in one object", 2)
+    return dict(pairs)
+
+def read(content):
+    demand(len(content) <= MOST_BYTES, f"the file has more than {MOST_BYTES} bytes", 2)
+    return json.loads(content.decode(), parse_float=number, parse_int=number,
+                      parse_constant=number, object_pairs_hook=members)
+
+def get(body, name, kind=Fraction):
+    good = isinstance(body, dict) and isinstance(body.get(name), kind)
+    demand(good, f"{name} is missing, or not of the kind that it must have", 2)
+    return body[name]
+
+def only(body, names):
+    """Refuse a question with what this checker does not know."""
+    unknown = [k for k, v in body.items() if k not in names.split() and v not in (None, [], {})]
+    demand(not unknown, f"the question has {ascii(unknown)[:80]}, which is not covered")
+
+def range_of(value):
+    """Both ends of a number that is given, free within a range, or free; None where open."""
+    if isinstance(value, Fraction):
+        return [value, value]
+    return [value and value[end] and get(value, end) for end in ("min", "max")]
+
+# Step 2. The question. Levels are measured from the lowest position.
+class Segment:
+    def __init__(self, index, body, rate):
+        only(body, "kind angle_deg lift_mm velocity_mm_per_s law windows points")
+        kind, law, self.index = get(body, "kind", str), body.get("law") or {}, index
+        self.free = kind in ("rise", "return") and get(law, "kind", str) == "spline"
+        known = self.free or kind in ("dwell", "constant_velocity")
+        demand(known, f"the law of program/{index} is not covered")
+        self.smooth = int(get(law, "smoothness")) if self.free else 4
+        self.forward = self.free and not get(law, "overshoot", bool)
+        self.degrees, lift = get(body, "angle_deg"), body.get("lift_mm") or ZERO
+        self.lift = (body.get("velocity_mm_per_s") or ZERO) * self.degrees / rate
+        self.lift += -lift if kind == "return" else lift
+        good = self.degrees >= 0 and not (self.free and self.lift * self.degrees == 0)
+        demand(good, f"program/{index} has no extent", 2)
+        self.sense = "rise" if self.lift > 0 else "return" if self.lift < 0 else "dwell"
+
+class Question:
+    def __init__(self, body):
+        only(body, "name speed_rpm rotation program follower base_radius_mm load limits continuity "
+                   "objective tolerance proof time_budget_s report_smoothness_cost")
+        rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
+        demand(rate > 0, "the speed is not positive", 2)
+        self.program = [Segment(i, s, rate) for i, s in enumerate(get(body, "program", list))]
+        turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
+        demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360", 2)
+        for segment in self.program:  # angles typed with six decimals may miss the turn
+            segment.degrees *= 360 / turn
+            levels.append(level)
+            level += segment.lift
+        for segment, start in zip(self.program, levels):
+            segment.level = start - min(levels)
+        self.turning = [s for s in self.program if s.degrees > 0]
+        for left, right in zip(self.turning, self.turning[1:] + self.turning[:1]):
+            left.after, right.before = right, left
+        self.limits, self.smooth = get(body, "limits", list), int(body["continuity"] or 0)
+        for limit in self.limits:
+            if limit["kind"] in ORDERS or limit["kind"] in OF_LIMITS:
+                only(limit, f"kind {OF_LIMITS.get(limit['kind'], FIELDS.get(limit['kind']))}")
+        aims, follower = body["objective"], get(body, "follower", dict)
+        self.aim = get(aims[0] if isinstance(aims, list) else aims, "kind", str)
+        only(follower, "kind roller_radius_mm closure offset_mm tilt_deg")
+        self.roller = get(follower, "kind", str) == "translating_roller"
+        if self.roller:
+            held = get(follower, "closure", dict)
+            known = (held["kind"], held.get("contact")) == ("force", "outside")
+        else:
+            known = follower["kind"] == "translating_flat_face" and not get(follower, "tilt_deg")
+        demand(known, "this follower is not covered")
+        self.gap = get(follower, "roller_radius_mm") if self.roller else ZERO
+        self.offsets, radii = range_of(follower["offset_mm"]), range_of(body["base_radius_mm"])
+        self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
+
+    def rows(self, segment, limit, low, high, relaxed):
+        """alpha . (s, v, a, j) + size . z <= rhs: what a limit says on a segment, by its side.
+
+        c lies between low and high. ``relaxed``: rows that every cam keeps, not those that suffice.
+        """
+        kind, found = get(limit, "kind", str), {}
+        for side in (1, -1):
+            alpha, size, rhs = [ZERO] * 4, [ZERO] * 2, None
+            if kind in ORDERS:
+                alpha[ORDERS[kind]] = side
+                rhs = get(limit, FIELDS[kind]) / self.rate ** ORDERS[kind]
+            elif kind == "forward" and segment.forward:
+                alpha[1], rhs = -segment.lift, ZERO
+            elif kind == "pressure_angle" and limit[f"{segment.sense}_deg"] and self.roller:
+                # side u <= X tan, times c; both sides together say that X is not negative
+                slope = tangent(get(limit, f"{segment.sense}_deg"))[relaxed] * high
+                alpha[0], alpha[1], size, rhs = -slope, side, [-side, -slope], ZERO
+            elif kind == "profile_radius" and not self.roller:
+                # Rb + s + s'' >= least, times c^2; s >= 0 where a law never moves backwards
+                if segment.forward or not (segment.free and relaxed):
+                    alpha[0], alpha[2], size = -(high**2), -ONE, [-ONE, ZERO]
+                    rhs = -get(limit, "min_mm") * low**2
+            elif kind == "face_width" and not self.roller:
+                # side (s' - offset) <= reach, times c
+                own, width = limit["right_mm" if side > 0 else "left_mm"], limit["width_mm"]
+                reach = [r for r in (own, width and width / 2) if r is not None]
+                if reach:
+                    reach = min(reach) + side * self.offsets[0]
+                    alpha[1], rhs = side, max(reach * low, reach * high)
+            if rhs is not None:
+                found[side] = alpha, size, rhs
+        return found
+
+# Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
+def between(terms):
+    low, high = sorted((sum(terms[:-1]), sum(terms)))
+    return Fraction(low * UNIT // 1, UNIT), -Fraction(-high * UNIT // 1, UNIT)
+
+FIFTH, FAR = (between([Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(32)])
+              for n in (5, 239))  # pi = 16 arctan 1/5 - 4 arctan 1/239 (Machin)
+C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
+
+@lru_cache(maxsize=None)
+def tangent(degrees):
+    demand(0 < degrees < 90, "an angle is not between 0 and 90 degrees", 2)
+    found = []
+    for side, c in enumerate(C):
+        sine, cosine = (between([(-1) ** k * (degrees * c) ** (2 * k + p) / factorial(2 * k + p)
+                                 for k in range(24)]) for p in (1, 0))
+        demand(cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
+        found.append(sine[side] / cosine[1 - side])
+    return found
+
+def root(x):
+    return Fraction(isqrt(x * UNIT * UNIT // 1) + 1, UNIT)  # from above
+
+def decimal(x):
+    return f"{x * 10**9 // 1 // 10**9}.{x * 10**9 // 1 % 10**9:09d}"
+
+# Step 4. Polynomials on an interval: Bernstein coefficients, each between two integers over UNIT.
+def enclose(low, high=None):
+    return [(x * UNIT // 1, -(-y * UNIT // 1)) for x, y in zip(low, high or low)]
+
+def times(b, c):
+    n, m, found = len(b) - 1, len(c) - 1, []
+    for k in range(n + m + 1):
+        low = high = 0
+        for i in range(max(0, k - m), min(n, k) + 1):
+            each = [comb(n, i) * comb(m, k - i) * x * y for x in b[i] for y in c[k - i]]
+            low, high = low + min(each), high + max(each)
+        whole = comb(n + m, k) << BITS
+        found.append((low // whole, -(-high // whole)))
+    return found
+
+def plus(b, c):
+    size = max(len(b), len(c))
+    b, c = (times(p, [(UNIT, UNIT)] * (size - len(p) + 1)) if len(p) < size else p for p in (b, c))
+    return [(x + z, y + w) for (x, y), (z, w) in zip(b, c)]
+
+def halves(b, middle):
+    spend("halvings of intervals")
+    left, right = [], []
+    while b:  # de Casteljau
+        left.append(b[0])
+        right.append(b[-1])
+        b = [middle(x, y) for x, y in zip(b, b[1:])]
+    return left, right[::-1]
+
+class Piece:
+    """A polynomial piece of the motion: s, v, a, j, and where it lies [deg]."""
+
+    def __init__(self, segment, start, width, s):
+        self.segment, self.start, self.width, self.s = segment, start, width, [s]
+        for _ in range(4):
+            s = [(len(s) - 1) * (y - x) / width for x, y in zip(s, s[1:])] or [ZERO]
+            self.s.append(s)
+
+    def show(self, test, *polynomials):
+        """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
+
+        The basis is nowhere negative: with smaller coefficients a polynomial is smaller.
+        """
+        parts = [([[low for low, _ in p] for p in polynomials], 0, ZERO)]
+        while parts:
+            each, depth, at = parts.pop()
+            if not test(*each):
+                place = decimal(self.start + at * self.width)
+                demand(depth < DEEPEST, f"program/{self.segment.index}, {place} deg from its start")
+                left, right = zip(*(halves(b, lambda x, y: (x + y) >> 1) for b in each))  # down
+                parts += [(right, depth + 1, at + Fraction(1, 2 << depth)), (left, depth + 1, at)]
+
+def pieces_of(segment, law):
+    """A segment's pieces: a straight line, or the spline with these knots and coefficients."""
+    h, d, level, found = segment.lift, segment.degrees, segment.level, []
+    if not segment.free:
+        return [Piece(segment, ZERO, d, [level, level + h])]
+    p, t, c = int(get(law, "degree")), get(law, "knots", list), get(law, "coefficients", list)
+    good = t[:1] + t[-1:] == [0, 1] and all(x < y for x, y in zip(t, t[1:]))
+    good = good and segment.smooth < p <= 5 and len(c) == len(t) - 1 + p
+    demand(good, f"the spline of program/{segment.index} is not of the class asked for")
+    t = [ZERO] * p + t + [ONE] * p
+    for j in range(len(c) - p):
+        s, start, end = [], t[p + j], t[p + j + 1]
+        for k in range(p + 1):  # coefficient k is the blossom at start, p - k times, and at end
+            row = c[j : j + p + 1]
+            for r in range(1, p + 1):
+                x, around = start if r <= p - k else end, zip(t[j + r :], t[j + p + 1 :])
+                row = [((v - x) * y + (x - u) * z) / (v - u)
+                       for (u, v), y, z in zip(around, row, row[1:])]
+            s.append(level + h * row[0])
+        found.append(Piece(segment, d * start, d * (end - start), s))
+    return found
+
+# Step 5. The cam of the file: what its limits say, at every cam angle.
+class Cam:
+    def __init__(self, question, body):
+        laws, self.question, self.size = get(body, "laws", list), question, get(body, "size", list)
+        good = len(laws) == len(question.program) and len(self.size) == 1 + question.roller
+        demand(good, "the cam has not as many laws or sizes as it must have", 2)
+        self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
+        self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
+
+    def join(self, order=None):
+        """Refuse derivatives up to an order that jump. A spline's are continuous at its knots."""
+        for left in self.question.turning:
+            right = left.after
+            smooth = min(left.smooth, right.smooth) if left.free or right.free else 0
+            smooth = max(smooth, self.question.smooth) if order is None else order
+            for k in range(smooth + 1):
+                size = max(abs(s.lift) / s.degrees**k for s in (left, right))
+                jump = abs(self.of[left.index][-1].s[k][-1] - self.of[right.index][0].s[k][0])
+                text = f"derivative {k} jumps at the start of program/{right.index}"
+                demand(jump <= size * JUMP, text)
+                self.jump = max(self.jump, jump / size if jump else ZERO)
+
+    def keep(self, limit):
+        """Show the rows of a limit. They are affine in c, or in c^2: its two bounds suffice."""
+        for piece in self.pieces:
+            for c in C:
+                z = [c * (1 if self.question.roller else c) * self.size[0], self.size[-1]]
+                for alpha, size, rhs in self.question.rows(piece.segment, limit, c, c, 0).values():
+                    spare = enclose([rhs - size[0] * z[0] - size[1] * z[1]])
+                    for factor, s in zip(alpha, piece.s):
+                        spare = plus(spare, enclose([-factor * x for x in s])) if factor else spare
+                    piece.show(lambda b: min(b) >= 0, spare)
+
+    def bend(self, side, radius, around=False):
+        """X > 0 and side N/W^3 <= 1/radius: N/W^3 is the curvature of the roller's path.
+
+        3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > radius W too, so that the
+        profile runs once round the axis; 2 r W <= W^2 + r^2.
+        """
+        def near(w):
+            return isqrt(max(w[len(w) // 2], 1))  # next to W, in units of 1/sqrt(UNIT)
+
+        def bends(w, n):
+            r = near(w)
+            return all(3 * r * p - r**3 + 2 * radius * (q << BITS // 2) >= 0 for p, q in zip(w, n))
+
+        def passes(w, less, along):
+            r, both = near(w), zip(along, less)
+            return all(2 * r * p + radius * ((q - r * r) << BITS // 2) > 0 for p, q in both)
+
+        minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
+        e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
+        for piece in self.pieces:
+            s, v, a, *_ = map(enclose, piece.s)
+            x, slope = plus(s, s0), times(d, v)
+            u = plus(slope, e)
+            w = plus(times(x, x), times(u, u))
+            n = plus(plus(w, times(slope, u)), times(minus, times(times(times(d, d), a), x)))
+            piece.show(lambda b: min(b) > 0, x)
+            piece.show(bends, w, times(enclose([-side * ONE]), n))
+            if around:
+                piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
+
+    def check(self, place):
+        """Show what stands at a place of the list of claims, or refuse."""
+        question, self.jump = self.question, ZERO
+        limit = question.limits[int(place[7:])] if place[:7] == "limits/" else {"kind": place}
+        kind = get(limit, "kind", str)
+        if kind == "motion":
+            self.join()
+            self.keep({"kind": "forward"})
+        elif kind == "size":
+            square = sum(x * x for x in self.size)
+            ranges = [(square, [r and r * r for r in question.radii])]
+            for value, (low, high) in ranges + [(self.size[0], question.offsets)] * question.roller:
+                inside = (low is None or value >= low) and (high is None or value <= high)
+                demand(inside, "it is not within the range asked for")
+            demand(self.size[-1] > 0 and square > question.gap**2, "it is not positive")
+        elif kind in ORDERS or kind in ("pressure_angle", "face_width"):
+            self.join(ORDERS.get(kind, 1) - 1)
+            self.keep(limit)
+        elif kind == "cutter_radius" and question.roller:
+            self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
+        else:
+            demand(kind in ("profile_radius", "no_undercut", "self_crossing"), "it is not covered")
+            self.join(1 if kind == "self_crossing" else 0)
+            least = limit.get("min_mm") or ZERO
+            if question.roller:
+                self.bend(1, question.gap + least, kind == "self_crossing")
+            else:
+                self.keep({"kind": "profile_radius", "min_mm": least})
+        text = "holds at every cam angle"
+        if self.jump:
+            text += f"; where segments meet, derivatives jump by h/d^k/{1 / self.jump // 1} at most"
+        return text
+
+# Step 6. What the multipliers say of all cams: constant + size . z <= 0.
+def half_plane(question, proof):
+    order = int(get(proof, "order"))
+    kind = {2: "acceleration", 3: "jerk"}[order]
+    caps = [get(x, FIELDS[kind]) for x in question.limits if x.get("kind") == kind]
+    demand(caps, f"nothing limits the {kind} of every law")
+    cap, total, sizes, starts = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
+    for part in get(proof, "segments", list):
+        segment, psi = question.program[int(get(part, "segment"))], defaultdict(lambda: [ZERO] * 5)
+        h, d = segment.lift, segment.degrees
+        # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
+        for group in get(part, "rows", list):
+            name = get(group, "limit", str)
+            limit = {"kind": "profile_radius" if name == "no_undercut" else name, "min_mm": ZERO}
+            limit = question.limits[int(name[7:])] if name[:7] == "limits/" else limit
+            alpha, size, rhs = question.rows(segment, limit, *C, 1)[get(group, "side")]
+            rhs -= alpha[0] * segment.level
+            alpha = [f * h / d**k for k, f in enumerate(alpha)]
+            demand(not any(alpha[order:]), "a row is of the derivative that is limited itself")
+            for x, *more in get(group, "multipliers", list):
+                y, low, high = more if len(more) == 3 else (x, *more, ZERO)
+                demand(0 <= x <= y <= 1 and low >= 0 <= high, "a multiplier is negative, or beyond")
+                mass, kernels = low, [(x, 0, low)]
+                if x < y:
+                    steep, mass = (high - low) / (y - x), (low + high) / 2 * (y - x)
+                    kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
+                for at, n, weight in kernels:
+                    for k in range(order):
+                        psi[at][order - 1 - k + n] += weight * alpha[k]
+                if not segment.free:  # g = x, and at the middle of what is left of a density
+                    demand(x == y, "a density on a segment that is not free")
+                    total += mass * (alpha[0] * x + alpha[1])
+                total -= mass * rhs
+                sizes = [p + mass * q for p, q in zip(sizes, size)]
+        if segment.free:
+            # 6.2 End conditions are equalities: multipliers of either sign.
+            for k, nu in zip(range(order), get(part, "ends", list)):
+                psi[ONE][order - 1 - k] += nu
+                value, after = known(segment, segment.after, k) if k else h, segment.after
+                if value is None:
+                    starts[after.index, k] -= nu * after.lift / after.degrees**k * d**k / h
+                else:
+                    total -= nu * value * d**k / h
+            # 6.3 What is left of the law is the integral of psi g^(m), and shares of its start.
+            area, shares = remainder(psi)
+            total -= area * cap * d**order / abs(h)
+            for k in range(1, order):
+                share, value = shares[order - 1 - k], known(segment.before, segment, k)
+                if value is None:
+                    starts[segment.index, k] += share
+                else:
+                    total += share * value * d**k / h
+    # 6.4 Values that two laws share are bounded by Taylor's formula, where g stays in [0, 1].
+    for (index, k), share in starts.items():
+        segment = question.program[index]
+        demand(segment.forward or not share, f"the start of program/{index} is not bounded")
+        most = cap * segment.degrees**order / abs(segment.lift)
+        total -= abs(share) * (1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12)
+    return total, sizes
+
+def known(left, right, k):
+    """The k-th derivative of s where two segments meet; None where two laws share it."""
+    for segment in (left, right):
+        if not segment.free:
+            return segment.lift / segment.degrees if k == 1 else ZERO
+    turns = left.forward and right.forward and left.lift * right.lift < 0
+    return ZERO if k == 1 and turns else None
+
+def remainder(kernels):
+    """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
+
+    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left.
+    """
+    psi, area, cuts = [ZERO] * 5, [], sorted({ZERO, ONE, *kernels}, reverse=True)
+    for right, left in zip(cuts, [*cuts[1:], ZERO]):
+        # in powers y^n / n! of y = right - tau, then of y = left - tau
+        psi, w = [p + q for p, q in zip(psi, kernels.get(right, [ZERO] * 5))], right - left
+        area.append(([sum(Fraction(comb(k, i), comb(4, i) * factorial(i)) * psi[i] * w**i
+                          for i in range(k + 1)) for k in range(5)], w))
+        psi = [sum(psi[j] * w ** (j - i) / factorial(j - i) for j in range(i, 5)) for i in range(5)]
+    # |p| is at most the mean size of its coefficients; where they have one sign, just that.
+    total, spare = ZERO, sum(sum(map(abs, b)) * w for b, w in area) / (len(area) << 30)
+    while area:
+        b, width = area.pop()
+        size = sum(map(abs, b))
+        if (size - abs(sum(b))) * width <= spare:
+            total += size * width / 5
+        else:
+            area += [(half, width / 2) for half in halves(b, lambda x, y: (x + y) / 2)]
+    return total, psi
+
+# Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
+def exclude(question, proof):
+    """Refuse unless -size . z < constant for every size that the question allows."""
+    (least, radius), ends = question.radii, question.offsets
+    if least is not None and radius is not None and least > radius:
+        return
+    constant, (p, q) = half_plane(question, proof)
+    demand(radius is not None or p == q == 0, "nothing limits the size from above")
+    most, up, radius = [], max(-q, ZERO), radius or ZERO
+    for slope in (-p * (c if question.roller else c * c) for c in C):
+        # slope e + up s0 = (slope - y) e + (y e + up s0), by Cauchy and Schwarz for every y
+        inner = [e for e in ends if e is not None and e * e < radius * radius]
+        each = [] if question.roller else [max(slope * radius, ZERO)]
+        for y in [slope, *(up * e / root(radius**2 - e * e) for e in inner)][: 9 * question.roller]:
+            end = ends[slope > y]
+            if slope == y or end is not None:
+                each.append(radius * root(y * y + up * up) + (slope - y) * (end or ZERO))
+        most.append(min(each))
+    demand(max(most) < constant, "the multipliers do not exclude every size")
+
+# Step 8. The claims: what the question asks for, each proven or said not to be covered.
+def places(asked, cam):
+    aims = asked["objective"]
+    found = [f"objective/{k}" for k in range(len(aims) if isinstance(aims, list) else 1)]
+    found += [f"limits/{k}" for k in range(len(get(asked, "limits", list)))]
+    found += ["no_undercut", "self_crossing", "motion", "size"]
+    found += [f"program/{k}/{name}" for k, segment in enumerate(get(asked, "program", list))
+              for name in ("windows", "points", "start", "end") if segment.get(name)]
+    return ["infeasible"] if cam is None else found
+
+def excluded(asked, place, claim):
+    """Check a claim about all cams, and say it."""
+    question, text = Question(asked), "no law and no size keep these limits together"
+    if place != "infeasible":
+        value, kind = get(claim, "at_least"), question.aim[5:]
+        text = f"no cam of this question has a {question.aim} below {decimal(value)}"
+        demand(place == "objective/0", "a later objective is not covered")
+        if kind in ORDERS:
+            question.limits = [*question.limits, {"kind": kind, FIELDS[kind]: value}]
+        else:
+            demand(question.aim == "base_radius", "this objective is not covered")
+            radius = value + question.gap
+            question.radii[1] = min(radius, question.radii[1] or radius)
+    exclude(question, get(claim, "multipliers", dict))
+    return text
+
+def check(proof):
+    good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1
+    demand(good, "the file is not a proof of version 1", 2)
+    asked, body, claims, cam = get(proof, "question", dict), proof["cam"], proof["claims"], None
+    named, wanted = [get(claim, "place", str) for claim in claims], places(asked, body)
+    demand(sorted(named) == sorted(wanted), f"the claims are not those at {', '.join(wanted)}")
+    for place, claim in zip(named, claims):
+        try:
+            text = f"not covered: {ascii(claim.get('reason'))[:100]}"
+            if claim.get("proven") is True and (place == "infeasible" or "objective" in place):
+                text = excluded(asked, place, claim)
+            elif claim.get("proven") is True:
+                cam = cam or Cam(Question(asked), body)
+                text = cam.check(place)
+            print(f"{place}: {text}")
+        except Failure as failure:
+            raise Failure(f"{place}: {failure.args[0]}", *failure.args[1:]) from None
+
+def main(path):
+    try:
+        with open(path, "rb") as file:
+            check(read(file.read(MOST_BYTES + 1)))
+    except Failure as failure:
+        print(failure.args[0])
+        return 2 if len(failure.args) > 1 else 1
+    except (OSError, ValueError, RecursionError, LookupError, AttributeError, TypeError,
+            ArithmeticError) as error:
+        print(f"the file cannot be read: {type(error).__name__} {ascii(str(error))[:100]}")
+        return 2
+    return 0
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

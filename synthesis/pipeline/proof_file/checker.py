@@ -1,0 +1,62 @@
+"""The checker, as the judge of what a proof file may call proven."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+PLACES = (
+    Path(__file__).resolve().parents[3] / "checker" / "check.py",  # a checkout
+    Path(__file__).with_name("check.py"),  # an installation
+)
+
+
+@cache
+def checker_path() -> Path:
+    """Where the checker is."""
+    return next(path for path in PLACES if path.is_file())
+
+
+@cache
+def checker() -> Any:
+    """The checker's module, which imports the standard library alone."""
+    spec = spec_from_file_location("camwright_checker", checker_path())
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def objections(proof: bytes) -> dict[str, str]:
+    """Why the checker does not accept the claims of a proof file, by place; empty where it does.
+
+    Each is judged as if the others were not there.
+    """
+    judge = checker()
+    judge.spent.clear()
+    body, cam, found = judge.read(proof), None, dict[str, str]()
+    for claim in body["claims"]:
+        place = claim["place"]
+        judge.spent.clear()
+        try:
+            if place == "infeasible" or place.startswith("objective/"):
+                judge.excluded(body["question"], place, claim)
+            else:
+                cam = cam or judge.Cam(judge.Question(body["question"]), body["cam"])
+                cam.check(place)
+        except judge.Failure as failure:
+            found[place] = str(failure.args[0])
+        else:
+            found[place] = ""
+    return found
+
+
+def places(question: bytes, *, has_cam: bool) -> list[str]:
+    """Everything that a proof file of a question has to speak of."""
+    judge = checker()
+    judge.spent.clear()
+    found: list[str] = judge.places(judge.read(question), {} if has_cam else None)
+    return found
