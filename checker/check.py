@@ -25,7 +25,7 @@ MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 40, 60  # of the file; of a 
 MOST = {"numbers": 50_000, "halvings of intervals": 200_000}  # of one file
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
-JUMP = Fraction(1, 10**9)  # of lift/degrees^k: what a joint may jump by; the sentence tells it
+JUMP = Fraction(1, 10**7)  # of lift/degrees^k: what a joint may jump by; the sentence tells it
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 FIELDS = {"velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3"}
 OF_LIMITS = {"pressure_angle": "rise_deg return_deg dwell_deg", "profile_radius": "min_mm",
@@ -515,18 +515,18 @@ def check(proof):
         except Failure as failure:
             raise Failure(f"{place}: {failure.args[0]}", *failure.args[1:]) from None
 
-def main(path):
+def main(content):
     try:
-        with open(path, "rb") as file:
-            check(read(file.read(MOST_BYTES + 1)))
+        check(read(content))
     except Failure as failure:
         print(failure.args[0])
         return 2 if len(failure.args) > 1 else 1
-    except (OSError, ValueError, RecursionError, LookupError, AttributeError, TypeError,
+    except (ValueError, RecursionError, LookupError, AttributeError, TypeError,
             ArithmeticError) as error:
         print(f"the file cannot be read: {type(error).__name__} {ascii(str(error))[:100]}")
         return 2
     return 0
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    with open(sys.argv[1], "rb") as file:
+        sys.exit(main(file.read(MOST_BYTES + 1)))

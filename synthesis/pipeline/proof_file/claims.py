@@ -22,7 +22,12 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.strategy.phase_one import INTERVALS, LargestShare, minimise_excess
+from synthesis.optimise.strategy.phase_one import (
+    INTERVALS,
+    LargestShare,
+    least_excess_program,
+    minimise_excess,
+)
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
@@ -120,11 +125,18 @@ def _witnesses(design: Design) -> Iterator[Witness]:
         found = multipliers(model, solution, spec, length)
         if found is not None:
             yield found, on_wire.lower
-    # 2. Where no law keeps the limits: the one for the share of a limit that every law needs.
-    if not design.motion and highest_caps(problem):
+    if design.motion:
+        return
+    # 2. Where no law keeps the limits: the program for the share of a limit that every law needs,
+    #    or for the least excess of all others.
+    if highest_caps(problem):
         found = _share_of_limit(problem, spec, length)
         if found is not None:
             yield found, -inf
+    excess = least_excess_program(problem)
+    found = None if excess is None else multipliers(*excess[:2], spec, length)
+    if found is not None:
+        yield found, -inf
 
 
 def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> Json | None:
