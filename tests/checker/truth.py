@@ -59,7 +59,7 @@ def better_cam(question: Json, place: str, claim: Json) -> str:
 def broken(proof: Json, place: str) -> str:
     """What the cam of the file breaks at a place of the list of claims."""
     question, cam = proof["question"], proof["cam"]
-    _, s, sense = motion(question, cam)
+    s, sense, may_overshoot = motion(question, cam)
     omega = question["speed_rpm"] * math.pi / 30.0
     follower = question["follower"]
     roller = follower["kind"] == "translating_roller"
@@ -72,7 +72,7 @@ def broken(proof: Json, place: str) -> str:
         worst = np.max(np.abs(s[k])) * omega**k / most - 1.0
     elif kind == "motion":
         jumps = [np.max(np.abs(np.diff(s[k]))) / max(np.ptp(s[k]), 1e-300) for k in (0, 1)]
-        back = np.min(s[1] * sense) / np.max(np.abs(s[1]))
+        back = np.min(s[1] * sense * ~may_overshoot) / np.max(np.abs(s[1]))
         worst = max(max(jumps) - 0.05, -back)
     elif roller:
         e, s0 = cam["size"]
@@ -119,10 +119,9 @@ def outside(asked: Any, value: float) -> float:
 
 
 def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
-    """Cam angles, s to s''' per radian, and the sense of the move, at many angles of the turn."""
-    angles, columns, senses, level, levels = [], [], [], 0.0, [0.0]
+    """s to s''' per radian at many angles, the sense of the move, and whether it may overshoot."""
+    columns, senses, may, level, levels = [], [], [], 0.0, [0.0]
     rate = 6.0 * question["speed_rpm"]
-    start = 0.0
     x = (np.arange(SAMPLES) + 0.5) / SAMPLES
     for segment, law in zip(question["program"], cam["laws"], strict=True):
         beta = math.radians(segment["angle_deg"])
@@ -141,12 +140,11 @@ def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
                 table[k] = lift / beta**k * g(x, k)
             table[0] += level
         if beta:
-            angles.append(start + beta * x)
             columns.append(table)
             senses.append(np.full(SAMPLES, float(np.sign(lift))))
-        start += beta
+            may.append(np.full(SAMPLES, bool((segment.get("law") or {}).get("overshoot"))))
         level += lift
         levels.append(level)
     s = np.concatenate(columns, axis=1)
     s[0] -= min(levels)
-    return np.concatenate(angles), s, np.concatenate(senses)
+    return s, np.concatenate(senses), np.concatenate(may)
