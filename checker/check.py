@@ -4,14 +4,12 @@
 One file, the standard library alone, integers and fractions in everything that it concludes. It
 reads the question as it was asked and believes nothing else in the file: the cam and the
 multipliers are witnesses, which may be wrong and are then refused. docs/proof.md has the format,
-and the theorem behind each step by its number here. Exit codes: 0 and a sentence for each claim;
-1 and the first step that fails; 2 and why the file cannot be read.
+the symbols, and the theorem behind each step by its number here. Exit codes: 0 and a sentence for
+each claim; 1 and the first step that fails; 2 and why the file cannot be read.
 
-Symbols: cam angles are in degrees, so that the motion has rational numbers only. On a segment of d
-degrees s = level + h g(x), x from 0 to 1; v, a, j are the derivatives of s per degree [mm]. A
-degree is c = pi/180 radian, so that s' = v/c and s'' = a/c^2. Of a roller e is the offset, s0 the
-height of its centre at the lowest position, X = s0 + s, u = s' - e, W^2 = X^2 + u^2; of a flat face
-Rb is the base radius. The size z is (c e, s0), of a face (c^2 Rb, 0).
+Angles are in degrees: on a segment of d degrees s = level + h g(x), and v, a, j are the derivatives
+of s per degree [mm]. A degree is c = pi/180 radian: s' = v/c, s'' = a/c^2. Of a roller X = s0 + s,
+u = s' - e, W^2 = X^2 + u^2. The size z is (c e, s0), of a flat face (c^2 Rb, 0).
 """
 import json
 import re
@@ -27,9 +25,9 @@ DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outward
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
 JUMP = Fraction(1, 10**7)  # of lift/degrees^k: what a joint may jump by; the sentence tells it
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
-FIELDS = {"velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3"}
-OF_LIMITS = {"pressure_angle": "rise_deg return_deg dwell_deg", "profile_radius": "min_mm",
-             "cutter_radius": "radius_mm", "face_width": "width_mm left_mm right_mm"}
+FIELDS = {"velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
+          "pressure_angle": "rise_deg return_deg dwell_deg", "profile_radius": "min_mm",
+          "cutter_radius": "radius_mm", "face_width": "width_mm left_mm right_mm"}
 spent = Counter()
 
 class Failure(Exception):
@@ -74,9 +72,8 @@ def only(body, names):
 
 def range_of(value):
     """Both ends of a number that is given, free within a range, or free; None where open."""
-    if isinstance(value, Fraction):
-        return [value, value]
-    return [value and value[end] and get(value, end) for end in ("min", "max")]
+    found = value if isinstance(value, dict) else {"min": value, "max": value}
+    return [found[end] and get(found, end) for end in ("min", "max")]
 
 # Step 2. The question. Levels are measured from the lowest position.
 class Segment:
@@ -114,20 +111,19 @@ class Question:
         for left, right in zip(self.turning, self.turning[1:] + self.turning[:1]):
             left.after, right.before = right, left
         self.limits, self.smooth = get(body, "limits", list), int(body["continuity"] or 0)
-        for limit in self.limits:
-            if limit["kind"] in ORDERS or limit["kind"] in OF_LIMITS:
-                only(limit, f"kind {OF_LIMITS.get(limit['kind'], FIELDS.get(limit['kind']))}")
+        for limit in self.limits:  # of others nothing is said
+            if get(limit, "kind", str) in FIELDS:
+                only(limit, f"kind {FIELDS[limit['kind']]}")
         aims, follower = body["objective"], get(body, "follower", dict)
         self.aim = get(aims[0] if isinstance(aims, list) else aims, "kind", str)
         only(follower, "kind roller_radius_mm closure offset_mm tilt_deg")
         self.roller = get(follower, "kind", str) == "translating_roller"
-        if self.roller:
-            held = get(follower, "closure", dict)
-            known = (held["kind"], held.get("contact")) == ("force", "outside")
-        else:
-            known = follower["kind"] == "translating_flat_face" and not get(follower, "tilt_deg")
-        demand(known, "this follower is not covered")
+        held = follower.get("closure") or {"kind": "force", "contact": "outside"}
+        known = (held["kind"], held.get("contact")) == ("force", "outside")
+        known = known and (self.roller or follower["kind"] == "translating_flat_face")
         self.gap = get(follower, "roller_radius_mm") if self.roller else ZERO
+        known = known and not follower.get("tilt_deg") and self.gap >= 0
+        demand(known, "this follower is not covered")
         self.offsets, radii = range_of(follower["offset_mm"]), range_of(body["base_radius_mm"])
         self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
 
@@ -136,7 +132,7 @@ class Question:
 
         c lies between low and high. ``relaxed``: rows that every cam keeps, not those that suffice.
         """
-        kind, found = get(limit, "kind", str), {}
+        kind, found = limit["kind"], {}
         for side in (1, -1):
             alpha, size, rhs = [ZERO] * 4, [ZERO] * 2, None
             if kind in ORDERS:
@@ -144,14 +140,16 @@ class Question:
                 rhs = get(limit, FIELDS[kind]) / self.rate ** ORDERS[kind]
             elif kind == "forward" and segment.forward:
                 alpha[1], rhs = -segment.lift, ZERO
-            elif kind == "pressure_angle" and limit[f"{segment.sense}_deg"] and self.roller:
+            elif kind == "pressure_angle" and self.roller:
+                if limit[f"{segment.sense}_deg"] is None:
+                    continue
                 # side u <= X tan, times c; both sides together say that X is not negative
                 slope = tangent(get(limit, f"{segment.sense}_deg"))[relaxed] * high
-                alpha[0], alpha[1], size, rhs = -slope, side, [-side, -slope], ZERO
+                alpha[:2], size, rhs = [-slope, side], [-side, -slope], ZERO
             elif kind == "profile_radius" and not self.roller:
                 # Rb + s + s'' >= least, times c^2; s >= 0 where a law never moves backwards
                 if segment.forward or not (segment.free and relaxed):
-                    alpha[0], alpha[2], size = -(high**2), -ONE, [-ONE, ZERO]
+                    alpha[:3], size = [-(high**2), ZERO, -ONE], [-ONE, ZERO]
                     rhs = -get(limit, "min_mm") * low**2
             elif kind == "face_width" and not self.roller:
                 # side (s' - offset) <= reach, times c
@@ -176,13 +174,11 @@ C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
 @lru_cache(maxsize=None)
 def tangent(degrees):
     demand(0 < degrees < 90, "an angle is not between 0 and 90 degrees", 2)
-    found = []
-    for side, c in enumerate(C):
-        sine, cosine = (between([(-1) ** k * (degrees * c) ** (2 * k + p) / factorial(2 * k + p)
-                                 for k in range(24)]) for p in (1, 0))
-        demand(cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
-        found.append(sine[side] / cosine[1 - side])
-    return found
+    (sine, cosine), (more_sine, less_cosine) = (
+        [between([(-1) ** k * (degrees * c) ** (2 * k + p) / factorial(2 * k + p)
+                  for k in range(24)]) for p in (1, 0)] for c in C)
+    demand(less_cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
+    return sine[0] / cosine[1], more_sine[1] / less_cosine[0]
 
 def root(x):
     return Fraction(isqrt(x * UNIT * UNIT // 1) + 1, UNIT)  # from above
@@ -197,12 +193,10 @@ def enclose(low, high=None):
 def times(b, c):
     n, m, found = len(b) - 1, len(c) - 1, []
     for k in range(n + m + 1):
-        low = high = 0
-        for i in range(max(0, k - m), min(n, k) + 1):
-            each = [comb(n, i) * comb(m, k - i) * x * y for x in b[i] for y in c[k - i]]
-            low, high = low + min(each), high + max(each)
+        each = [[comb(n, i) * comb(m, k - i) * x * y for x in b[i] for y in c[k - i]]
+                for i in range(max(0, k - m), min(n, k) + 1)]
         whole = comb(n + m, k) << BITS
-        found.append((low // whole, -(-high // whole)))
+        found.append((sum(map(min, each)) // whole, -(-sum(map(max, each)) // whole)))
     return found
 
 def plus(b, c):
@@ -214,10 +208,9 @@ def halves(b, middle):
     spend("halvings of intervals")
     left, right = [], []
     while b:  # de Casteljau
-        left.append(b[0])
-        right.append(b[-1])
+        left, right = [*left, b[0]], [b[-1], *right]
         b = [middle(x, y) for x, y in zip(b, b[1:])]
-    return left, right[::-1]
+    return left, right
 
 class Piece:
     """A polynomial piece of the motion: s, v, a, j, and where it lies [deg]."""
@@ -307,12 +300,12 @@ class Cam:
             return isqrt(max(w[len(w) // 2], 1))  # next to W, in units of 1/sqrt(UNIT)
 
         def bends(w, n):
-            r = near(w)
-            return all(3 * r * p - r**3 + 2 * radius * (q << BITS // 2) >= 0 for p, q in zip(w, n))
+            r, far = near(w), 2 * radius * (1 << BITS // 2)
+            return all(3 * r * p - r**3 + far * q >= 0 for p, q in zip(w, n))
 
         def passes(w, less, along):
-            r, both = near(w), zip(along, less)
-            return all(2 * r * p + radius * ((q - r * r) << BITS // 2) > 0 for p, q in both)
+            r, far = near(w), radius * (1 << BITS // 2)
+            return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
 
         minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
         e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
@@ -327,38 +320,37 @@ class Cam:
             if around:
                 piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
 
+    def fit(self):
+        """Base radius and offset are in their ranges: radii by their squares."""
+        question, square = self.question, sum(x * x for x in self.size)
+        ranges = [(square, [r and r * r for r in question.radii])]
+        for value, (low, high) in ranges + [(self.size[0], question.offsets)] * question.roller:
+            inside = (low is None or value >= low) and (high is None or value <= high)
+            demand(inside, "it is not within the range asked for")
+        demand(self.size[-1] > 0 and square > question.gap**2, "it is not positive")
+        return "base radius and offset are in their ranges"
+
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""
         question, self.jump = self.question, ZERO
         limit = question.limits[int(place[7:])] if place[:7] == "limits/" else {"kind": place}
-        kind = get(limit, "kind", str)
-        if kind == "motion":
-            self.join()
-            self.keep({"kind": "forward"})
-        elif kind == "size":
-            square = sum(x * x for x in self.size)
-            ranges = [(square, [r and r * r for r in question.radii])]
-            for value, (low, high) in ranges + [(self.size[0], question.offsets)] * question.roller:
-                inside = (low is None or value >= low) and (high is None or value <= high)
-                demand(inside, "it is not within the range asked for")
-            demand(self.size[-1] > 0 and square > question.gap**2, "it is not positive")
-        elif kind in ORDERS or kind in ("pressure_angle", "face_width"):
-            self.join(ORDERS.get(kind, 1) - 1)
-            self.keep(limit)
-        elif kind == "cutter_radius" and question.roller:
+        kind, least, roller = limit["kind"], limit.get("min_mm") or ZERO, question.roller
+        round_off = kind in ("profile_radius", "no_undercut", "self_crossing")
+        known = round_off or kind in FIELDS or kind in ("motion", "size")
+        demand(known and (roller or kind != "cutter_radius"), "it is not covered")
+        if kind == "size":
+            return self.fit()
+        self.join({"motion": None, "self_crossing": 1}.get(kind, ORDERS.get(kind, 1) - 1))
+        if kind == "cutter_radius":
             self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
+        elif round_off and roller:
+            self.bend(1, question.gap + least, kind == "self_crossing")
+        elif round_off:
+            self.keep({"kind": "profile_radius", "min_mm": least})
         else:
-            demand(kind in ("profile_radius", "no_undercut", "self_crossing"), "it is not covered")
-            self.join(1 if kind == "self_crossing" else 0)
-            least = limit.get("min_mm") or ZERO
-            if question.roller:
-                self.bend(1, question.gap + least, kind == "self_crossing")
-            else:
-                self.keep({"kind": "profile_radius", "min_mm": least})
-        text = "holds at every cam angle"
-        if self.jump:
-            text += f"; where segments meet, derivatives jump by h/d^k/{1 / self.jump // 1} at most"
-        return text
+            self.keep({"kind": "forward"} if kind == "motion" else limit)
+        share = f"; where segments meet, derivatives jump by h/d^k/{1 / (self.jump or 1) // 1}"
+        return "holds at every cam angle" + (share if self.jump else "")
 
 # Step 6. What the multipliers say of all cams: constant + size . z <= 0.
 def half_plane(question, proof):
@@ -366,7 +358,7 @@ def half_plane(question, proof):
     kind = {2: "acceleration", 3: "jerk"}[order]
     caps = [get(x, FIELDS[kind]) for x in question.limits if x.get("kind") == kind]
     demand(caps, f"nothing limits the {kind} of every law")
-    cap, total, sizes, starts = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
+    cap, total, sizes, joints = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
     for part in get(proof, "segments", list):
         segment, psi = question.program[int(get(part, "segment"))], defaultdict(lambda: [ZERO] * 5)
         h, d = segment.lift, segment.degrees
@@ -375,7 +367,9 @@ def half_plane(question, proof):
             name = get(group, "limit", str)
             limit = {"kind": "profile_radius" if name == "no_undercut" else name, "min_mm": ZERO}
             limit = question.limits[int(name[7:])] if name[:7] == "limits/" else limit
-            alpha, size, rhs = question.rows(segment, limit, *C, 1)[get(group, "side")]
+            row = question.rows(segment, limit, *C, 1).get(get(group, "side"))
+            demand(row, f"{ascii(name)[:20]} says nothing of program/{segment.index}")
+            alpha, size, rhs = row
             rhs -= alpha[0] * segment.level
             alpha = [f * h / d**k for k, f in enumerate(alpha)]
             demand(not any(alpha[order:]), "a row is of the derivative that is limited itself")
@@ -389,44 +383,36 @@ def half_plane(question, proof):
                 for at, n, weight in kernels:
                     for k in range(order):
                         psi[at][order - 1 - k + n] += weight * alpha[k]
-                if not segment.free:  # g = x, and at the middle of what is left of a density
+                if not segment.free:  # g = x
                     demand(x == y, "a density on a segment that is not free")
                     total += mass * (alpha[0] * x + alpha[1])
                 total -= mass * rhs
                 sizes = [p + mass * q for p, q in zip(sizes, size)]
         if segment.free:
-            # 6.2 End conditions are equalities: multipliers of either sign.
+            # 6.2 End conditions are equalities, with multipliers of either sign. What is left of a
+            # law is the integral of psi g^(m), and shares of the derivatives at its start.
             for k, nu in zip(range(order), get(part, "ends", list)):
                 psi[ONE][order - 1 - k] += nu
-                value, after = known(segment, segment.after, k) if k else h, segment.after
-                if value is None:
-                    starts[after.index, k] -= nu * after.lift / after.degrees**k * d**k / h
-                else:
-                    total -= nu * value * d**k / h
-            # 6.3 What is left of the law is the integral of psi g^(m), and shares of its start.
+                joints[segment.index, k] -= nu * d**k / h
             area, shares = remainder(psi)
             total -= area * cap * d**order / abs(h)
             for k in range(1, order):
-                share, value = shares[order - 1 - k], known(segment.before, segment, k)
-                if value is None:
-                    starts[segment.index, k] += share
-                else:
-                    total += share * value * d**k / h
-    # 6.4 Values that two laws share are bounded by Taylor's formula, where g stays in [0, 1].
-    for (index, k), share in starts.items():
-        segment = question.program[index]
-        demand(segment.forward or not share, f"the start of program/{index} is not bounded")
-        most = cap * segment.degrees**order / abs(segment.lift)
-        total -= abs(share) * (1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12)
+                joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
+    # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
+    for (index, k), share in joints.items():
+        left, right = question.program[index], question.program[index].after
+        lines = [s for s in (left, right) if not s.free]
+        turns = left.forward and right.forward and left.lift * right.lift < 0
+        if k == 0:
+            total += share * left.lift
+        elif lines:
+            total += share * lines[0].lift / lines[0].degrees * (k == 1)
+        elif share and not (k == 1 and turns):
+            demand(right.forward, f"the start of program/{right.index} is not bounded")
+            most = cap * right.degrees**order / abs(right.lift)
+            most = 1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12
+            total -= abs(share * right.lift) / right.degrees**k * most
     return total, sizes
-
-def known(left, right, k):
-    """The k-th derivative of s where two segments meet; None where two laws share it."""
-    for segment in (left, right):
-        if not segment.free:
-            return segment.lift / segment.degrees if k == 1 else ZERO
-    turns = left.forward and right.forward and left.lift * right.lift < 0
-    return ZERO if k == 1 and turns else None
 
 def remainder(kernels):
     """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
@@ -487,11 +473,11 @@ def excluded(asked, place, claim):
     if place != "infeasible":
         value, kind = get(claim, "at_least"), question.aim[5:]
         text = f"no cam of this question has a {question.aim} below {decimal(value)}"
-        demand(place == "objective/0", "a later objective is not covered")
+        good = place == "objective/0" and (kind in ORDERS or question.aim == "base_radius")
+        demand(good, "this objective is not covered")
         if kind in ORDERS:
             question.limits = [*question.limits, {"kind": kind, FIELDS[kind]: value}]
         else:
-            demand(question.aim == "base_radius", "this objective is not covered")
             radius = value + question.gap
             question.radii[1] = min(radius, question.radii[1] or radius)
     exclude(question, get(claim, "multipliers", dict))
@@ -528,5 +514,10 @@ def main(content):
     return 0
 
 if __name__ == "__main__":
-    with open(sys.argv[1], "rb") as file:
-        sys.exit(main(file.read(MOST_BYTES + 1)))
+    try:
+        with open(sys.argv[1], "rb") as file:
+            text = file.read(MOST_BYTES + 1)
+    except (OSError, IndexError) as error:
+        print(f"the file cannot be read: {error}")
+        sys.exit(2)
+    sys.exit(main(text))

@@ -47,7 +47,7 @@ def objections(proof: bytes) -> dict[str, str]:
             else:
                 cam = cam or judge.Cam(judge.Question(body["question"]), body["cam"])
                 cam.check(place)
-        except judge.Failure as failure:
+        except (judge.Failure, LookupError, TypeError, AttributeError) as failure:
             found[place] = str(failure.args[0])
         else:
             found[place] = ""
