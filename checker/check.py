@@ -51,14 +51,14 @@ def number(text):
     digits = match[2] or ""
     return int(match[1] + digits) * Fraction(10) ** (int(match[3] or 0) - len(digits))
 
-def members(pairs):
+def once(pairs):
     demand(len(dict(pairs)) == len(pairs), "a name occurs twice in one object", 2)
     return dict(pairs)
 
 def read(content):
     demand(len(content) <= MOST_BYTES, f"the file has more than {MOST_BYTES} bytes", 2)
     return json.loads(content.decode(), parse_float=number, parse_int=number,
-                      parse_constant=number, object_pairs_hook=members)
+                      parse_constant=number, object_pairs_hook=once)
 
 def get(body, name, kind=Fraction):
     good = isinstance(body, dict) and isinstance(body.get(name), kind)
@@ -110,10 +110,13 @@ class Question:
         self.turning = [s for s in self.program if s.degrees > 0]
         for left, right in zip(self.turning, self.turning[1:] + self.turning[:1]):
             left.after, right.before = right, left
-        self.limits, self.smooth = get(body, "limits", list), int(body["continuity"] or 0)
-        for limit in self.limits:  # of others nothing is said
+        self.limits = {f"limits/{k}": limit for k, limit in enumerate(get(body, "limits", list))}
+        for limit in self.limits.values():  # of others nothing is said
             if get(limit, "kind", str) in FIELDS:
                 only(limit, f"kind {FIELDS[limit['kind']]}")
+        self.limits["forward"] = {"kind": "forward"}  # what every cam keeps
+        self.limits["no_undercut"] = {"kind": "profile_radius", "min_mm": ZERO}
+        self.smooth = int(body["continuity"] or 0)
         aims, follower = body["objective"], get(body, "follower", dict)
         self.aim = get(aims[0] if isinstance(aims, list) else aims, "kind", str)
         only(follower, "kind roller_radius_mm closure offset_mm tilt_deg")
@@ -323,32 +326,30 @@ class Cam:
     def fit(self):
         """Base radius and offset are in their ranges: radii by their squares."""
         question, square = self.question, sum(x * x for x in self.size)
-        ranges = [(square, [r and r * r for r in question.radii])]
-        for value, (low, high) in ranges + [(self.size[0], question.offsets)] * question.roller:
-            inside = (low is None or value >= low) and (high is None or value <= high)
-            demand(inside, "it is not within the range asked for")
-        demand(self.size[-1] > 0 and square > question.gap**2, "it is not positive")
+        known = [(square, *(r and r * r for r in question.radii)), (self.size[-1], ZERO, None)]
+        known += [(self.size[0], *question.offsets)] * question.roller
+        inside = all((low is None or low <= x) and (high is None or x <= high)
+                     for x, low, high in known)
+        demand(inside and square > question.gap**2, "it is not within the range asked for")
         return "base radius and offset are in their ranges"
 
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""
         question, self.jump = self.question, ZERO
-        limit = question.limits[int(place[7:])] if place[:7] == "limits/" else {"kind": place}
+        limit = question.limits.get({"motion": "forward"}.get(place, place), {"kind": place})
         kind, least, roller = limit["kind"], limit.get("min_mm") or ZERO, question.roller
-        round_off = kind in ("profile_radius", "no_undercut", "self_crossing")
-        known = round_off or kind in FIELDS or kind in ("motion", "size")
+        of_radius = kind in ("profile_radius", "self_crossing")
+        known = of_radius or kind in FIELDS or kind in ("forward", "size")
         demand(known and (roller or kind != "cutter_radius"), "it is not covered")
         if kind == "size":
             return self.fit()
-        self.join({"motion": None, "self_crossing": 1}.get(kind, ORDERS.get(kind, 1) - 1))
+        self.join({"forward": None, "self_crossing": 1}.get(kind, ORDERS.get(kind, 1) - 1))
         if kind == "cutter_radius":
             self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
-        elif round_off and roller:
+        elif of_radius and roller:
             self.bend(1, question.gap + least, kind == "self_crossing")
-        elif round_off:
-            self.keep({"kind": "profile_radius", "min_mm": least})
         else:
-            self.keep({"kind": "forward"} if kind == "motion" else limit)
+            self.keep(question.limits["no_undercut"] if kind == "self_crossing" else limit)
         share = f"; where segments meet, derivatives jump by h/d^k/{1 / (self.jump or 1) // 1}"
         return "holds at every cam angle" + (share if self.jump else "")
 
@@ -356,7 +357,7 @@ class Cam:
 def half_plane(question, proof):
     order = int(get(proof, "order"))
     kind = {2: "acceleration", 3: "jerk"}[order]
-    caps = [get(x, FIELDS[kind]) for x in question.limits if x.get("kind") == kind]
+    caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
     demand(caps, f"nothing limits the {kind} of every law")
     cap, total, sizes, joints = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
     for part in get(proof, "segments", list):
@@ -365,9 +366,7 @@ def half_plane(question, proof):
         # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
-            limit = {"kind": "profile_radius" if name == "no_undercut" else name, "min_mm": ZERO}
-            limit = question.limits[int(name[7:])] if name[:7] == "limits/" else limit
-            row = question.rows(segment, limit, *C, 1).get(get(group, "side"))
+            row = question.rows(segment, question.limits[name], *C, 1).get(get(group, "side"))
             demand(row, f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             alpha, size, rhs = row
             rhs -= alpha[0] * segment.level
@@ -440,21 +439,19 @@ def remainder(kernels):
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
 def exclude(question, proof):
     """Refuse unless -size . z < constant for every size that the question allows."""
-    (least, radius), ends = question.radii, question.offsets
+    least, radius = question.radii
     if least is not None and radius is not None and least > radius:
         return
     constant, (p, q) = half_plane(question, proof)
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
-    most, up, radius = [], max(-q, ZERO), radius or ZERO
+    radius, up, most = radius or ZERO, max(-q, ZERO), []
+    ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
+    inner = [e for e in ends if e is not None and e * e < radius * radius]
     for slope in (-p * (c if question.roller else c * c) for c in C):
         # slope e + up s0 = (slope - y) e + (y e + up s0), by Cauchy and Schwarz for every y
-        inner = [e for e in ends if e is not None and e * e < radius * radius]
-        each = [] if question.roller else [max(slope * radius, ZERO)]
-        for y in [slope, *(up * e / root(radius**2 - e * e) for e in inner)][: 9 * question.roller]:
-            end = ends[slope > y]
-            if slope == y or end is not None:
-                each.append(radius * root(y * y + up * up) + (slope - y) * (end or ZERO))
-        most.append(min(each))
+        ys = [slope, *(up * e / root(radius**2 - e * e) for e in inner)]
+        most.append(min(radius * root(y * y + up * up) + (slope - y) * (ends[slope > y] or ZERO)
+                        for y in ys if y == slope or ends[slope > y] is not None))
     demand(max(most) < constant, "the multipliers do not exclude every size")
 
 # Step 8. The claims: what the question asks for, each proven or said not to be covered.
@@ -476,48 +473,45 @@ def excluded(asked, place, claim):
         good = place == "objective/0" and (kind in ORDERS or question.aim == "base_radius")
         demand(good, "this objective is not covered")
         if kind in ORDERS:
-            question.limits = [*question.limits, {"kind": kind, FIELDS[kind]: value}]
+            question.limits["objective"] = {"kind": kind, FIELDS[kind]: value}
         else:
             radius = value + question.gap
             question.radii[1] = min(radius, question.radii[1] or radius)
     exclude(question, get(claim, "multipliers", dict))
     return text
 
-def check(proof):
-    good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1
-    demand(good, "the file is not a proof of version 1", 2)
-    asked, body, claims, cam = get(proof, "question", dict), proof["cam"], proof["claims"], None
-    named, wanted = [get(claim, "place", str) for claim in claims], places(asked, body)
-    demand(sorted(named) == sorted(wanted), f"the claims are not those at {', '.join(wanted)}")
-    for place, claim in zip(named, claims):
-        try:
-            text = f"not covered: {ascii(claim.get('reason'))[:100]}"
-            if claim.get("proven") is True and (place == "infeasible" or "objective" in place):
-                text = excluded(asked, place, claim)
-            elif claim.get("proven") is True:
-                cam = cam or Cam(Question(asked), body)
-                text = cam.check(place)
-            print(f"{place}: {text}")
-        except Failure as failure:
-            raise Failure(f"{place}: {failure.args[0]}", *failure.args[1:]) from None
-
-def main(content):
+def check(content):
+    """The exit code, after a sentence for each claim."""
+    at = "the file"
     try:
-        check(read(content))
+        proof = read(content)
+        good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1
+        demand(good, "it is not a proof of version 1", 2)
+        asked, body, claims, cam = proof["question"], proof["cam"], proof["claims"], None
+        named, wanted = [get(claim, "place", str) for claim in claims], places(asked, body)
+        demand(sorted(named) == sorted(wanted), f"its claims are not {', '.join(wanted)}")
+        for at, claim in zip(named, claims):
+            if claim["proven"] is not True:
+                text = f"not covered: {ascii(claim['reason'])[:100]}"
+            elif at == "infeasible" or at[:10] == "objective/":
+                text = excluded(asked, at, claim)
+            else:
+                cam = cam or Cam(Question(asked), body)
+                text = cam.check(at)
+            print(f"{at}: {text}")
     except Failure as failure:
-        print(failure.args[0])
+        print(f"{at}: {failure.args[0]}")
         return 2 if len(failure.args) > 1 else 1
     except (ValueError, RecursionError, LookupError, AttributeError, TypeError,
             ArithmeticError) as error:
-        print(f"the file cannot be read: {type(error).__name__} {ascii(str(error))[:100]}")
+        print(f"{at} cannot be read: {type(error).__name__} {ascii(str(error))[:100]}")
         return 2
     return 0
 
 if __name__ == "__main__":
     try:
         with open(sys.argv[1], "rb") as file:
-            text = file.read(MOST_BYTES + 1)
+            sys.exit(check(file.read(MOST_BYTES + 1)))
     except (OSError, IndexError) as error:
         print(f"the file cannot be read: {error}")
         sys.exit(2)
-    sys.exit(main(text))

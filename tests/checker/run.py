@@ -25,7 +25,7 @@ def verdict(document: Any) -> tuple[int, str]:
     judge, said = checker(), io.StringIO()
     judge.spent.clear()
     with contextlib.redirect_stdout(said):
-        code = judge.main(json.dumps(document).encode())
+        code = judge.check(json.dumps(document).encode())
     return code, said.getvalue()
 
 

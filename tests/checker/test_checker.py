@@ -167,7 +167,7 @@ def test_what_is_not_shown_is_refused_with_its_place(proofs: Any, change: Any) -
 def test_hostile_files_cannot_be_read(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     judge = checker()
     judge.spent.clear()
-    assert judge.main(text.encode("latin-1")) == 2
+    assert judge.check(text.encode("latin-1")) == 2
     assert capsys.readouterr().out
 
 

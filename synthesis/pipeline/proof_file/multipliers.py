@@ -130,11 +130,11 @@ def _row(
     segment, row = block.origin.segment, block.origin.row
     kinds: list[str] = [limit.kind for limit in spec.limits]
     source = SOURCES.get(row.source, row.source)
-    if source.startswith("peak_"):  # one that is minimised is a limit more, the last of the list
-        source = source.removeprefix("peak_")
-        kinds = [""] * len(kinds) + [source]
-    names = {f"limits/{k}": kind for k, kind in enumerate(kinds) if kind}
+    names = {f"limits/{k}": kind for k, kind in enumerate(kinds)}
     names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
+    if source.startswith("peak_"):  # what is minimised counts as a limit
+        source = source.removeprefix("peak_")
+        names = {"objective": source}
     name = next((name for name, kind in names.items() if source.startswith(kind)), "")
     if not name:
         return None
