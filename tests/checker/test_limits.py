@@ -115,13 +115,14 @@ def test_of_a_flat_face(face: Json) -> None:
     assert not accepts(smaller, "no_undercut")
 
 
-def test_a_profile_that_passes_the_axis_is_not_called_simple(roller: Json) -> None:
-    # the pitch curve has no undercut for a point as roller, but an offset as large as this turns
-    # its normal past the axis
-    far = copy.deepcopy(roller)
-    far["question"]["follower"] |= {"roller_radius_mm": 30.0, "offset_mm": None}
-    far["cam"]["size"] = [-60.0, 40.0]
-    assert not accepts(far, "self_crossing")
+def test_a_profile_that_turns_back_seen_from_the_axis_is_not_called_simple(roller: Json) -> None:
+    # a point as roller has no undercut; so near to the axis its normal passes on the other side
+    near = copy.deepcopy(roller)
+    near["question"]["follower"]["roller_radius_mm"] = 0.0
+    assert accepts(near, "self_crossing")
+    near["cam"]["size"] = [10.0, 1.0]
+    assert accepts(near, "no_undercut")
+    assert not accepts(near, "self_crossing")
 
 
 def test_sizes_joints_and_backward_moves(roller: Json) -> None:
