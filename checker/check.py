@@ -23,7 +23,7 @@ MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 40, 60  # of the file; of a 
 MOST = {"numbers": 50_000, "halvings of intervals": 200_000}  # of one file
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
-JUMP = Fraction(1, 10**7)  # of a derivative's size: what it may jump by at a joint; it is told
+JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 FIELDS = {"velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
           "pressure_angle": "rise_deg return_deg dwell_deg", "profile_radius": "min_mm",
@@ -272,14 +272,13 @@ class Cam:
     def join(self, order=None):
         """Refuse derivatives up to an order that jump. A spline's are continuous at its knots."""
         for left in self.question.turning:
-            right = left.after
+            right, sides = left.after, (self.of[left.index][-1], self.of[left.after.index][0])
             smooth = min(left.smooth, right.smooth) if left.free or right.free else 0
             smooth = max(smooth, self.question.smooth) if order is None else order
             for k in range(smooth + 1):
-                before, after = self.of[left.index][-1].s[k], self.of[right.index][0].s[k]
-                jump = abs(before[-1] - after[0])
-                size = max([abs(s.lift) / s.degrees**k for s in (left, right)]
-                           + [abs(x) for x in before + after])
+                jump = abs(sides[0].s[k][-1] - sides[1].s[k][0])
+                size = max(max(h / d**k, h / 10**6 / p.width**k) for p in sides
+                           for h, d in [(abs(p.segment.lift), p.segment.degrees)])
                 text = f"derivative {k} jumps at the start of program/{right.index}"
                 demand(jump <= size * JUMP, text)
                 self.jump = max(self.jump, jump / size if jump else ZERO)
@@ -352,7 +351,7 @@ class Cam:
             self.bend(1, question.gap + least, kind == "self_crossing")
         else:
             self.keep(question.limits["no_undercut"] if kind == "self_crossing" else limit)
-        share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their size at joints"
+        share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
         return "holds at every cam angle" + (share if self.jump else "")
 
 # Step 6. What the multipliers say of all cams: constant + size . z <= 0.
