@@ -76,6 +76,8 @@ def main() -> None:
         if code == 0 and (false := contradiction(document, original)):
             accepted["WRONGLY ACCEPTED"] += 1
             print(f"WRONGLY ACCEPTED {false}", json.dumps(document)[:300])
+        if sum(accepted.values()) % 100 == 0:
+            print(dict(accepted), flush=True)
     print(dict(accepted))
 
 

@@ -43,7 +43,7 @@ def contradiction(proof: Json, known: Json | None = None) -> str:
 def better_cam(question: Json, place: str, claim: Json) -> str:
     """A cam that there should not be."""
     try:
-        design = synthesise(DesignSpec.model_validate({**question, "time_budget_s": None}))
+        design = synthesise(DesignSpec.model_validate({**question, "time_budget_s": 3.0}))
     except (ValidationError, CamwrightError):
         return ""  # no question that can be asked
     if not design.motion:

@@ -12,6 +12,9 @@ PLACES = (
     Path(__file__).with_name("check.py"),  # an installation
 )
 
+OTHER = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""What the checker meets in files that are of another form than it reads."""
+
 
 @cache
 def checker_path() -> Path:
@@ -47,11 +50,22 @@ def objections(proof: bytes) -> dict[str, str]:
             else:
                 cam = cam or judge.Cam(judge.Question(body["question"]), body["cam"])
                 cam.check(place)
-        except (judge.Failure, LookupError, TypeError, AttributeError) as failure:
+        except (judge.Failure, *OTHER) as failure:
             found[place] = str(failure.args[0])
         else:
             found[place] = ""
     return found
+
+
+def not_covered(question: bytes) -> str:
+    """What of a question the checker does not know; empty where it knows all."""
+    judge = checker()
+    judge.spent.clear()
+    try:
+        judge.Question(judge.read(question))
+    except (judge.Failure, *OTHER) as failure:
+        return f"this question is not covered: {failure.args[0]}"
+    return ""
 
 
 def places(question: bytes, *, has_cam: bool) -> list[str]:

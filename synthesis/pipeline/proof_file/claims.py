@@ -14,7 +14,6 @@ from math import floor, inf, isfinite, log10
 from typing import Any
 
 from synthesis.design.design import Design, Effort
-from synthesis.errors import CamwrightError
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.program import formulate
@@ -31,7 +30,7 @@ from synthesis.optimise.strategy.phase_one import (
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
-from synthesis.pipeline.proof_file.checker import objections, places
+from synthesis.pipeline.proof_file.checker import not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import multipliers
 from synthesis.spec.design_spec import DesignSpec
 
@@ -52,13 +51,18 @@ def proof_file(design: Design) -> Json:
         "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
     }  # fmt: skip
     named = places(_bytes(question), has_cam=cam is not None)
+    unknown = not_covered(_bytes(question))
+    if unknown:
+        return {**body, "claims": [_claim(place, unknown) for place in named]}
     # 1. What the cam itself is a witness of.
     of_cam = [place for place in named if not _is_of_all_cams(place)]
     plain = [{"place": place, "proven": True} for place in of_cam]
     found = objections(_bytes({**body, "claims": plain}))
     # 2. What multipliers are a witness of.
-    claims = [_of_all_cams(body, place, design) if _is_of_all_cams(place)
-              else _claim(place, found[place]) for place in named]  # fmt: skip
+    claims = [
+        _of_all_cams(body, place, design) if _is_of_all_cams(place) else _claim(place, found[place])
+        for place in named
+    ]
     return {**body, "claims": claims}
 
 
@@ -108,12 +112,9 @@ def _cam(design: Design) -> Json | None:
 def _witnesses(design: Design) -> Iterator[Witness]:
     """Multipliers of programs whose rows are those of the question."""
     spec = design.spec
-    if spec.free_parameters.parameters or not any(s.law_is_free for s in spec.placed_segments()):
+    if not any(segment.law_is_free for segment in spec.placed_segments()):
         return
-    try:
-        attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
-    except CamwrightError:
-        return
+    attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
     problem = next(attempt.problems(Goal(inf).smallest))
     length = attempt.question.units.length
     # 1. The program whose multipliers gave the bound.
