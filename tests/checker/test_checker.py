@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, proof, synthesise
+from synthesis.design.design import Conflict
 from synthesis.pipeline.proof_file.checker import checker, checker_path
 from tests.checker.mutations import mutated
 from tests.checker.run import verdict
@@ -32,8 +33,13 @@ def proofs() -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def impossible(coarse_conflicts: None) -> Any:
-    return proof_of("infeasible-on-purpose")
+def impossible() -> Any:
+    """That of a question without a cam, whose conflict nobody explains."""
+    conflict = Conflict(limits=[], relaxations=[], evidence="", proven=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(f"{synthesise.__module__}.explain", lambda *_: conflict)
+        patch.setattr(f"{synthesise.__module__}.over_all_numbers", lambda *_: conflict)
+        return proof_of("infeasible-on-purpose")
 
 
 def claims(document: Any) -> dict[str, Any]:
