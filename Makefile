@@ -60,7 +60,7 @@ test-%: export OPENBLAS_NUM_THREADS = 1
 test-%: $(DEV)
 	@$(PY) -m pytest --durations=25 $($*) >$(VENV)/tests-$*.log 2>&1; code=$$?; cat $(VENV)/tests-$*.log; exit $$code
 
-hard: $(DEV)  ## question after question, judged: ARGS=random (the default), loaded, mixed, bounds, transformed; ARGS=--help says more
+hard: $(DEV)  ## question after question, judged: ARGS=random (the default), loaded, mixed, bounds, transformed, own; ARGS=--help says more
 	$(PY) -m tests.hard.run $(ARGS)
 
 mutants: $(DEV)  ## plant faults, see which no test sees, write docs/mutants.md: half an hour (ARGS="--room certify --count 50 --seed 2" only prints)

@@ -19,6 +19,7 @@ from synthesis.exporters import (
     PROFILE_FORMATS,
     SOLID_FORMATS,
     Exporter,
+    FileContent,
     form,
 )
 from synthesis.exporters.curves.exact import ExactOptions
@@ -43,15 +44,15 @@ def run(effort: Effort = FULL) -> Section:
         for part, formats in PARTS.items()
         for name, exporter in formats.items()
     }
-    made: dict[str, bytes] = {}
+    made: dict[str, FileContent] = {}
     calls: dict[str, Call] = {
-        name: (lambda n=name, e=exporter, o=options: made.update({n: e.write(design, o)}))
+        name: (lambda n=name, e=exporter, o=options: made.update({n: e.content(design, o)}))
         for name, (exporter, options) in files.items()
     }
     times = in_turns(calls, effort.repeats(25), effort.warm_up(2))
-    reported = {name: _describe(*each, design) for name, each in files.items()}
+    reported = {name: _describe(content) for name, content in made.items()}
     rows = [
-        (f"`{name}`", str(times[name]), f"{len(made[name]) / 1024:.0f} KiB", reported[name])
+        (f"`{name}`", str(times[name]), f"{len(made[name].data) / 1024:.0f} KiB", reported[name])
         for name in files
     ]
     table = Table(("file", ">time", ">size", ">stated"), rows)
@@ -66,15 +67,16 @@ def run(effort: Effort = FULL) -> Section:
     return Section("Files", TEXT, [table, _exact(design, effort)], front)
 
 
-def _describe(exporter: Exporter[Any], options: Any, design: Design) -> str:
-    error = exporter.content(design, options).metadata.get("Curve-Error-Mm")
+def _describe(content: FileContent) -> str:
+    error = content.metadata.get("Curve-Error-Mm")
     return f"{error} mm" if error else "–"
 
 
 def _options(exporter: Exporter[Any], effort: Effort) -> Any:
-    pointed = "points" in form(exporter.options).model_fields
-    points = POINTS // 20 if effort.trial else POINTS
-    return exporter.options(points=points) if pointed else exporter.options()
+    fields = form(exporter.options).model_fields
+    sizes = {"points": POINTS // 20 if effort.trial else POINTS}
+    sizes |= {"width_px": 200} if effort.trial else {}
+    return exporter.options(**{name: size for name, size in sizes.items() if name in fields})
 
 
 def _exact(design: Design, effort: Effort) -> Table:

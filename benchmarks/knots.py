@@ -17,13 +17,7 @@ from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import dual_bound
-from synthesis.optimise.problem.grid import (
-    CLOSEST_KNOTS,
-    Grid,
-    grid_through,
-    merge_knots,
-    ramp_knots,
-)
+from synthesis.optimise.problem.grid import RAMP_STEP, Grid, grid_through, merge_knots
 from synthesis.optimise.problem.problem import Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import recover_cam
 
@@ -82,7 +76,7 @@ def run(effort: Effort = FULL) -> Section:
     for name, scene in effort.some([("radius", BASE_RADIUS), ("acceleration", PEAK_ACCELERATION)]):
         found = _outcomes(scene, effort)
         parts += [_diagram(name, scene, found), _table(found)]
-    return Section("Knots and degree", TEXT.format(ramp=CLOSEST_KNOTS), parts)
+    return Section("Knots and degree", TEXT.format(ramp=RAMP_STEP), parts)
 
 
 def _outcomes(scene: Scene, effort: Effort) -> list[Outcome]:
@@ -112,7 +106,7 @@ def _posed(scene: Scene, smoothness: int, ramped: bool, intervals: int) -> _Roun
 def _grid(segment: PlacedSegment, intervals: int, softer: int) -> Grid:
     """Equal intervals, with knots for ramps of so many derivatives at both ends."""
     equal = np.linspace(0.0, 1.0, intervals + 1)
-    return grid_through(segment, merge_knots(equal, ramp_knots(np.zeros(0), softer)))
+    return grid_through(segment, merge_knots(equal, np.zeros(0), softer=softer))
 
 
 def _in_problem_units(scene: Scene, problem: Problem) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.effort import FULL, Effort
 from benchmarks.section import Section, Table
-from benchmarks.timing import Timing, in_turns
+from benchmarks.timing import Call, Timing, in_turns
 from synthesis import DesignSpec, synthesise
 from synthesis.design.design import Design
 
@@ -43,9 +43,12 @@ def run(effort: Effort = FULL) -> Section:
     """Time and gap of each scene."""
     specs = {name: DesignSpec.model_validate(body) for name, body in SCENES.items()}
     specs = dict(effort.some(list(specs.items())))
-    calls = {name: (lambda spec=spec: synthesise(spec)) for name, spec in specs.items()}
+    designs: dict[str, Design] = {}
+    calls: dict[str, Call] = {
+        name: (lambda name=name, spec=spec: designs.update({name: synthesise(spec)}))
+        for name, spec in specs.items()
+    }
     times = in_turns(calls, effort.repeats(21), effort.warm_up(2))
-    designs = {name: synthesise(spec) for name, spec in specs.items()}
     rows = [_row(name, times[name], design) for name, design in designs.items()]
     table = Table(("scene", ">time", ">base radius", ">proven gap", "status"), rows)
     return Section(

@@ -105,8 +105,10 @@ def program(segments: int) -> dict[str, Any]:
 
 def _measured(name: str, sizes: tuple[int, ...], effort: Effort) -> list[Outcome]:
     call = CALLS[name]
-    reported = {size: call(size) for size in sizes}
-    calls: dict[str, Call] = {str(size): (lambda s=size: call(s)) for size in sizes}
+    reported: dict[int, str] = {}
+    calls: dict[str, Call] = {
+        str(size): (lambda s=size: reported.update({s: call(s)})) for size in sizes
+    }
     times = in_turns(calls, effort.repeats(3), 0)
     return [Outcome(size, times[str(size)], _memory(name, size), reported[size]) for size in sizes]
 

@@ -9,6 +9,7 @@ from benchmarks.section import Section, Table
 from benchmarks.timing import Call, in_turns
 from service.contract.examples import examples
 from synthesis.exporters import FileContent
+from synthesis.machines.spatial.design import SpatialDesign
 from synthesis.machines.spatial.files.step import BODY, FacetedOptions
 from synthesis.machines.spatial.pipeline import synthesise_spatial
 from synthesis.machines.spatial.spec import SpatialCamSpec
@@ -58,6 +59,7 @@ def run(effort: Effort = FULL) -> Section:
     cam = synthesise_spatial(spec).cam
     wall = next(wall for wall in cam.walls if wall.name == "2R")
     theta, rho = np.linspace(0.0, 2.0 * np.pi / 3.0, POINTS), np.linspace(72.0, 102.0, POINTS)
+    answers: list[SpatialDesign] = []
     calls: dict[str, Call] = {
         f"{POINTS} × {POINTS} points and normals": lambda: cam.surface(wall, theta, rho),
         "their pressure angles and undercut": lambda: cam.contacts(wall, theta, rho),
@@ -65,8 +67,8 @@ def run(effort: Effort = FULL) -> Section:
             cam.place(wall.seat, theta), rho, wall.side
         ),
         "the whole answer, all measured": lambda: synthesise_spatial(spec),
-        "law and centre distance chosen, with bound and all measured": lambda: synthesise_spatial(
-            free
+        "law and centre distance chosen, with bound and all measured": lambda: answers.append(
+            synthesise_spatial(free)
         ),
     }
     times = in_turns(calls, effort.repeats(40), effort.warm_up(3))
@@ -78,7 +80,7 @@ def run(effort: Effort = FULL) -> Section:
     reported = f"{POINTS} × {POINTS} points of a globoidal cam's flank, with normals"
     front = (reported, str(first), error)
     *_, whole = times.values()
-    gap = synthesise_spatial(free).certificate.gap or 0.0
+    gap = answers[0].certificate.gap or 0.0
     sized = ("a sized globoidal cam: the whole answer", str(whole), f"gap {100.0 * gap:.2f} %")
     return Section("Flanks of a globoidal cam", TEXT, [table, _solids(effort)], [front, sized])
 

@@ -80,3 +80,9 @@ def explain_only(coarse_conflicts: None, monkeypatch: pytest.MonkeyPatch) -> Cal
 def unexplained(explain_only: Callable[[str], None]) -> None:
     """Of a spec without a cam that is told alone, with its proof, and none of its numbers tried."""
     explain_only("")
+
+
+@pytest.fixture
+def unmended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Analyses do not search for what mends a cam: that takes a design for each size."""
+    monkeypatch.setattr("synthesis.studies.analyse.find_remedy", lambda *_: None)

@@ -23,6 +23,7 @@ from dataclasses import replace
 from math import inf
 
 from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.branching.node import Node, Tree
@@ -98,6 +99,7 @@ def optimise(
     warm_start: WarmStart | None = None,
     earlier: Candidate | None = None,
     sufficient: float = -inf,
+    mesh: Sequence[Array] = (),
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
 
@@ -112,6 +114,8 @@ def optimise(
             incumbent, and its knots are those of the first mesh.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
+        mesh: knots of every free law to begin with, those of a neighbouring problem; none, or
+            those of other laws: equal intervals.
 
     Returns:
         the final state; without an incumbent where no cam was found.
@@ -128,7 +132,10 @@ def optimise(
     state, presolved = _presolve(state)
     if earlier is not None and not presolved:
         state = _begin_from(state, earlier)
-    tree = Tree((RootNode(optimise, presolved),))
+    near = earlier is None and 0 < len(mesh) == len(problem.free)
+    if near:
+        state = replace(state, grids=_grids_through(problem, mesh))
+    tree = Tree((RootNode(optimise, presolved, near=near),))
     while not any(holds(state, tree, tree.next_node) for _, holds in EXITS):
         node = tree.next_node
         if not node.processed:
@@ -150,8 +157,12 @@ def _begin_from(state: SolveState, best: Candidate) -> SolveState:
     little room the earlier objective's value leaves.
     """
     state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_hint=True))
-    both = zip(state.problem.free, best.laws, strict=True)
-    return replace(state, grids=tuple(grid_through(s, law.space.breaks) for s, law in both))
+    knots = [law.space.breaks for law in best.laws]
+    return replace(state, grids=_grids_through(state.problem, knots))
+
+
+def _grids_through(problem: Problem, knots: Sequence[Array]) -> tuple[Grid, ...]:
+    return tuple(grid_through(s, breaks) for s, breaks in zip(problem.free, knots, strict=True))
 
 
 def _exit(state: SolveState, tree: Tree) -> str:

@@ -46,18 +46,16 @@ from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 MAX_MESHES = 8  # one finer than the other
 COARSEST, FINEST = 24, 96
 """Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
-INTERVALS_AT_UNIT_TOLERANCE = 3.7
-"""The first mesh is too coarse as a rule; the second has knots where its law needs them."""
-FINEST_CURVED = 16
-"""Intervals of the first mesh at most where curved limits are to be linearised on it."""
-FINEST_WITHOUT_ROWS = 150
-"""Intervals of all laws at most where curved limits have no rows: a local search follows."""
+INTERVALS_AT_UNIT_TOLERANCE = 3.7  # too coarse as a rule: the second has knots where needed
+FINEST_CURVED = 16  # intervals of the first mesh at most where curved limits are linearised
+FINEST_WITHOUT_ROWS = 150  # of all laws, where curved limits have no rows: a local search follows
 CURVATURE_GAP = 0.05  # below which finer meshes do not pay where curvature decides
 FINE_ENOUGH = 2.0
 """Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
 GROWTH = 1.1
 """Factor on the number of intervals: a mesh that adds fewer says nothing about finer knots."""
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
+NEAR = 1e-4  # gap that halved intervals do not close where knots lie on the law's own switches
 IDLE = 0.9  # a mesh that leaves more of the gap is idle
 MARGIN_BITS = 16  # of the margin for rows written at points: it is known no better
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
@@ -77,6 +75,7 @@ class RootNode(Node):
         mesh_number: of the mesh, from 1. previous_interval_count: of the mesh before.
         last_solvable_mesh: the last mesh on which the relaxation had a point.
         dimension_searched: whether a dimension was searched, each value a problem of its own.
+        near: whether the first mesh has the knots of a neighbouring problem's best laws.
     """
 
     optimise: Optimise
@@ -85,6 +84,7 @@ class RootNode(Node):
     last_solvable_mesh: tuple[Grid, ...] = ()
     previous_interval_count: int = 0
     dimension_searched: bool = False
+    near: bool = False
     is_root: bool = field(default=True, kw_only=True)
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
@@ -113,9 +113,13 @@ class RootNode(Node):
             other_knots = self._seek_knots(state, violations)
             if other_knots is not None:
                 return other_knots
-        if problem.omits_curved_rows and state.incumbent is None and self.mesh_number == 1:
-            state = local_search(state)  # the meshes give the bound alone: a cam at once
-        # 4. Stop, or refine the mesh where the law costs more than the ideal one.
+        state = _with_first_cam(state, self.mesh_number)
+        # 4. Knots of a neighbour, where the law is next to the best, move onto its own switches.
+        if self.near and self.mesh_number == 1 and bound is not None:
+            polished = polish_knots(state, _solve_once)
+            if polished.relaxation_gap <= NEAR:
+                return polished, replace(self, processed=True)
+        # 5. Stop, or refine the mesh where the law costs more than the ideal one.
         failed = bound is None and self.mesh_number > 1
         if failed or _needs_no_finer_mesh(state, model, solution, bound):
             mesh = _mesh_for_local_search(state, cam, bound, violations)
@@ -187,7 +191,7 @@ class RootNode(Node):
     def _finish(self, state: SolveState) -> tuple[SolveState, Node]:
         """End the root: polish the last digits of convex problems; search least dimensions."""
         problem, node = state.problem, replace(self, processed=True)
-        if not self.presolved:
+        if not (self.presolved or state.suffices):
             state = polish_knots(state, _solve_once)
             state = _bound_without_vibration(state)
             state = self._bound_without_highest_caps(state)
@@ -273,12 +277,15 @@ def _refined(
 
 
 def _rows_cannot_separate(state: SolveState) -> bool:
-    """Whether rows of curved limits are exceeded at their own points, and no cam narrows them.
+    """Whether rows of curved limits are exceeded at their own points: more are of no use."""
+    cam = state.incumbent or state.relaxed
+    return state.problem.has_curved_limits and not state.tangent and cam is None
 
-    More points are of no use then.
-    """
-    no_cam = state.incumbent is None and state.relaxed is None
-    return state.problem.has_curved_limits and not state.tangent and no_cam
+
+def _with_first_cam(state: SolveState, mesh_number: int) -> SolveState:
+    """A cam at once where the meshes give the bound alone."""
+    known = state.incumbent is not None or mesh_number > 1
+    return state if known or not state.problem.omits_curved_rows else local_search(state)
 
 
 def _count(grids: Sequence[Grid]) -> int:
@@ -356,9 +363,8 @@ def _recover(
 def _solve_fractional(state: SolveState, _: float) -> Relaxed:
     """A fractional objective on the present mesh, by Dinkelbach's method.
 
-    The level is lowered to the value of the last solution until it stays; a program at a level just
-    below that has a positive optimum, which proves that no cam reaches that level. Where the
-    splines of the mesh do not suffice for the proof so near, lower levels are tried.
+    The level is lowered to the value of the last solution until it stays; a program just below it
+    has a positive optimum: no cam reaches that level. Where the mesh is too coarse, lower ones are.
     """
     level = 1.0 if state.relaxed is None else state.relaxed.value
     for _ in range(MOST_LEVELS):
@@ -383,11 +389,7 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
 
 
 def _bound_without_vibration(state: SolveState) -> SolveState:
-    """A bound without limits on residual vibration, where that with them is not near.
-
-    Splines that cannot follow a mode too fast for their knots pay far more for rest than other
-    laws would; a bound of the problem without these limits is a bound with them.
-    """
+    """A bound without limits on residual vibration, which laws of few knots pay too much for."""
     problem = state.problem
     unfit = problem.has_curved_limits or problem.objective.quasiconvex or not state.grids
     if not problem.vibration_limits or unfit or state.solved or state.time_left <= 0.0:

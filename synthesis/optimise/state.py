@@ -294,6 +294,16 @@ class SolveState:
             return -inf
         return self.problem.objective.from_wire(self.sufficient, self.problem.machine)
 
+    def problem_tolerance(self, value: float) -> float:
+        """The tolerance about a value of the objective, relative, both in problem units.
+
+        That of a small base radius is a much smaller share of the prime radius.
+        """
+        objective, machine = self.problem.objective, self.problem.machine
+        wire = objective.to_wire(value, machine)
+        least = objective.from_wire(wire - self.tolerance * abs(wire), machine)
+        return (value - least) / max(abs(value), 1e-300)
+
     def would_close(self, lower: float) -> bool:
         """Whether a lower bound would bring the relaxation's best cam within the tolerance."""
         return self.is_close(self.relaxed, self._with_least_radius(lower))

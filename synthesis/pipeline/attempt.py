@@ -12,6 +12,7 @@ from math import inf, isfinite
 from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Effort, Extreme
 from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.table_smoothing import Tables, smooth_tables
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
@@ -23,7 +24,7 @@ from synthesis.optimise.problem.problem import (
 )
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
-from synthesis.optimise.refinement.mesh import FINEST
+from synthesis.optimise.refinement.mesh import FINEST, grids_on_switches, polish_intervals
 from synthesis.optimise.state import (
     QUICK,
     SINGLE_SHARE,
@@ -40,6 +41,7 @@ BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that no tightening bel
 AUTO_PROGRAMS = 100
 """Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
 0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
+SWITCHING = 3  # degree of splines whose highest derivative may step at a knot as the best law's
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4)  # relative amounts by which limits are tightened, in turn
 
@@ -53,12 +55,14 @@ class Goal:
         warm_start: where a neighbouring question's local search ended.
         sufficient: a value of the first objective [wire] that is good enough, proven best or not.
         smallest: base radius from which on cams are sought where it is open below [strokes].
+        mesh: knots of every free law to begin with, those of a neighbouring question.
     """
 
     stop: float
     warm_start: WarmStart | None = None
     sufficient: float = -inf
     smallest: float = SMALLEST
+    mesh: tuple[Array, ...] = ()
 
 
 @dataclass(eq=False)
@@ -117,6 +121,21 @@ class Attempt:
         first = self.searches[0]
         known = Bounded(first.problem.objective, first.lower, first.valid_for)
         return self.bounds[0] if self.bounds else None if first.infeasible else known
+
+    def mesh(self, tolerance: float) -> tuple[Array, ...]:
+        """Knots for a neighbouring question: equal intervals, and where the first best laws switch.
+
+        With them the splines are next to the best laws. Nothing where there is no such law, where
+        laws are so smooth that a switch is a ramp, or where rows of curved limits need few knots.
+        """
+        best = self.searches[0].relaxed if self.searches else None
+        if best is None or any(law.space.degree > SWITCHING for law in best.laws):
+            return ()
+        problem = self.searches[0].problem
+        if problem.has_curved_limits:
+            return ()
+        grids = grids_on_switches(problem, best, polish_intervals(tolerance))
+        return tuple(grid.space.breaks for grid in grids)
 
     @property
     def beyond_tightening(self) -> bool:
@@ -201,6 +220,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else None,
                     sufficient=sufficient if from_start else -inf,
+                    mesh=goal.mesh if from_start else (),
                 )  # fmt: skip
                 attempt.searches.append(state)
             _take_best(attempt)

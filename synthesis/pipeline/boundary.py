@@ -15,34 +15,36 @@ A value is named only if the question with it, put as it stands, has a certified
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, field
-from math import copysign, inf, isfinite, sqrt
+from math import copysign, isfinite, sqrt
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
 from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import ALONE, COARSE, Oracle, Trial
+from synthesis.pipeline.oracle import ALONE, COARSE, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
+from synthesis.pipeline.secants import slope_of, zero_of
 
-FINE, FINEST = 2e-4, {"quick": 2e-4, "auto": 2e-4, "thorough": 1e-5}
-"""Tolerances of a trial that is to prove a value impossible: half of the accuracy sought, but no
-smaller than the spec's ``proof`` allows. From 1e-4 on a trial takes ten times as long."""
-NEAR_EXCESS = 1e-4  # relative: a base radius this far below its maximum cannot be brought nearer
-ROUGH, ACCURACY = 1e-2, 1e-3
+FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 1e-5, "thorough": 1e-6}
+"""Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
+than the spec's ``proof`` allows, and no smaller than the first where a gap is open anyway."""
+NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
+ROUGH, ACCURACY = 1e-2, 5e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
 brought before the tolerance is made finer, and at the end."""
-ROUNDING = 1e-4  # relative: bracket of a value below which it is not narrowed
+ROUNDING = 1e-6  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-SPARE = (0.0, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""Relative: added to a value, until the question as it stands has a cam."""
+MISSED = 1e-5  # relative: by what a question as it stands may miss the smallest base radius
+SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
+"""Of the way and of the value: added to a value, until the question as it stands has a cam."""
 STEPS = 8  # of the secant outwards
 SECANTS = 8  # inwards, before brackets are halved alone
 CLOSING = 5  # trials at the fine tolerance
-BEYOND, REACH = 1.2, 2.0
-"""Of the distance to the zero of a bound: how far a proof is sought, and how far will do."""
+LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
+BEYOND, REACH = 1.3, 2.0
+"""Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
+far will do."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
-CLOSE = 1e-3  # relative: from a value proven impossible to one that suffices, without excesses
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
@@ -65,7 +67,7 @@ class Boundary:
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
         excesses: by the values tried. levels: the same, with signs where none is known.
-        gap: the least between an excess and its bound.
+        trials: by the values tried.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
     """
 
@@ -80,15 +82,15 @@ class Boundary:
     note: str = LATE
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
-    gap: float = inf
+    trials: dict[float, Trial] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.direction = self.number.direction
+        self.trials[self.number.tightest] = self.original
         if self.original.excess is not None:
             excess = max(self.original.excess, NEAR_EXCESS)
             self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
-            if self.original.bound_excess is not None:
-                self.gap = self.original.excess - self.original.bound_excess
+            self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
             self._exclude(self.number.tightest)
 
@@ -108,21 +110,32 @@ class Boundary:
         if self.nearest is None:
             return
         try:
-            finer = self._tried(self.nearest[0], self._fine) if self.number.minimised else None
-            # Of a smallest cam and its bound no more is known. What is not proven of the value
-            # requested is not of one that allows more.
-            known = finer is not None and finer.bound_excess is not None
-            if not known and self.excluded is not None:
+            bounded = self.number.minimised and self._minimise_radius()
+            # What is not proven of the value requested is not of one that allows more.
+            if not bounded and self.excluded is not None:
                 self._close_in()
         except TimeoutError:
             pass
         self._confirm()
 
+    def _minimise_radius(self) -> bool:
+        """Whether the smallest cam, sought to the end, is bounded: no more is to be known then."""
+        assert self.nearest is not None
+        found, _ = self.nearest
+        finer = self._tried(found, self._fine, exactly=True)
+        least, trial = self.nearest
+        spare = 0.5 * max(self.accuracy * self._way(least), MISSED * least)
+        self.nearest = min(least + spare, found), trial
+        return finer.bound_excess is not None
+
     @property
     def _fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        excess = self.excesses.get(self.number.tightest, 1.0)
-        return min(max(0.5 * self.accuracy * excess, FINEST[self.oracle.spec.proof]), FINE)
+        excess, finest = (
+            self.excesses.get(self.number.tightest, 1.0),
+            FINEST[self.oracle.spec.proof],
+        )
+        return min(max(self.accuracy * excess, finest, self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -131,48 +144,45 @@ class Boundary:
         tells where the cam's excess, and where its bound, comes to zero.
         """
         assert self.nearest is not None
-        start, fine = self.number.tightest, self._fine
-        slope, width = self._slope(), self.accuracy * self._way(self.nearest[0])
-        step = fine / slope if slope > 0.0 else FINE * abs(self.nearest[0])
-        cam_zero, bound_zero = self._zeros(self.nearest[0], self.nearest[1], slope)
+        start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
+        slope = self.direction * slope_of(self.excesses, ON_KNOTS if near else 0.0)
+        gap, value = max(self._fine, self.oracle.open_gap, MISSED), abs(self.nearest[0])
+        step = gap / slope if slope > 0.0 else gap * value
+        width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
+
+        def zero(way: float, excess: float | None) -> float | None:
+            """The way at which an excess falls to 0."""
+            return way + excess / slope if slope > 0.0 and excess is not None else None
+
+        good = self._beyond(start, self.nearest[0])
+        found = zero(good, self.nearest[1].excess)
+        cam_zero, bound_zero = good if found is None else found, None
+        before, proven = None, False
         for _ in range(CLOSING):
             good = self._beyond(start, self.nearest[0])
             bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
-            if good > cam_zero + width:
+            nearer = proven and good > cam_zero + width
+            if nearer:
                 way = cam_zero + 0.5 * width
             else:
-                known = good - step if bound_zero is None else bound_zero
-                way = known - max(0.5 * width, (BEYOND - 1.0) * (good - known))
-                step *= WIDENING
-            reach = width if bound_zero is None else max(width, REACH * (good - bound_zero))
-            if way <= bad or good - bad <= reach:
+                best = min(good, cam_zero)
+                known = best - step if bound_zero is None else bound_zero
+                way = known - max(0.5 * width, (BEYOND - 1.0) * (best - known))
+                way, step = max(way, 0.5 * (bad + best)), WIDENING * step
+            open_gap = 0.0 if bound_zero is None else cam_zero - bound_zero
+            reach = REACH * max(width, open_gap)
+            if good - bad <= reach:
                 return
-            trial = self._tried(start + self.direction * way, fine)
-            zero, bound_zero = self._zeros(start + self.direction * way, trial, slope)
-            cam_zero = min(cam_zero, max(zero, bad))
-            if bound_zero is None and trial.proof:
-                return
-
-    def _zeros(self, value: float, trial: Trial, slope: float) -> tuple[float, float | None]:
-        """Ways from the request at which the excess of a trial, and its bound, come to zero.
-
-        That of the excess is the trial's own way, that of the bound None, where it is not known.
-        """
-        way, excess, bound = self._beyond(self.number.tightest, value), trial.excess, None
-        zero = way + excess / slope if excess is not None and slope > 0.0 else way
-        if slope > 0.0 and trial.bound_excess is not None:
-            bound = way + trial.bound_excess / slope
-            if trial.certified:  # small enough ended its search, and its bound is not the best
-                bound = max(bound, zero - self.gap / slope)
-        return zero, bound
-
-    def _slope(self) -> float:
-        """By how much the excess falls per unit, near its zero; 0 where that is not known."""
-        near = sorted(self.excesses.items(), key=lambda pair: abs(pair[1]))[:2]
-        if len(near) < 2:
-            return 0.0
-        (value, excess), (other, further) = near
-        return max((further - excess) / self._beyond(other, value), 0.0)
+            trial = self._tried(start + self.direction * way, self._fine, exactly=not nearer)
+            if before is not None and trial.excess is not None and before[0] != way:
+                local = (trial.excess - before[1]) / (before[0] - way)
+                slope = local if abs(trial.excess - before[1]) > REACH * self._fine else slope
+            found = zero(way, trial.excess)
+            cam_zero = min(cam_zero, max(way, bad)) if found is None else found
+            if nearer:
+                continue
+            before = None if trial.excess is None else (way, trial.excess)
+            bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
 
     @property
     def at_least(self) -> float | None:
@@ -183,22 +193,30 @@ class Boundary:
 
     # -- trials ------------------------------------------------------------------------------
 
-    def _tried(self, value: float, tolerance: float = COARSE) -> Trial:
+    def _tried(self, value: float, tolerance: float = COARSE, *, exactly: bool = False) -> Trial:
         """The question with the number at a value; raises TimeoutError where time is over."""
         if self.oracle.is_late():
             raise TimeoutError
-        trial = self.oracle.relaxed(self.number, value, tolerance)
+        _, near = min(self.trials.items(), key=lambda pair: abs(pair[0] - value))
+        trial = self.oracle.relaxed(self.number, value, tolerance, near, exactly=exactly)
         self._record(value, trial)
         if not trial.on_time:
             raise TimeoutError
+        if exactly:
+            self._note_gap(trial, tolerance)
         return trial
 
+    def _note_gap(self, trial: Trial, tolerance: float) -> None:
+        """Keep a gap that a tolerance has left open: no smaller one closes it, of any number."""
+        if trial.excess is not None and trial.bound_excess is not None:
+            gap = trial.excess - trial.bound_excess
+            self.oracle.open_gap = LEFT * gap if gap > tolerance else self.oracle.open_gap
+
     def _record(self, value: float, trial: Trial) -> None:
+        self.trials[value] = trial
         self.levels[value] = self._level(trial)
         if trial.excess is not None:
             self.excesses[value] = trial.excess
-            if trial.bound_excess is not None:
-                self.gap = min(self.gap, trial.excess - trial.bound_excess)
         if trial.certified:
             self._allow(value, trial)
         if trial.proof:
@@ -267,7 +285,7 @@ class Boundary:
         least, _ = self.oracle.value_on(self.number, trial)
         if least is None:
             return False
-        for spare in SPARE:
+        for spare in SPARE[1]:
             value = least * (1.0 + spare)
             if self._tried(value).certified:
                 self.levels[value] = 0.0  # no nearer one is sought
@@ -302,20 +320,21 @@ class Boundary:
         """Bring the value that suffices nearer to the least one, to an accuracy.
 
         Where a question has no cam its excess is known, and falls to zero at the least value: the
-        secant of the two nearest to it says where. Where it has one, its excess often is not: a
-        trial half the accuracy beyond the secant's zero finds a cam, or a third excess. Without two
-        excesses, or where the secant has not come to its end, the bracket is halved.
+        secant of the two nearest to it says where; where it has one, if the search for it began
+        next to the best. A trial half the accuracy beyond the secant's zero finds a cam, or another
+        excess. Without two, or where the secant has not come to its end, the bracket is halved.
         """
         requested, secants = self.number.tightest, 0
+        began_near = bool(self.original.attempt.mesh(COARSE))
         while self.nearest is not None:
             good = self.nearest[0]
-            levels = self.levels.items()
-            failed = [v for v, level in levels if level > 0.0 and self._beyond(v, good) > 0.0]
+            levels = self.levels
+            failed = [v for v in levels if levels[v] > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
             width = max(ROUGH * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
-            zero = self._zero_of_excess(failed, good)
+            zero = zero_of(self.excesses, levels if began_near else failed, good)
             if zero is not None and 0.0 < self._beyond(zero, good) <= width:
                 return
             value = bad if zero is None else zero + 0.5 * self.direction * width
@@ -326,20 +345,6 @@ class Boundary:
             else:
                 value = 0.5 * (bad + good)
             self._tried(value)
-
-    def _zero_of_excess(self, failed: Collection[float], good: float) -> float | None:
-        """Where the secant of the two least excesses of questions without a cam comes to zero.
-
-        With one alone, that to the excess of the cam nearest to it: the search for it ended as
-        soon as it was small enough, so the zero lies no nearer to that cam.
-        """
-        known = sorted((self.excesses[value], value) for value in failed if value in self.excesses)
-        if len(known) == 1 and good in self.excesses:
-            known.append((self.excesses[good], good))
-        if len(known) < 2 or known[0][0] == known[1][0]:
-            return None
-        (excess, near), (further, far) = known[:2]
-        return near - excess * (far - near) / (further - excess)
 
     def _level(self, trial: Trial) -> float:
         """Above 0 where no cam is found; 0, which ends a search, next to the least value."""
@@ -358,10 +363,16 @@ class Boundary:
         """
         if self.nearest is None or self.nearest[0] == self.needed:
             return
-        nearest, trial = self.nearest
-        spec = self.oracle.spec
-        for spare in SPARE:
-            value = nearest + self.direction * spare * abs(nearest)
+        (nearest, trial), spec = self.nearest, self.oracle.spec
+        missing = 0.0  # of a maximum of the base radius: what the last question exceeds it by
+        units = self._way(nearest), abs(nearest)
+        spares = {
+            share * unit for shares, unit in zip(SPARE, units, strict=True) for share in shares
+        }
+        for spare in sorted(spares):
+            if spare < missing * abs(nearest):
+                continue
+            value = nearest + self.direction * spare
             if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
                 return
             if not self.oracle.is_valid(self.number, value):
@@ -369,9 +380,11 @@ class Boundary:
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
-            if self.oracle.ask_as_it_stands(relaxed(spec, self.number, value)).certified:
+            found = self.oracle.ask_as_it_stands(relaxed(spec, self.number, value))
+            if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed = value
                 self.note = (DEVIATION if self.number.sense == "±" else SUFFICES) + note
                 return
+            missing = (found.excess or 0.0) if self.number.minimised else 0.0
         self.note = self.note if self.needed is not None else UNCONFIRMED

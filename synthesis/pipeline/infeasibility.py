@@ -6,8 +6,10 @@ nothing; where only these speak, the question is unsolved.
 
 ``infeasibility_proof`` lists the theorems, each a function. Those that are proven on the way stand
 where they are: ``Problem.base_circle_conflict`` and ``Problem.constant_conflict``; of phase 1
-``PhaseOneResult.impossible``, kept in the state, and ``excess_proof``. One more is that of a
-maximum of the base radius: ``Smallest.excludes`` in ``largest_radius``.
+``PhaseOneResult.impossible``, kept in the state, and ``excess_proof``. Two more stand elsewhere:
+that of a maximum of the base radius, ``Smallest.excludes`` in ``largest_radius``, and those over
+all free angles and lifts in ``free_numbers``. A proof for fewer limits than were asked for is one
+for all of them; ``conflict`` uses it.
 """
 
 from __future__ import annotations

@@ -151,16 +151,21 @@ def _decided(
     """
     tolerance = spec.tolerance
     while smallest is not None and clock.now() < goal.stop:
-        known = smallest.attempt.certified or smallest.excludes
+        known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
-        if known or not smallest.is_bounded or gap > tolerance or tolerance <= FINEST:
+        decided = known.certified or smallest.excludes
+        if decided or not smallest.is_bounded or gap > tolerance or tolerance <= FINEST:
             break
-        if smallest.attempt.chosen_values:
+        if known.chosen_values:
             break  # a finer bound over all numbers takes many programs
         tolerance = max(tolerance * FINER, FINEST)
         changes = {"tolerance": tolerance, "proof": "quick"}
         finer = first_question(spec.model_copy(update=changes))
-        found = solve_spec(finer, replace(goal, warm_start=None), stages)
+        # Its laws are next to the best: on their knots one that is small enough is found at once.
+        enough = smallest.most if len(spec.objectives()) == 1 else -inf
+        mesh = known.mesh(FINEST)
+        near = replace(goal, warm_start=None, mesh=mesh, sufficient=enough)
+        found = with_bound_of(known, solve_spec(finer, near, stages))
         smallest = _smallest(spec, found) or smallest
     return smallest
 

@@ -24,6 +24,7 @@ from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
+ON_KNOTS = 1e-2  # relative: of a bound on a neighbour's knots; the cam is a hundred times nearer
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
 ALONE = "no cam was found however far this number alone is relaxed"
 
@@ -94,10 +95,15 @@ class Trial:
 
 @dataclass(eq=False)
 class Oracle:
-    """Answers to a question with some of its numbers changed."""
+    """Answers to a question with some of its numbers changed.
+
+    ``open_gap``: relative, what was left between a smallest cam and its bound for all the tolerance
+    that was asked.
+    """
 
     spec: DesignSpec
     stop: float
+    open_gap: float = 0.0
     known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
 
     def is_late(self) -> bool:
@@ -105,20 +111,27 @@ class Oracle:
         return clock.now() >= self.stop
 
     def ask(
-        self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None
-    ) -> Trial:
+        self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None,
+        near: Trial | None = None, *, exactly: bool = False,
+    ) -> Trial:  # fmt: skip
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
         For any cam the peak acceleration is minimised, since a law of little acceleration leaves
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
+        ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
+        is sought to the tolerance though any that is small enough would do.
         """
         low, high = ends(spec.base_radius_mm)
         limited = low < high < inf
-        enough = -inf if objective is not None else high if limited else ANY
+        any_other = high if limited else ANY
+        enough = -inf if objective is not None or (limited and exactly) else any_other
         objective = objective or (BaseRadius() if limited else PeakAcceleration())
         tolerance = min(tolerance, COARSE) if limited else tolerance
+        mesh = () if near is None or near.smallest is None else near.attempt.mesh(tolerance)
+        if mesh and not exactly:  # a cam next to the best comes first, whatever the bound
+            tolerance = max(tolerance, ON_KNOTS)
         changes = {**QUICK, "objective": objective, "tolerance": tolerance}
-        goal = Goal(self.stop, sufficient=enough)
+        goal = Goal(self.stop, sufficient=enough, mesh=mesh)
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
     def ask_as_it_stands(self, spec: DesignSpec) -> Trial:
@@ -136,9 +149,11 @@ class Oracle:
                 return trial
         return self.known.setdefault(key, self.ask(without(self.spec, numbers)))
 
-    def relaxed(self, number: Relaxable, value: float, tolerance: float = COARSE) -> Trial:
+    def relaxed(
+        self, number: Relaxable, value: float, tolerance: float, near: Trial, *, exactly: bool
+    ) -> Trial:
         """The question with one number relaxed to a value; its cam is one without the number."""
-        trial = self.ask(relaxed(self.spec, number, value), tolerance)
+        trial = self.ask(relaxed(self.spec, number, value), tolerance, near=near, exactly=exactly)
         if trial.certified:
             self.known.setdefault(frozenset([number]), trial)
         return trial

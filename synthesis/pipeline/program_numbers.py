@@ -103,7 +103,7 @@ def _lifts(spec: DesignSpec) -> Iterator[ProgramNumber]:
         lifts.append(low)
     first, *_ = lifts
     yield ProgramNumber(
-        f"lift of program/{moves[0][0]}", tuple(paths), tuple(lifts), spec.follower.travel.unit,
+        "all lifts", tuple(paths), tuple(lifts), spec.follower.travel.unit,
         "≥", slopes=tuple(lift / first for lift in lifts), provable=False,
         farthest=(1.0 - MOST) * first,
     )  # fmt: skip

@@ -15,9 +15,10 @@ from synthesis.exporters import (
     ProfileOptions,
 )
 from synthesis.exporters.options import CurveOptions
+from tests.exporters.written import coarse
 
 ALL = [*PROFILE_FORMATS.values(), *MOTION_FORMATS.values(), *PICTURES.values()]
-FILES = [(exporter, exporter.options()) for exporter in ALL]
+FILES = [(exporter, coarse(exporter)) for exporter in ALL]
 NAMED = pytest.mark.parametrize(
     ("exporter", "options"), FILES, ids=lambda v: getattr(v, "extension", type(v).__name__)
 )

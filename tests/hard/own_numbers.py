@@ -1,28 +1,22 @@
 """An answer's own numbers put back as limits: the cam at hand satisfies them, so one must be found.
 
-``python -m tests.hard.own_numbers`` asks all questions; arguments: scenes of each family (2), a
-word that the names of the families hold (all). A question counts only where the certificate
-confirms that the answer's own cam, or the same cam a little larger, keeps every limit of it.
+``make hard ARGS=own`` asks all questions. A question counts only where the certificate confirms
+that the answer's own cam, or the same cam a little larger, keeps every limit of it.
 """
 
 from __future__ import annotations
 
-import json
-import sys
 import time
-from collections import Counter
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from copy import deepcopy
 from dataclasses import dataclass
 
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import enlarged
 from synthesis.certify import certify, certify_size
-from synthesis.design.design import WITHOUT_CAM, Design
+from synthesis.design.design import Design
 from synthesis.errors import TimeBudgetExceeded
-from synthesis.numerics import clock
-from tests.hard.families import FAMILIES, Spec, random_scene
+from tests.hard.families import Spec, random_scene
 
 BUDGET_S = 15.0
 SCENES = 2
@@ -139,62 +133,10 @@ def ask(question: Question, open_seconds: float) -> Outcome:
     return Outcome(question, status, seconds, gap, open_seconds, needed)
 
 
-def scene_outcomes(scene: tuple[str, int]) -> tuple[str, list[Outcome]]:
-    """The answer of a scene, in words, and every question that it satisfies."""
-    clock.now = time.process_time  # the same answers on a busy machine
-    body = random_scene(*scene)
+def scene_outcomes(family: str, number: int) -> tuple[str, list[Outcome]]:
+    """The status of a scene's answer, and what every question that it satisfies came to."""
+    body = random_scene(family, number)
     status, answer, seconds = solved(body)
     if answer is None or not answer.certificate.certified:
         return status, []
-    return status, [ask(one, seconds) for one in questions(*scene, body, answer)]
-
-
-def report(found: list[Outcome]) -> str:
-    """Questions and false answers by family, and by kind of question."""
-    lines = [f"{'family':40s} {'asked':>5s} {'false':>5s} {'s':>7s} {'open s':>7s}  statuses"]
-    for family in FAMILIES:
-        mine = [one for one in found if one.question.family == family]
-        counts = Counter(one.status for one in mine)
-        words = ", ".join(f"{status} {count}" for status, count in sorted(counts.items()))
-        mean = sum(one.seconds for one in mine) / max(len(mine), 1)
-        alone = sum(one.open_seconds for one in mine) / max(len(mine), 1)
-        false = sum(one.false for one in mine)
-        lines.append(f"{family:40s} {len(mine):5d} {false:5d} {mean:7.2f} {alone:7.2f}  {words}")
-    for kind in sorted({one.question.kind for one in found}):
-        mine = [one for one in found if one.question.kind == kind]
-        false = sum(one.false for one in mine)
-        ratio = sum(one.seconds for one in mine) / sum(one.open_seconds for one in mine)
-        lines.append(
-            f"{kind}: {len(mine)} asked, {false} false, {ratio:.2f} times the open question's time"
-        )
-    false, low = sum(one.false for one in found), sum(one.needed is not None for one in found)
-    unsolved = sum(one.status == "unsolved" for one in found)
-    other = sum(one.status not in ("optimal", "feasible", *WITHOUT_CAM) for one in found)
-    lines.append(
-        f"{len(found)} questions, {false} false ({false / max(len(found), 1):.1%}), "
-        f"{unsolved} unsolved, {low} with a "
-        f"needed value below what was asked, {other} without an answer"
-    )
-    return "\n".join(lines)
-
-
-def main(arguments: list[str]) -> int:
-    count = int(arguments[0]) if arguments else SCENES
-    word = arguments[1] if len(arguments) > 1 else ""
-    scenes = [(family, number) for family in FAMILIES if word in family for number in range(count)]
-    found: list[Outcome] = []
-    with ProcessPoolExecutor(2) as pool:
-        for scene, (status, outcomes) in zip(scenes, pool.map(scene_outcomes, scenes), strict=True):
-            found += outcomes
-            wrong = [one for one in outcomes if one.status not in ("optimal", "feasible")]
-            for one in wrong:
-                body = json.dumps(one.question.body)
-                print(f"{scene} {one.question.kind}: {one.status} {body}", flush=True)
-            if not outcomes:
-                print(f"{scene}: no question, {status}", flush=True)
-    print(report(found))
-    return 1 if any(one.false for one in found) else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    return status, [ask(one, seconds) for one in questions(family, number, body, answer)]

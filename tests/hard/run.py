@@ -5,6 +5,10 @@
     mixed        units and sizes mixed, limits met exactly, idle limits, up to twelve segments
     bounds       another optimiser tries to beat every bound and to satisfy what is refused
     transformed  questions made of others, whose answers must be related
+    own          questions that an answer satisfies by construction
+
+With ``--kept FILE`` every outcome is kept, a line for each number: a number that is in it is not
+judged again, and the report is of all that it holds. One file for each kind.
 
 What may come out: a certified design that the verifier confirms, a refusal with its reason that
 no cam of the verifier's own contradicts, a spec error, or the end of the time budget with the
@@ -25,8 +29,9 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -40,7 +45,7 @@ from tests.hard.families import FAMILIES as SCENES
 from tests.hard.families import random_scene
 from tests.hard.loaded_specs import loaded_spec
 from tests.hard.mixed_specs import mixed_spec
-from tests.hard.own_numbers import solved
+from tests.hard.own_numbers import scene_outcomes, solved
 from tests.hard.random_specs import random_spec
 from tests.hard.transformed import pairs
 from tests.hard.verifier import verify
@@ -65,6 +70,8 @@ FAMILIES = {
 }
 ATTACKED = 400  # questions whose bounds are attacked: scenes of families and mixed specs in turn
 SCENE_COUNT = 200  # that are transformed, each in some fifteen ways
+OWN_COUNT = 250  # scenes whose answers' numbers are put back, each in some eight ways
+TWICE, INSTANT_S = 2.0, 0.1  # the open question's time that an answer may take, and what is added
 FIRST_SCENE = 100  # of a family: those before it are other tests'
 
 
@@ -133,11 +140,9 @@ def outcome(number: int, body: dict[str, Any] | None = None, family: str = "rand
 
 def attacked(number: int, seconds: float) -> Outcome:
     """A question answered, and its claims attacked for some seconds of processor time."""
-    names = list(SCENES)
     body = mixed_spec(number // 2)
     if number % 2 == 0:
-        at = number // 2
-        body = random_scene(names[at % len(names)], FIRST_SCENE + at // len(names))
+        body = random_scene(*_scene(number // 2))
     kind = body["follower"]["kind"]
     try:
         status, design, needed = solved({"time_budget_s": BUDGET_S, **body})
@@ -163,13 +168,38 @@ def attacked(number: int, seconds: float) -> Outcome:
 
 def related(number: int) -> list[Outcome]:
     """A scene transformed in every way."""
-    names = list(SCENES)
-    family, scene = names[number % len(names)], FIRST_SCENE + number // len(names)
+    family, scene = _scene(number)
     return [
         Outcome(number, f"{family}: {other.kind.split(' ')[0]}", answer.status, answer.seconds,
                 answer.gap, tuple(f"{other.kind}: {text}" for text in wrong), other.body)
         for other, answer, wrong in pairs(family, scene)
     ]  # fmt: skip
+
+
+def own(number: int) -> list[Outcome]:
+    """Every question that the answer of a scene satisfies by construction."""
+    family, scene = _scene(number)
+    _, outcomes = scene_outcomes(family, scene)
+    found = []
+    for one in outcomes:
+        complaints, status = list[str](), one.status
+        if one.false or one.needed is not None:
+            complaints.append(f"{one.question.kind}: a cam is denied that exists")
+        elif status == "unsolved":
+            status = "missed: unsolved, though there is a cam"
+        if one.seconds > TWICE * one.open_seconds + INSTANT_S:
+            status += ", slower than twice the open question"
+        found.append(
+            Outcome(number, family, status, one.seconds, one.gap,
+                    tuple(complaints), one.question.body)
+        )  # fmt: skip
+    return found
+
+
+def _scene(number: int) -> tuple[str, int]:
+    """Family and number of the scenes that no other test has, the families in turn."""
+    names = list(SCENES)
+    return names[number % len(names)], FIRST_SCENE + number // len(names)
 
 
 def _inconsistent(design: dict[str, Any]) -> Iterable[str]:
@@ -221,6 +251,7 @@ def main() -> int:
         },
         "bounds": (attacked, ATTACKED),
         "transformed": (related, SCENE_COUNT),
+        "own": (own, OWN_COUNT),
     }
     parser = argparse.ArgumentParser(
         "tests.hard.run", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
@@ -229,21 +260,34 @@ def main() -> int:
     parser.add_argument("range", nargs="*", type=int, metavar="first end step")
     parser.add_argument("--seconds", type=float, default=30.0, help="of an attack on one bound")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
+    parser.add_argument("--kept", type=Path, help="file of outcomes, not judged again")
     given = parser.parse_intermixed_args()
     judge, count = kinds[given.kind]
     if given.kind == "bounds":
         judge = partial(attacked, seconds=given.seconds)
+    kept = _read(given.kept)
     numbers = range(*given.range, *(0, count, 1)[len(given.range) :])
-    found: list[Outcome] = []
+    numbers = [number for number in numbers if number not in kept]
     with ProcessPoolExecutor(given.jobs, initializer=_budgets_of_processor_time) as pool:
-        for done in pool.map(judge, numbers):
-            for one in done if isinstance(done, list) else [done]:
-                found.append(one if one.complaints else replace(one, body=None))
+        for number, done in zip(numbers, pool.map(judge, numbers), strict=True):
+            outcomes = done if isinstance(done, list) else [done]
+            kept[number] = [one if one.complaints else replace(one, body=None) for one in outcomes]
+            if given.kept is not None:
+                with given.kept.open("a") as file:
+                    print(json.dumps([number, list(map(asdict, kept[number]))]), file=file)
+            for one in outcomes:
                 if one.complaints:
                     print(f"#{one.number} {one.kind} {one.status}: {one.complaints}")
                     print(f"    {json.dumps(one.body)}", flush=True)
+    found = [one for outcomes in kept.values() for one in outcomes]
     print(report(found))
     return 1 if any(one.complaints for one in found) else 0
+
+
+def _read(kept: Path | None) -> dict[int, list[Outcome]]:
+    """The outcomes of earlier runs, by number."""
+    lines = kept.read_text().splitlines() if kept is not None and kept.exists() else []
+    return {number: [Outcome(**one) for one in found] for number, found in map(json.loads, lines)}
 
 
 def _budgets_of_processor_time() -> None:

@@ -18,6 +18,7 @@ from tests.hard.verifier import objectives
 FOUND = json.loads((Path(__file__).parent / "found.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.usefixtures("short_diagnosis")
 @pytest.mark.parametrize("found", FOUND, ids=lambda found: found["why"])
 def test_it_stays_mended(found: dict[str, Any]) -> None:
     judged = outcome(0, found["spec"])

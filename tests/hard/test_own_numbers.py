@@ -1,4 +1,4 @@
-"""A sample of the questions that an answer's own numbers satisfy; ``run_own`` asks all of them."""
+"""A sample of the questions that an answer satisfies; ``make hard ARGS=own`` asks all of them."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ SAMPLE = [family for family in FAMILIES if not any(word in family for word in SL
 
 @pytest.mark.parametrize("family", SAMPLE)
 def test_an_answers_own_numbers_are_feasible_as_limits(family: str) -> None:
-    body = random_scene(family, 1) | {"proof": "quick"}
+    number = 2 if "then rms" in family else 1  # the first of these takes longer than all others
+    body = random_scene(family, number) | {"proof": "quick"}
     _, answer, seconds = solved(body)
     assert answer is not None
     assert answer.certificate.certified
-    known = list(questions(family, 1, body, answer))
+    known = list(questions(family, number, body, answer))
     one = known[SAMPLE.index(family) % len(known)]
     outcome = ask(one, seconds)
     assert outcome.status in ("optimal", "feasible"), (one.kind, one.body)

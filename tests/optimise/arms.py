@@ -58,7 +58,9 @@ def scene(*limits: dict[str, Any], **more: Any) -> DesignSpec:
     return DesignSpec.model_validate(body(*limits, **more))
 
 
-def slope(psi: Array, rate: Array, distance: float, sense: str, arm: float = ARM) -> Array:
+def slope(
+    psi: Array, rate: Array, distance: float | Array, sense: str, arm: float | Array = ARM
+) -> Array:
     """tan α by the instant centre of cam and arm, which divides d as the speeds do.
 
     Args:
@@ -72,16 +74,17 @@ def slope(psi: Array, rate: Array, distance: float, sense: str, arm: float = ARM
 Ends = tuple[float, float]
 
 
-def least(worth: Callable[[Array, int], float], bounds: Sequence[Ends]) -> float:
+def least(worth: Callable[[Array, int], Array], bounds: Sequence[Ends]) -> float:
     """Least value by differential evolution: roughly over the bounds, then finely near it.
 
-    ``worth`` takes a point and the number of cam angles at which limits are looked at.
+    ``worth`` takes points (n, k) and the number of cam angles at which limits are looked at, and
+    gives the values (k,) of all points at once.
     """
 
     def search(count: int, ends: Sequence[Ends], accuracy: float) -> Any:
         return differential_evolution(
             worth, ends, (count,), rng=7, popsize=12, tol=0.0, atol=accuracy, maxiter=400,
-            polish=False,
+            polish=False, vectorized=True, updating="deferred",
         )  # fmt: skip
 
     rough = search(151, bounds, 1e-6).x
@@ -89,4 +92,4 @@ def least(worth: Callable[[Array, int], float], bounds: Sequence[Ends]) -> float
         (max(low, x - 0.005 * (high - low)), min(high, x + 0.005 * (high - low)))
         for x, (low, high) in zip(rough, bounds, strict=True)
     ]
-    return float(search(2001, around, 1e-9).fun)
+    return float(search(1501, around, 1e-8).fun)

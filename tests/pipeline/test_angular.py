@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi, radians
 from typing import Any
 
@@ -79,7 +80,8 @@ def test_the_law_does_not_know_what_it_moves() -> None:
             assert here.spline.coefficients == pytest.approx(there.spline.coefficients, abs=1e-6)
 
 
-def test_too_much_jerk_is_told_in_degrees() -> None:
+def test_too_much_jerk_is_told_in_degrees(explain_only: Callable[[str], None]) -> None:
+    explain_only("limits/0/max_deg_per_s3")
     least = 32.0 * LIFT / radians(RISE) ** 3 * OMEGA**3
     limits = [{"kind": "jerk", "max_deg_per_s3": 0.9 * least}]
     design = synthesise(spec(limits=limits, objective={"kind": "rms_jerk"}))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cache
-from math import cos, sqrt
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,26 @@ from synthesis import Design, DesignSpec, analyse, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.optimise.driver import optimise
+from synthesis.optimise.parameters import search
 from synthesis.optimise.problem.problem import formulate_problem
-from tests.optimise.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, least, slope
-from tests.pipeline.test_oscillating_roller import dense
+from tests.optimise.arms import ARM, FALL, HOLD, RISE, SENSES, angles, body, jerk, least
+from tests.pipeline.test_oscillating_roller import prime_radius
 
 RANGE = {"min": 40.7, "max": 161.3}
 DISTANCE = 101.9
+
+# lengths tried first, descents and their steps, how closely: a search that is sure enough here
+LITTLE = {
+    "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 2e-2,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", autouse=True)
+def little_is_tried() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in LITTLE.items():
+            patch.setattr(search, name, value)
+        yield
 
 
 def spec(*limits: dict[str, Any], arm: Any = RANGE, **more: Any) -> DesignSpec:
@@ -36,9 +50,9 @@ def sized(*limits: dict[str, Any], **more: Any) -> Design:
 
 
 @cache
-def alone() -> Design:
-    """The opposite sense, laws given, the centre distance too."""
-    return sized(angles(), law="cycloidal", distance=DISTANCE)
+def alone(sense: str = "opposite") -> Design:
+    """Laws given, the centre distance too."""
+    return sized(angles(), law="cycloidal", sense=sense, distance=DISTANCE)
 
 
 def prime(design: Design) -> float:
@@ -48,14 +62,9 @@ def prime(design: Design) -> float:
 def searched(sense: str, distance: tuple[float, float]) -> float:
     """The least prime radius by differential evolution over l, ψ0 and, in a range, d."""
 
-    def radius(point: np.ndarray, count: int) -> float:
-        arm, start, d = (*point, distance[0])[:3]
-        worst = max(
-            float(np.max(np.abs(slope(start + phi, rate, d, sense, arm)) - limit))
-            for phi, rate, limit in dense(count)
-        )
-        found = sqrt(d * d + arm * arm - 2.0 * d * arm * cos(start))
-        return found if worst <= 0.0 else 1e4 + worst
+    def radius(points: np.ndarray, count: int) -> np.ndarray:
+        arm, start, d = (*points, np.full(points.shape[1], distance[0]))[:3]
+        return prime_radius(arm, start, d, sense, count)
 
     bounds = [(RANGE["min"], RANGE["max"]), (0.01, 2.5), distance]
     return least(radius, bounds[: 2 if distance[0] == distance[1] else 3])
@@ -63,7 +72,7 @@ def searched(sense: str, distance: tuple[float, float]) -> float:
 
 @pytest.mark.parametrize("sense", SENSES)
 def test_as_small_as_a_global_search_finds(sense: str) -> None:
-    design = sized(angles(), law="cycloidal", sense=sense, distance=DISTANCE)
+    design = alone(sense)
     assert prime(design) == pytest.approx(searched(sense, (DISTANCE, DISTANCE)), rel=1e-6)
     arm = design.dimensions["arm_mm"]
     assert design.free_parameters == {"follower/arm_mm": arm}
@@ -73,7 +82,10 @@ def test_as_small_as_a_global_search_finds(sense: str) -> None:
     assert design.certificate.bound_valid_for.endswith("at the chosen numbers alone")
 
 
-def test_as_small_as_a_global_search_over_the_pivot_too() -> None:
+def test_as_small_as_a_global_search_over_the_pivot_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        search, "FEW", 8
+    )  # of fewer the best is too far from the end of the pivot's
     distance = {"min": 101.9, "max": 131.7}
     design = sized(angles(), law="cycloidal", distance=distance)
     assert prime(design) == pytest.approx(searched("opposite", (101.9, 131.7)), rel=1e-6)
@@ -91,7 +103,7 @@ def test_with_angles_limited_alone_a_cam_shrinks_with_its_arm(sense: str) -> Non
 def test_a_length_in_mm_holds_it_up() -> None:
     """A profile radius does not shrink with the arm: neither end of the range is best."""
     least = {"kind": "profile_radius", "min_mm": 14.3}
-    question: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}}
+    question: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}, "tolerance": 2e-2}
     found = sized(angles(), least, **question)
     for arm in (50.3, 60.1, 71.9, 97.7):
         assert prime(found) <= prime(sized(angles(), least, arm=arm, **question)) * (1.0 + 1e-3)

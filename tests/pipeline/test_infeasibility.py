@@ -14,7 +14,7 @@ from synthesis import DesignSpec, synthesise
 pytestmark = pytest.mark.usefixtures("unexplained")
 
 SPLINE = {"kind": "spline"}
-INTERVALS = 80  # of a law of piecewise constant jerk, in the reference program
+INTERVALS = 48  # of a law of piecewise constant jerk, in the reference program
 
 
 def question(
@@ -223,7 +223,7 @@ def random_questions(count: int) -> list[tuple[DesignSpec, tuple[Any, ...]]]:
 def test_no_question_with_a_law_is_called_infeasible() -> None:
     """What a linear program of another kind finds possible is not denied; most else is proven."""
     said = {"denied": 0, "proven": 0, "impossible": 0}
-    for spec, numbers in random_questions(24):
+    for spec, numbers in random_questions(16):
         excess, found = excess_by_linear_program(*numbers), synthesise(spec)
         if excess < -2e-3:  # of its own steps: between them limits are exceeded a little
             said["denied"] += found.status == "infeasible"
@@ -232,7 +232,7 @@ def test_no_question_with_a_law_is_called_infeasible() -> None:
             said["proven"] += found.status == "infeasible"
             assert found.status in ("infeasible", "unsolved")
     assert said["denied"] == 0
-    assert said["impossible"] >= 8  # or the questions are no test
+    assert said["impossible"] >= 5  # or the questions are no test
     assert said["proven"] >= 0.9 * said["impossible"]
 
 
@@ -241,7 +241,10 @@ def test_no_question_with_a_law_is_called_infeasible() -> None:
 
 def test_a_bound_over_one_mesh_proves_nothing() -> None:
     """Without a cap the bound covers splines on the knots tried: other laws are not denied."""
-    spec = question(10.0, (90.0, 30.0, 90.0), [pressure_angle(30.0)], base_radius_mm={"min": 0.1})
+    spec = question(
+        10.0, (90.0, 30.0, 90.0), [pressure_angle(30.0)], base_radius_mm={"min": 0.1},
+        tolerance=2e-2,
+    )  # fmt: skip
     bound = synthesise(spec).certificate
     assert "splines" in bound.bound_valid_for
     assert bound.lower_bound is not None

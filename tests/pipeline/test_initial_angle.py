@@ -30,6 +30,7 @@ def test_the_smallest_cam_has_its_axis_across_from_the_arm(angle: Any, law: str)
     assert found.dimensions["prime_radius_mm"] == pytest.approx(least, rel=1e-3)
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize("sense", SENSES)
 def test_with_a_pressure_angle_no_distance_has_a_smaller_cam(sense: str) -> None:
     question = {"law": "cycloidal", "sense": sense}

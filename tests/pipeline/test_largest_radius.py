@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from math import inf
 from typing import Any
 
@@ -77,9 +78,17 @@ SWINGING_FACE: Spec = {
     "base_radius_mm": {"max": 25.85331626898722},
 }  # fmt: skip
 
+BODIES = {"convex": CONVEX, "open gap": OPEN_GAP}
+
 
 def answer(body: Spec, **changes: Any) -> Design:
     return synthesise(DesignSpec.model_validate({"proof": "quick", **body, **changes}))
+
+
+@cache
+def smallest(name: str) -> Design:
+    """The answer without a maximum of the radius."""
+    return answer(BODIES[name])
 
 
 def radius(design: Design) -> float:
@@ -87,7 +96,7 @@ def radius(design: Design) -> float:
 
 
 def test_a_maximum_that_does_not_bind_changes_nothing_but_the_certificate() -> None:
-    free = answer(CONVEX)
+    free = smallest("convex")
     limited = answer(CONVEX, base_radius_mm={"max": 60.0})
     assert limited.status == free.status == "optimal"
     assert limited.motion == free.motion
@@ -102,16 +111,16 @@ def test_a_maximum_that_does_not_bind_changes_nothing_but_the_certificate() -> N
 
 
 @pytest.mark.parametrize("spare", [0.0, 1e-6, 1e-3])
-@pytest.mark.parametrize("body", [CONVEX, OPEN_GAP], ids=["convex", "open gap"])
-def test_the_answers_own_base_radius_is_a_maximum_that_it_keeps(body: Spec, spare: float) -> None:
-    least = radius(answer(body))
-    limited = answer(body, base_radius_mm={"max": least * (1.0 + spare)})
+@pytest.mark.parametrize("name", BODIES)
+def test_the_answers_own_base_radius_is_a_maximum_that_it_keeps(name: str, spare: float) -> None:
+    least = radius(smallest(name))
+    limited = answer(BODIES[name], base_radius_mm={"max": least * (1.0 + spare)})
     assert limited.certificate.certified
     assert radius(limited) <= least * (1.0 + spare)
 
 
 def test_a_maximum_below_the_bound_is_proven_infeasible_and_what_is_needed_suffices() -> None:
-    proof = answer(CONVEX).certificate
+    proof = smallest("convex").certificate
     assert proof.lower_bound is not None
     most = 0.98 * proof.lower_bound
     denied = answer(CONVEX, base_radius_mm={"max": most})
@@ -143,7 +152,7 @@ def test_a_maximum_between_bound_and_cam_claims_no_proof(
     explain_only: Callable[[str], None],
 ) -> None:
     explain_only("base_radius_mm/max")
-    proof = answer(OPEN_GAP).certificate
+    proof = smallest("open gap").certificate
     assert proof.lower_bound is not None
     assert proof.value is not None
     assert proof.gap is not None
@@ -160,10 +169,10 @@ def test_a_maximum_between_bound_and_cam_claims_no_proof(
 
 
 @pytest.mark.parametrize("share", [1.0, 1.02])
-@pytest.mark.parametrize("body", [CONVEX, OPEN_GAP], ids=["convex", "open gap"])
-def test_a_known_cam_is_found_where_its_base_radius_is_given(body: Spec, share: float) -> None:
-    given = share * radius(answer(body))
-    fixed = answer(body, base_radius_mm=given)
+@pytest.mark.parametrize("name", BODIES)
+def test_a_known_cam_is_found_where_its_base_radius_is_given(name: str, share: float) -> None:
+    given = share * radius(smallest(name))
+    fixed = answer(BODIES[name], base_radius_mm=given)
     assert fixed.certificate.certified
     assert radius(fixed) == pytest.approx(given, rel=1e-12)
 

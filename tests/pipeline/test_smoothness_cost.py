@@ -66,7 +66,8 @@ def test_what_it_costs_at_most_is_counted_from_the_exact_optimum() -> None:
     exact = UNIT * sqrt(720.0 * (1.0 + slower**-5) * radians(RISE) / radians(360.0))
     assert found.at_most == pytest.approx(found.value - exact, abs=1e-6 * exact)
     assert exact <= found.c2_value <= exact * 1.001
-    assert 0.0 < found.price < found.at_most
+    # within the tolerance either of the two cams may be the better one
+    assert 0.0 <= found.price < found.at_most
 
 
 def test_of_c2_splines_the_price_is_nothing() -> None:

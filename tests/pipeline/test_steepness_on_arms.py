@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan, cos, degrees, pi, radians, sqrt
+from math import atan, degrees, pi, radians
 from typing import Any
 
 import numpy as np
@@ -25,9 +25,9 @@ def certified(design: Design) -> bool:
     return design.certificate.certified and all(extreme.holds for extreme in design.extremes)
 
 
-def steepest(psi0: float, distance: float, sense: str, count: int) -> float:
+def steepest(psi0: np.ndarray, distance: Any, sense: str, count: int) -> np.ndarray:
     """The largest |tan α| of the cycloidal scene, from the instant centre; ∞ past dead centre."""
-    x = np.linspace(0.0, 1.0, count)
+    x = np.linspace(0.0, 1.0, count)[:, None]
     g, rate, swing = (
         x - np.sin(2.0 * pi * x) / (2.0 * pi),
         1.0 - np.cos(2.0 * pi * x),
@@ -35,16 +35,18 @@ def steepest(psi0: float, distance: float, sense: str, count: int) -> float:
     )
     up = slope(psi0 + swing * g, swing / radians(RISE) * rate, distance, sense)
     down = slope(psi0 + swing * (1.0 - g), -swing / radians(FALL) * rate, distance, sense)
-    return float(max(np.max(np.abs(up)), np.max(np.abs(down)))) if psi0 + swing < pi else np.inf
+    largest = np.maximum(np.max(np.abs(up), axis=0), np.max(np.abs(down), axis=0))
+    return np.where(psi0 + swing < pi, largest, np.inf)
 
 
 def searched(sense: str, distance: float | None, largest: float) -> float:
     """The least peak [deg] over ψ0, and d, by differential evolution."""
 
-    def worth(point: np.ndarray, count: int) -> float:
-        d = distance or point[1]
-        prime = sqrt(d * d + ARM * ARM - 2.0 * d * ARM * cos(point[0]))
-        return steepest(point[0], d, sense, count) + 1e3 * max(prime - ROLLER - largest, 0.0)
+    def worth(points: np.ndarray, count: int) -> np.ndarray:
+        d = distance or points[1]
+        prime = np.sqrt(d * d + ARM * ARM - 2.0 * d * ARM * np.cos(points[0]))
+        excess = np.maximum(prime - ROLLER - largest, 0.0)
+        return steepest(points[0], d, sense, count) + 1e3 * excess
 
     bounds = [(0.01, 2.5), (0.4 * ARM, 2.5 * ARM)][: 1 if distance else 2]
     return degrees(atan(least(worth, bounds)))
@@ -87,7 +89,7 @@ def test_mirrored_and_enlarged_it_is_the_same() -> None:
 def free() -> Design:
     return synthesise(
         scene(jerk(1.9), distance=DISTANCE, base_radius_mm={"max": 20.3}, objective=PEAK,
-              tolerance=1e-2)
+              tolerance=2e-2)
     )  # fmt: skip
 
 
@@ -154,7 +156,7 @@ def test_a_face_as_flat_as_a_scan_of_its_base_radius_finds(sense: str) -> None:
     assert certified(design)
     base, turn = design.dimensions["base_radius_mm"], dense(spec, 1501)
     assert value(design) == pytest.approx(steepest_of_a_face(spec, turn, base, 71.3), rel=1e-5)
-    others = [steepest_of_a_face(spec, turn, other, 71.3) for other in np.linspace(0.5, 65.0, 400)]
+    others = [steepest_of_a_face(spec, turn, other, 71.3) for other in np.linspace(0.5, 65.0, 130)]
     assert value(design) <= min(others) * (1.0 + 1e-6)
     assert steepest_of_a_face(spec, turn, base - 0.05, 71.3) > value(design)
 

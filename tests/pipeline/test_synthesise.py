@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from itertools import pairwise
 from math import sqrt
 from typing import Any
@@ -437,7 +438,10 @@ def test_a_cam_given_down_to_its_size_is_measured_and_refused() -> None:
     assert design.conflict.relaxations
 
 
-def test_a_jerk_limit_below_the_theoretical_minimum_is_refused_with_the_minimum() -> None:
+def test_a_jerk_limit_below_the_theoretical_minimum_is_refused_with_the_minimum(
+    explain_only: Callable[[str], None],
+) -> None:
+    explain_only("limits/1/max_mm_per_s3")
     design = synthesise(spec(limits=[PRESSURE, jerk(31.0)]))
     assert design.status == "infeasible"
     assert design.certificate.certified is False
@@ -460,6 +464,7 @@ def test_spec_is_the_request_body() -> None:
     assert DesignSpec.model_validate(body) == spec()
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_a_law_that_must_overshoot_is_refused_by_name() -> None:
     """A return that has to end with a downward acceleration at rest cannot come from above."""
     steps = [

@@ -151,6 +151,7 @@ def test_columns_say_the_same_as_rows() -> None:
     assert np.array_equal(one.x, other.x)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_a_tolerance_that_is_missed_is_a_result() -> None:
     program = [table(103.7, 28.4), DWELLS[0],
                {"kind": "return", "angle_deg": 92.1, "lift_mm": 28.4, "law": {"kind": "cycloidal"}},

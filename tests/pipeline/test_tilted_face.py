@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from math import cos, pi, radians, sin, tan
 from typing import Any
 
@@ -78,6 +79,7 @@ def test_the_size_agrees_with_dense_rows_and_with_a_blind_search(right: float) -
     rows = np.concatenate([
         LEAST - (s[0] + s[2]) * cos(tilt), (at_axis - right) / tan(tilt)
     ])  # fmt: skip
+    rows = np.sort(rows)[-99:]  # all others are implied
     upper = (90.0 + at_axis) / tan(tilt)
     found = linprog([1.0], -np.ones((len(rows), 1)), -rows, bounds=(0.0, float(np.min(upper))))
     assert design.status == "optimal"
@@ -100,6 +102,7 @@ def test_a_tilt_lets_a_free_law_s_cam_be_smaller_and_is_its_pressure_angle() -> 
     assert leaning.certificate.bound_valid_for == "all motion laws with a bounded jerk"
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_contact_that_leaves_the_face_is_found_with_its_angle() -> None:
     face = {"kind": "face_width", "right_mm": 5.1}
     given_cam = tilted(RADIUS, face, law="cycloidal", base_radius_mm=83.0)
@@ -135,9 +138,11 @@ def test_a_least_size_that_pushes_contact_off_the_face_is_named() -> None:
     assert synthesise(mended).status == "optimal"
 
 
-@pytest.mark.parametrize("law", ["cycloidal", None])
-@pytest.mark.parametrize("tilt", [TILT, -TILT])
-def test_a_pressure_angle_below_the_tilt_cannot_be(tilt: float, law: str | None) -> None:
+@pytest.mark.parametrize(("tilt", "law"), [(TILT, None), (-TILT, "cycloidal")])
+def test_a_pressure_angle_below_the_tilt_cannot_be(
+    tilt: float, law: str | None, explain_only: Callable[[str], None]
+) -> None:
+    explain_only("limits/1/rise_deg")
     limit = {"kind": "pressure_angle", "rise_deg": 19.0, "return_deg": 35.0}
     design = synthesise(tilted(RADIUS, limit, jerk(60.0, 73.0), tilt=tilt, law=law, tolerance=1e-2))
     assert design.status == "infeasible"

@@ -81,7 +81,7 @@ def test_limits_that_one_law_just_meets_have_that_cam(name: str) -> None:
     assert any("leave no slack" in stage.note for stage in design.report.stages)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_the_least_jerk_of_any_law_is_enough(seed: int) -> None:
     """32 h (ω/β)³ on one law or both, with random lifts, angles, speeds and followers."""
     draw = np.random.default_rng(seed)
@@ -151,6 +151,7 @@ def test_a_limit_that_laws_only_approach_is_refused_without_a_proof() -> None:
     assert NO_LAW not in design.conflict.evidence
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_acceleration_that_leaves_no_room_for_ramps_is_said_to_be_undecided() -> None:
     """A law of class C2 may be a hair gentler than those on knots can be; one that jumps is."""
     limit = acceleration(4.0 * (1.0 + 1.4e-4))

@@ -164,7 +164,9 @@ def test_an_analysis_tells_of_windows() -> None:
     assert "program_0_window_0_acceleration_min" in found.violated
 
 
-def test_a_conflict_names_windows_and_points_and_what_would_do() -> None:
+def test_a_conflict_names_windows_and_points_and_what_would_do(
+    request: pytest.FixtureRequest,
+) -> None:
     point = {"angle_deg": 12.3, "travel_mm": 12.0}
     design = synthesise(cam({"points": [point]}))
     assert design.status == "infeasible"
@@ -173,6 +175,7 @@ def test_a_conflict_names_windows_and_points_and_what_would_do() -> None:
     }  # fmt: skip
     needed = {r.field: r.needed for r in design.conflict.relaxations}
     eased = needed["program/0/points/0/travel_mm"]
+    request.getfixturevalue("unexplained")
     spare = {"tolerance_mm": eased * 1.002}
     assert synthesise(cam({"points": [point | spare]})).status != "infeasible"
     tight = {"tolerance_mm": eased * 0.99}

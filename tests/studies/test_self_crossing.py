@@ -78,6 +78,7 @@ def test_a_design_grows_until_it_does_not_cross_itself() -> None:
     assert ranged.bound == 0.4
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_a_design_that_may_not_grow_is_refused_for_it() -> None:
     found = synthesise(lobe(base_radius_mm={"min": 0.4, "max": 0.7}))
     assert found.status == "unsolved"

@@ -24,11 +24,18 @@ class FrictionModel(FiniteModel, ABC):
     rows and relaxations take its values at the ends of a range of displacements as its extremes,
     and that at 0 as the largest. Optimiser and certificate evaluate it by the same method: on
     floats, NumPy arrays, enclosures and CasADi columns, so that it is written in arithmetic alone.
+
+    Every length is a field whose name ends in ``_mm``, as elsewhere in a spec: by these endings the
+    optimiser's copy of the model gets its lengths in units of its own (``NondimensionalSpec``).
     """
 
     @abstractmethod
-    def effective(self, s: Any) -> Any:
-        """Friction along the guide over the side force at a displacement [mm]."""
+    def share_of_side_force(self, s: Any) -> Any:
+        """Friction along the guide over the side force.
+
+        ``s``: displacement, in the unit of the model's lengths: mm in the certificate, the longest
+        travel in the optimiser.
+        """
 
     def check(self, stroke: float) -> None:
         """Refuse a model that does not hold up to a displacement ``stroke`` [mm]."""
@@ -49,7 +56,7 @@ class GuideFriction(FrictionModel):
         None, gt=0.0, le=1e6, description="Length of the guide; left out, long beside that."
     )
 
-    def effective(self, s: Any) -> Any:
+    def share_of_side_force(self, s: Any) -> Any:
         """μ (2A + B)/B with A = A0 − s; μ alone where the guide is long."""
         if self.bearing_length_mm is None:
             return self.coefficient

@@ -111,7 +111,7 @@ class ReducedLoad:
         """
         if self.friction is None:
             return 0.0
-        return absolute(sine) * self.friction.effective(s) * (sense * self.side)
+        return absolute(sine) * self.friction.share_of_side_force(s) * (sense * self.side)
 
 
 @dataclass(frozen=True, eq=False)

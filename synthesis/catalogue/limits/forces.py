@@ -171,7 +171,7 @@ def _max_transmission(machine: Machine) -> float | None:
     follower, friction = machine.follower, load_of(machine).friction
     if follower.always_convex and follower.travel.unit == "deg":
         return None
-    return 1.0 if friction is None else float((1.0 + friction.effective(0.0) ** 2) ** 0.5)
+    return 1.0 if friction is None else float((1.0 + friction.share_of_side_force(0.0) ** 2) ** 0.5)
 
 
 class CamshaftTorque(ForceLimit):

@@ -171,7 +171,8 @@ class RollerPressureTerm(PressureTerm):
         load, one = load_of(self.machine), np.ones(low.shape[1])
         if load.friction is None:
             return one, 0.0 * one
-        ends = [load.friction.effective(s) + 0.0 * s for s in (moving.low[0], moving.high[0])]
+        share = load.friction.share_of_side_force
+        ends = [share(s) + 0.0 * s for s in (moving.low[0], moving.high[0])]
         way = push_sign(self.flank, self.machine) * load.sliding_sense(self.segment) * load.side
         # Range of q = tan α = u/X over the box: monotone in u and in X > 0.
         slopes = np.stack([u / x for u in (low[1], high[1]) for x in (low[0], high[0])])

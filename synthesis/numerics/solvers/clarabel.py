@@ -84,8 +84,13 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
     return x
 
 
-def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
+def solve(
+    program: ConeProgram, time_limit: float = math.inf, *, project: bool = True
+) -> ConeSolution:
     """Solve to 1e-10 relative where rounding allows, for ``time_limit`` seconds at most.
+
+    ``project``: whether equalities are kept to rounding; of thousands of them that takes longer
+    than the solver.
 
     Raises:
         Cancelled: nobody waits for it any more.
@@ -112,8 +117,9 @@ def solve(program: ConeProgram, time_limit: float = math.inf) -> ConeSolution:
     found = solver.solve()
     clock.count_program()
     clock.now()
+    x = np.asarray(found.x)
     return ConeSolution(
-        project_on_equalities(program, np.asarray(found.x)),
+        project_on_equalities(program, x) if project else x,
         np.asarray(found.z),
         STATUSES.get(str(found.status), StopReason.FAILED),
         found.iterations,

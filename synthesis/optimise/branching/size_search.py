@@ -23,6 +23,7 @@ from synthesis.optimise.state import SolveState, Stage
 LEVELS, BOXES = 60, 6_000  # of one search
 ANGLES = 192  # of a segment, at which rows are written
 OUTSIDE = 1e-9  # of the stroke: what a box must leave of a half-plane, against rounding
+VALID_FOR = "every size of the given laws"
 
 
 class SizeSearch(BoxSearch[Array]):
@@ -89,6 +90,12 @@ def search_sizes(state: SolveState) -> SolveState:
     norm = problem.objective.norm(problem.machine)
     if state.solved or best is None or norm is None or state.time_left <= 0.0:
         return state
+    kinds = {limit.kind for limit in problem.limits if is_traced(state, limit)}
+    state = replace(state, modelled_kinds=kinds)
+    # no radius is below the least that the spec states: the best cam may be as small already
+    least = state.raise_bound(0.0, VALID_FOR)
+    if least.solved:
+        return least
     # ‖M z + m‖ ≤ R leaves each y = M z + m within ±R, and z = M⁺ (y − m) but for a part of z of
     # which M does not speak
     matrix, (low, high) = np.array(norm.matrix), np.array(problem.sizing.bounds).T
@@ -101,9 +108,7 @@ def search_sizes(state: SolveState) -> SolveState:
         return state
     search = SizeSearch(state)
     search.run(ends[:, :, None], Budget(LEVELS, BOXES))
-    kinds = {limit.kind for limit in problem.limits if is_traced(state, limit)}
-    state = replace(search.state, modelled_kinds=kinds)
-    state = state.raise_bound(min(-search.proven, search.target), "every size of the given laws")
+    state = search.state.raise_bound(min(-search.proven, search.target), VALID_FOR)
     return state.with_stage(
         Stage(
             "sizes", f"linear rows in {search.count} boxes", "none", len(ends), 0, 0,

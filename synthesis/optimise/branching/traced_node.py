@@ -34,7 +34,7 @@ from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
-from synthesis.optimise.refinement.mesh import halve_intervals, refine_mesh
+from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
 from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state import SolveState, Stage
@@ -51,7 +51,7 @@ EARLY_MESHES = 2
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 """Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
 which take longer."""
-SPREAD = 14  # points between two rows over which their multipliers are distributed
+SPREAD = 28  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 MAX_NODES, FEW_NODES = 21, 3
 """Nodes at most: of a thorough proof, and of another one where the gap is wide."""
@@ -198,6 +198,8 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     if node.relaxation is None:
         return state, node
     cam, grids, bound = node.relaxation
+    if any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids):
+        grids = node.grids  # those were for the bound's last digits
     grids = refine_mesh(state.problem, grids, cam, bound)
     points, _ = row_violations(replace(state, grids=grids), cam)
     both = zip(grids, points, strict=True)

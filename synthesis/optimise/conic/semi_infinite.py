@@ -16,7 +16,9 @@ from synthesis.optimise.problem.problem import Problem
 
 DENSITY = 24  # samples of a piece; a law of many pieces needs fewer on each
 LEAST_DENSITY = 8  # points of a piece, so that none is missed on short ones
-ZOOMS, NARROWER, FAN = 7, 8.0, np.linspace(-1.0, 1.0, 17)
+FAN, NARROWER = np.linspace(-1.0, 1.0, 33), 16.0
+"""Places about the highest sample, in steps between samples: a zoom narrows these as much."""
+ZOOMS = 2  # to 1/256 of such a step; then a parabola is exact to its square, the value to rounding
 NEAR = 1e-6  # of the size: half-planes satisfied by more than this are left out
 TOPS = 4  # local maxima of a family that are looked at closely
 
@@ -77,15 +79,22 @@ def local_maxima(
         return HalfPlanes(*(part[:0] for part in planes))
     at, reach = theta[on, column], (np.diff(placed.breaks) / (density - 1))[on]
     low, high = placed.breaks[on], placed.breaks[on + 1]
+    each, wide = np.arange(len(at)), np.repeat(on, len(FAN))
     for _ in range(ZOOMS):
         tried = np.clip(at[:, None] + reach[:, None] * FAN, low[:, None], high[:, None])
-        wide = np.repeat(on, len(FAN))
-        value = _planes(curve, placed, tried.ravel(), wide, z).excess.reshape(-1, *tried.shape)
-        each = np.arange(len(at))
-        at = tried[each, np.argmax(value[family, each], axis=1)]
-        reach = reach / NARROWER
-    result = _planes(curve, placed, at, on, z)
-    mine = family * len(at) + np.arange(len(at))
+        planes = _planes(curve, placed, tried.ravel(), wide, z)
+        value = planes.excess.reshape(-1, *tried.shape)[family, each]
+        best = value.argmax(axis=1)
+        at, reach = tried[each, best], reach / NARROWER
+    # The vertex of the parabola through the highest and its neighbours, where that is higher still.
+    middle = np.clip(best, 1, len(FAN) - 2)
+    before, here, after = (value[each, middle + k] for k in (-1, 0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shift = np.clip(0.5 * (after - before) / (2.0 * here - before - after), -1.0, 1.0)
+    vertex = np.clip(tried[each, middle] + np.nan_to_num(shift) * reach, low, high)
+    result = _planes(curve, placed, np.append(at, vertex), np.append(on, on), z)
+    mine = 2 * family * len(at) + each
+    mine = np.where(result.excess[mine + len(at)] > result.excess[mine], mine + len(at), mine)
     return HalfPlanes(*(part[mine] for part in result))
 
 

@@ -32,7 +32,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import factorial, inf, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
+from synthesis.optimise.dual_bound.arcs import density_terms, redistribute_window_multipliers
 from synthesis.optimise.dual_bound.costates import (
     best_costates,
     boundary_multipliers,
@@ -61,8 +62,6 @@ WORSE = 2.0
 """Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
 """Factors on an infeasibility certificate: any multiple of it is dual feasible."""
-WINDOW_NODES = 33  # Chebyshev points of a window on which its multipliers are redistributed
-WINDOW_SAMPLES = 3  # between two of them, at which ψ is made small
 NAMES = {2: "acceleration", 3: "jerk"}
 
 
@@ -106,24 +105,49 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     z = nonnegative_multipliers(model, solution)
     if costates is None:
         costates = boundary_multipliers(model, solution, order, z)
+    rows = list(terms.row_functionals(model, order, z))
+    bound = _bound_of_rows(model, solution, controls, costates, z, rows, dense=dense)
+    if dense or not any(one.jumps and one.uniform for one in rows):
+        return bound
+    # Where a limit binds along an arc, once more with multipliers for which ψ is small there.
+    flat = _bound_of_rows(
+        model, solution, controls, costates, z, rows, dense=False, psi=bound.switching
+    )
+    return max(bound, flat, key=lambda each: each.value)
+
+
+def _bound_of_rows(
+    model: ConicModel,
+    solution: ConeSolution,
+    controls: Sequence[Control],
+    costates: Array,
+    z: Array,
+    rows: Sequence[terms.RowFunctional],
+    *,
+    dense: bool,
+    psi: Sequence[Switching] = (),
+) -> Bound:
+    """The bound of multipliers z (m,); ``psi``: what they come to, for them to be moved by."""
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
+    order = controls[0].order if controls else 3
     lagrangian = Lagrangian(model, order)
     vibrations, lagrangian.psi_error = terms.vibration_terms(model, order, z)
-    for rows, mass in (*terms.energy_tangents(model, solution, order), *vibrations):
-        lagrangian.add_rows(rows, mass)
+    for other, mass in (*terms.energy_tangents(model, solution, order), *vibrations):
+        lagrangian.add_rows(other, mass)
     # Rows act at their points, or as densities between these.
-    for one in terms.row_functionals(model, order, z):
+    for one in rows:
         own = z[one.first_row : one.first_row + one.count]
-        points, densities = one.distribute(own, dense=dense)
+        points, nodes, masses = one.distribute(own, dense=dense)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        for rows, mass in densities:
-            lagrangian.add_rows(rows, mass)
-    for rows, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
-        lagrangian.add_rows(rows, mass)
+        seen = psi[one.block.segment] if psi and one.block.segment is not None else None
+        for density, mass in density_terms(one, nodes, masses, seen):
+            lagrangian.add_rows(density, mass)
+    for other, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
+        lagrangian.add_rows(other, mass)
     # End conditions are equalities, so that costates are free: those that make the bound largest.
     add_costates(lagrangian, controls, costates)
-    _redistribute_window_multipliers(lagrangian)
+    redistribute_window_multipliers(lagrangian)
     return bound_from_lagrangian(solution, lagrangian, controls)
 
 
@@ -177,56 +201,6 @@ def in_problem_units(model: ConicModel, value: float) -> float:
     if model.problem.objective.norm(model.problem.machine) is not None:
         return value * model.scales.size
     return value * model.scales.level
-
-
-def _redistribute_window_multipliers(lagrangian: Lagrangian) -> None:
-    """Add multipliers to equalities along windows that make ψ small there: they are free."""
-    order = lagrangian.order
-    for block in lagrangian.model.equality_blocks:
-        k = int(np.flatnonzero(block.alpha)[0])
-        if block.spans is None or block.segment is None or len(block.x) == 1 or k >= order:
-            continue
-        part = (float(block.spans[0, 0]), float(block.spans[-1, 1]))
-        psi = lagrangian.psi()[block.segment]
-        x, mass = window_multipliers(psi, block.x, part, float(block.alpha[k]), order - 1 - k)
-        lagrangian.add_constant(-np.sum(mass) * block.rhs[0])
-        weights = mass[None, :, None] * block.alpha[:order]
-        lagrangian.add_functionals(block.segment, x, weights)
-
-
-def window_multipliers(
-    psi: Switching, x: Array, part: tuple[float, float], factor: float, degree: int
-) -> tuple[Array, Array]:
-    """Masses to add to a held derivative's multipliers that make ψ small on its window.
-
-    Where a derivative is held, the control is determined and ψ should vanish. The multipliers of a
-    spline's rows make it small only on average over the splines; between them it oscillates, and
-    the bound pays for the area. Masses without moments up to ``degree`` leave ψ as it is elsewhere.
-
-    Args:
-        psi: ψ as it stands. x: (r,) points of the present multipliers. part: the window.
-        factor: of the derivative in its rows.
-        degree: a mass at x contributes factor (x − τ)^degree / degree! to ψ, for τ < x.
-
-    Returns:
-        (n,) points and (n,) masses, whose moments up to that degree vanish.
-    """
-    low, high = part
-    chebyshev = 0.5 - 0.5 * np.cos(np.pi * np.arange(WINDOW_NODES) / (WINDOW_NODES - 1))
-    nodes = np.unique(np.clip(np.append(x, low + (high - low) * chebyshev), low, high))
-    width = np.diff(nodes)
-    shares = (np.arange(WINDOW_SAMPLES) + 0.5) / WINDOW_SAMPLES
-    tau = (nodes[:-1, None] + width[:, None] * shares).ravel()
-    weight = np.sqrt(np.repeat(width / (high - low), WINDOW_SAMPLES))
-    unit = (high - low) ** degree / factorial(degree)
-    reach = np.maximum(nodes - tau[:, None], 0.0) / (high - low)
-    effect = weight[:, None] * (reach**degree if degree else (nodes > tau[:, None]))
-    scaled = (nodes - low) / (high - low)
-    moments = np.vander(scaled, degree + 1, increasing=True).T
-    *_, directions = np.linalg.svd(moments)
-    free = directions[degree + 1 :].T  # masses without moments
-    result, *_ = np.linalg.lstsq(effect @ free, -weight * psi(tau), rcond=1e-10)
-    return nodes, (free @ result) / (factor * unit)
 
 
 def _minimum(

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change 
 NOISE = 1e-6  # of the largest |ψ|
 STEP = 0.1  # of the control's range: less is no step
 MAX_ITERATIONS = 4  # of moving quadrature points to sign changes of ψ
-GAIN = 1e-9  # relative: less is not worth another iteration
+GAIN = 1e-2  # of what all have gained: an iteration that gains less is the last
 
 
 def improve_multipliers(
@@ -66,7 +67,7 @@ def improve_multipliers(
         result = latest
         # 3. Keep the best; the next iteration knows where its ψ changes sign.
         best = max(best, result, key=lambda each: each.value)
-        if is_sufficient(best) or abs(result.value - value) <= GAIN * abs(value):
+        if is_sufficient(best) or result.value - value <= GAIN * (best.value - known.value):
             break
     return best
 
@@ -135,7 +136,8 @@ class _DualProgram:
 
     def solve(self, sign_changes: Sequence[Array], time_limit: float) -> Bound | None:
         """One program, its cells close about these turns of ψ; the bound that it gives."""
-        result = solve(self._program(sign_changes), time_limit)
+        # Its point is as little trusted as any: nothing is gained by exact equalities.
+        result = solve(self._program(sign_changes), time_limit, project=False)
         if result.stopped not in USABLE:
             return None
         lagrangian, laws = Lagrangian(self.model, self.order), len(self.model.grids)
@@ -150,36 +152,35 @@ class _DualProgram:
         return bound_from_lagrangian(self.solution, lagrangian, self.controls)
 
     def _program(self, sign_changes: Sequence[Array]) -> ConeProgram:
-        """Unknowns: masses and costates, |ψ| at all nodes, y of the norm."""
+        """Unknowns: masses and costates, ψ piece by piece, |ψ| at all nodes, y of the norm."""
         model, order, n = self.model, self.order, self.first[-1]
-        # ψ at the nodes of a quadrature of |ψ|, and the initial values, linear in the unknowns
-        nodes = [
-            _quadrature(
-                [g for g in self.groups if g.position == k], sign_changes[k], g.space.breaks
-            )
-            for k, g in enumerate(model.grids)
-        ]
+        laws = [self._pieces(k, cuts) for k, cuts in enumerate(sign_changes)]
         caps, rates = (
-            np.concatenate([c * share for c, (_, share) in zip(each, nodes, strict=True)])
+            np.concatenate([c * law.shares for c, law in zip(each, laws, strict=True)])
             for each in ([c.cap for c in self.controls], [c.rate for c in self.controls])
         )
-        psi, offset = self._effect(lambda rows, k: rows.psi(nodes[k][0]))
-        initial, given = self._effect(
-            lambda rows, k: sums_at_start(rows.x[:, None], rows.weights[:, None]).T
-        )
-        initial, given = initial.reshape(-1, order, n), given.reshape(-1, order)
+        offset = np.concatenate([law.offset for law in laws])
+        masses = sparse.vstack([law.masses for law in laws])
+        pieces = sparse.block_diag([law.recursion for law in laws])
+        psi_masses = sparse.vstack([law.psi_masses for law in laws], format="csr")
+        psi_pieces = sparse.block_diag([law.psi_pieces for law in laws], format="csr")
+        # The initial costates are the first piece of every ψ, the highest derivative first.
+        width, start = pieces.shape[1], np.cumsum([0, *(law.recursion.shape[1] for law in laws)])
+        first = start[:-1, None] + np.arange(order)[::-1]
+        given = np.stack([law.initial for law in laws])
+        initial_masses = np.zeros((*first.shape, n))
         for before, after, k, ratio in shared_derivatives(model, order):
-            initial[after, k, self.end_costates[before, k]] += ratio
+            initial_masses[after, k, self.end_costates[before, k]] += ratio
         # What a unit of each unknown adds to the bound by itself.
-        objective = -np.concatenate([rows.rhs for rows in self.groups])
-        for ends, state in zip(model.boundary_states, initial, strict=True):
+        objective, along = -np.concatenate([rows.rhs for rows in self.groups]), np.zeros(width)
+        for k, ends in enumerate(model.boundary_states):
             known = ends.start[:order]
-            objective += known @ state[: len(known)]
+            along[first[k, : len(known)]] += known
+            objective += known @ initial_masses[k, : len(known)]
         # Unknown initial values must vanish, and costates of unknown final ones.
         _, unknown, priced = stationarity_conditions(model, order)
         worthless = np.eye(n)[self.end_costates[~priced]]
-        stationarity = np.vstack([initial[unknown], worthless])
-        remainder = np.concatenate([given[unknown], np.zeros(len(worthless))])
+        stationary = sparse.eye_array(width, format="csr")[first[unknown]]
         level = np.concatenate([np.full(len(rows.rhs), rows.level) for rows in self.groups])
         size = np.concatenate([rows.size for rows in self.groups]).T
         norm = model.problem.objective.norm(model.problem.machine)
@@ -188,49 +189,107 @@ class _DualProgram:
         one, own = sparse.eye_array(len(offset)), sparse.eye_array(n, format="csr")
         signed = np.concatenate([np.full(len(rows.rhs), rows.signed) for rows in self.groups])
         ball = np.eye(1 + len(image))[:, 1:]
-        # The dual, row by row: stationarity in the unknown initial values and in the size; |ψ| from
-        # above by ±ψ; multipliers of inequalities not negative; the objective's own multiplier; and
-        # the norm of the size, whose dual variable lies in the unit ball.
-        table: list[tuple[Any, Any, Any, Array]] = [
-            (stationarity, None, None, -remainder),
-            (size, None, image.T, np.zeros(len(size))),
-            (psi, -one, None, -offset),
-            (-psi, -one, None, offset),
-            (-own[np.flatnonzero(~signed)], None, None, np.zeros(np.sum(~signed))),
-            (-level[None], rates[None], None, np.ones(1)),  # the level's own share is all used up
-            (None, None, ball, np.eye(1 + len(image))[0]),
+        # The dual, row by row: the pieces of ψ; stationarity in the unknown initial values and in
+        # the size; |ψ| from above by ±ψ; multipliers of inequalities not negative; the objective's
+        # own multiplier; and the norm of the size, whose dual variable lies in the unit ball.
+        table: list[tuple[Any, Any, Any, Any, Array]] = [
+            (-masses, pieces, None, None, np.zeros(width)),
+            (initial_masses[unknown], stationary, None, None, -given[unknown]),
+            (worthless, None, None, None, np.zeros(len(worthless))),
+            (size, None, None, image.T, np.zeros(len(size))),
+            (psi_masses, psi_pieces, -one, None, -offset),
+            (-psi_masses, -psi_pieces, -one, None, offset),
+            (-own[np.flatnonzero(~signed)], None, None, None, np.zeros(np.sum(~signed))),
+            (-level[None], None, rates[None], None, np.ones(1)),  # the level's share is used up
+            (None, None, None, ball, np.eye(1 + len(image))[0]),
         ]
         rhs = [row[-1] for row in table]
         counts = [len(part) for part in rhs]
-        width = n + len(offset) + len(image)
+        columns = n + width + len(offset) + len(image)
         return ConeProgram(
-            sparse.csc_matrix((width, width)),
-            np.concatenate([-objective, caps, -shift]),
+            sparse.csc_matrix((columns, columns)),
+            np.concatenate([-objective, -along, caps, -shift]),
             sparse.csc_matrix(sparse.block_array([row[:-1] for row in table])),
-            np.concatenate(rhs), sum(counts[:2]), sum(counts[2:-1]), (counts[-1],),
+            np.concatenate(rhs), sum(counts[:4]), sum(counts[4:-1]), (counts[-1],),
         )  # fmt: skip
 
-    def _effect(self, act: Callable[[terms.WeightedRows, int], Array]) -> tuple[Array, Array]:
-        """What a unit of each row does to the laws, by ``act``: (r, n); what the fixed do: (r,)."""
-        groups = [*self.groups, *(rows for rows, _ in self.fixed)]
-        table = []
-        for k in range(len(self.model.grids)):
-            parts = [act(rows, k) if rows.position == k else None for rows in groups]
-            height = next(len(part) for part in parts if part is not None)
-            empty = (np.zeros((height, len(rows.rhs))) for rows in groups)
-            both = zip(parts, empty, strict=True)
-            table.append(np.hstack([none if part is None else part for part, none in both]))
-        result, n = np.vstack(table), self.first[-1]
-        fixed = np.concatenate([np.zeros(0), *(mass for _, mass in self.fixed)])
-        return result[:, :n], result[:, n:] @ fixed
+    def _pieces(self, position: int, sign_changes: Array) -> _Pieces:
+        """ψ of one law between all that acts on it, its pieces tied to the masses."""
+        order, n = self.order, self.first[-1]
+        own = [(at, rows) for at, rows in zip(self.first, self.groups, strict=False)
+               if rows.position == position]  # fmt: skip
+        breaks = self.model.grids[position].space.breaks
+        cuts, tau, shares = _quadrature([rows for _, rows in own], sign_changes, breaks)
+        count, factorials = len(cuts), np.array([factorial(p) for p in range(order)])
+        # 1. About a cut, ψ before it is Σ_p C_p (cut − τ)^p / p!. From cut to cut the coefficients
+        #    follow by Taylor; a mass at a cut adds its weight on g^(m−1−p) to C_p.
+        p, q = np.triu_indices(order)
+        taylor = np.diff(cuts)[:, None] ** (q - p) / factorials[q - p]
+        cell = np.arange(count - 1)[:, None] * order
+        each = np.arange(count * order)
+        recursion = _sparse(
+            [(each, each, np.ones(len(each))), (cell + p, cell + order + q, -taylor)],
+            (count * order, count * order),
+        )
+        # 2. What every mass adds there, and ψ at the nodes.
+        masses, densities = list[tuple[Any, Any, Array]](), list[tuple[Any, Any, Array]]()
+        for at, rows in own:
+            where, mass = np.searchsorted(cuts, rows.x) * order, at + np.arange(len(rows.x))
+            masses += [(where + order - 1 - k, mass, rows.weights[:, k]) for k in range(order)]
+            node, which, density = rows.densities(tau)
+            densities.append((node, at + which, density))
+        beyond = np.searchsorted(cuts, tau)[:, None]
+        powers = (cuts[beyond] - tau[:, None]) ** np.arange(order) / factorials
+        places = np.arange(len(tau))[:, None], beyond * order + np.arange(order)
+        # 3. What has its multipliers already.
+        offset, initial = np.zeros(len(tau)), np.zeros(order)
+        for rows, fixed in self.fixed:
+            if rows.position == position:
+                offset += rows.psi(tau) @ fixed
+                initial += fixed @ sums_at_start(rows.x[:, None], rows.weights[:, None])
+        return _Pieces(
+            shares, recursion, _sparse(masses, (count * order, n)),
+            _sparse([(*places, powers)], (len(tau), count * order)),
+            _sparse(densities, (len(tau), n)), offset, initial,
+        )  # fmt: skip
+
+
+def _sparse(entries: Sequence[tuple[Any, Any, Array]], shape: tuple[int, int]) -> Any:
+    """A matrix of rows, columns and values, each broadcast; what shares a place adds up."""
+    each = [np.broadcast_arrays(*one) for one in entries]
+    row, column, value = (
+        np.concatenate([np.zeros(0, dtype=int), *(one[i].ravel() for one in each)])
+        for i in range(3)
+    )
+    return sparse.csr_array((value, (row, column)), shape=shape)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """ψ of one law, linear in its pieces and in the masses.
+
+    Attributes:
+        shares: of the nodes in the integral, (r,).
+        recursion, masses: the pieces (c, c) are what the masses (c, n) make of them.
+        psi_pieces, psi_masses: ψ at the nodes by the pieces, (r, c), and by densities, (r, n).
+        offset, initial: what the fixed do to ψ at the nodes, (r,), and to the initial values, (m,).
+    """
+
+    shares: Array
+    recursion: Any
+    masses: Any
+    psi_pieces: Any
+    psi_masses: Any
+    offset: Array
+    initial: Array
 
 
 def _quadrature(
     groups: Sequence[terms.WeightedRows], sign_changes: Array, breaks: Array
-) -> tuple[Array, Array]:
-    """Points of cells between all that acts on a law, and their shares of it: Gauss points.
+) -> tuple[Array, Array, Array]:
+    """The ends of cells between all that acts on a law, Gauss points and their shares of it.
 
-    Two where ψ is a parabola, three where a density adds to it.
+    Two points where ψ is a parabola, three where a density adds to it.
     """
     close = sign_changes[:, None] + np.concatenate([-BESIDE, BESIDE])
     cuts, spans = [breaks, close.ravel()], [np.zeros((0, 2))]
@@ -247,7 +306,7 @@ def _quadrature(
         points, weights = gauss_points(result, count)
         tau.append(points[chosen].ravel())
         shares.append(weights[chosen].ravel())
-    return np.concatenate(tau), np.concatenate(shares)
+    return result, np.concatenate(tau), np.concatenate(shares)
 
 
 def _control_steps(law: SplineLaw, order: int) -> Array:

@@ -72,15 +72,19 @@ class WeightedRows:
         result = np.where(self.x > tau[:, None], self.weights[:, -1], 0.0)
         for k in range(order - 1):
             result += self.weights[:, k] * ahead ** (order - 1 - k) / factorial(order - 1 - k)
-        if self.poly is None:
-            return result
-        assert self.spans is not None
-        low, high = self.spans.T
-        inside = (low <= tau[:, None]) & (tau[:, None] < high)
-        row, column = np.nonzero(inside)
-        s = (tau[row] - low[column]) / (high - low)[column]
-        result[row, column] += sum(self.poly[column, j] * s**j for j in range(self.poly.shape[1]))
+        row, column, density = self.densities(tau)
+        result[row, column] += density
         return result
+
+    def densities(self, tau: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """The part of ``psi`` that acts along spans alone: rows, columns and values, (k,) each."""
+        if self.poly is None or self.spans is None:
+            nowhere = np.zeros(0, dtype=np.intp)
+            return nowhere, nowhere, np.zeros(0)
+        low, high = self.spans.T
+        row, column = np.nonzero((low <= tau[:, None]) & (tau[:, None] < high))
+        s, poly = (tau[row] - low[column]) / (high - low)[column], self.poly[column]
+        return row, column, np.asarray(sum(poly[:, j] * s**j for j in range(poly.shape[1])))
 
     def select(self, which: NDArray[Any]) -> WeightedRows:
         """Some of them: a mask or numbers."""
@@ -157,8 +161,9 @@ class RowFunctional:
         of = self.point_rows(np.zeros(len(hats.left), dtype=np.intp))
         return replace(of, x=hats.left, weights=hats.weights, spans=hats.spans, poly=hats.poly)
 
-    def distribute(self, z: Array, *, dense: bool = False) -> tuple[Array, Terms]:
-        """Multipliers z (r,) shared out: what stays at the points (r,), and densities.
+    def distribute(self, z: Array, *, dense: bool = False) -> tuple[Array, Array, Array]:
+        """Multipliers z (r,) shared out: what stays at the points (r,); nodes of densities (n,),
+        linear in between, and their masses (n,).
 
         ``dense``: whether there are many points in a knot interval, with the multipliers of a
         density already: then it is linear between these points.
@@ -167,9 +172,9 @@ class RowFunctional:
         bound is met along an arc the true multiplier is a density, and ψ vanishes there. Where a
         window ends its bound may be met at that very point.
         """
-        windowed = self.block.spans is not None
+        windowed, none = self.block.spans is not None, np.zeros(0)
         if not self.jumps or not self.uniform or (windowed and len(z) <= 3):
-            return z, []
+            return z, none, none
         kept, nodes = np.zeros_like(z), self.block.x
         if windowed:
             kept[[0, -1]] = z[[0, -1]]
@@ -177,8 +182,7 @@ class RowFunctional:
         if not self.block.exact and not dense:
             alone, nodes, mass = self._quadrature(mass)
             kept += alone
-        hats = np.concatenate(distribute_to_intervals(nodes, mass))
-        return kept, [(self.hat_rows(nodes).select(hats != 0.0), hats[hats != 0.0])]
+        return kept, nodes, mass
 
     def _quadrature(self, mass: Array) -> tuple[Array, Array, Array]:
         """Multipliers (r,) ≥ 0 as a quadrature of a density, with one node in a knot interval.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 
@@ -37,6 +37,9 @@ GROWTH = 0.1  # share of the tolerance that IPOPT may leave to the final enlarge
 STOP_GAP = 0.08
 """Share of the tolerance that the linearised limits may leave to the final enlargement."""
 MAX_STOP_GAP = 4e-4  # the same as a relative value, whatever the tolerance
+LEAST_STOP_GAP = 1e-4
+"""Relative, of the prime radius of a small cam, whose base radius is but a little part of it:
+nearer to the optimum the search takes longer than it gains."""
 ROW_FACTOR = 2.0  # factor on the stop gap: what rows written at points may cost besides, in between
 TIGHTENING = 1e-6  # relative tightening of limits at the points where they are linearised
 RETRIES = 2  # repeats with tighter limits, where the enlargement does not repair every violation
@@ -161,7 +164,10 @@ def scp_search(
     Returns:
         the state, and whether the iteration converged to a cam that satisfies all limits.
     """
-    gap = min(STOP_GAP * state.tolerance, MAX_STOP_GAP)
+    # What the tolerance is in the problem's unit: of a small cam a little part of its prime radius.
+    known = state.smallest_value if isfinite(state.smallest_value) else state.lower
+    tolerance = state.problem_tolerance(known) if isfinite(known) else state.tolerance
+    gap = min(STOP_GAP * state.tolerance, MAX_STOP_GAP, max(STOP_GAP * tolerance, LEAST_STOP_GAP))
     repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
     for target in (first, *repeats):

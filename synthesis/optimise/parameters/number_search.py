@@ -34,6 +34,7 @@ INWARDS = 0.5
 """Of the way from where a bound is least to the best numbers: with several free directions the
 former jump about between far corners."""
 SHARE_OF_GAP = 0.1  # of the gap at hand, to which single numbers are solved at most
+AGAIN = 2.0  # times what is wanted: a solved number is solved again where its gap was larger
 ALL_NUMBERS = "at all angles and lifts that are free"
 ROUNDING = 1e-9  # of the box [0, 1]: what the equations may miss
 
@@ -159,7 +160,7 @@ class NumberSearch:
             reach = NEAR * (box.high - box.low)
             near = [one for one in self.known if np.all(np.abs(one[0].u - u) <= reach)]
             exact = min((solved for _, solved in near), default=inf)
-            if exact > wanted:
+            if exact > (AGAIN if near else 1.0) * wanted:
                 if near:
                     u = near[-1][0].u
                 if self._solve(u, wanted):

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial, inf, isfinite
 
 import numpy as np
@@ -37,6 +37,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
+from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.bound import (
     ROUNDING,
     level_price,
@@ -58,6 +59,7 @@ from synthesis.optimise.dual_bound.switching import (
 from synthesis.optimise.parameters.placement import Placement, is_same_question
 
 LEVEL_TRIALS = 6  # levels tried from the target down
+RANGES = 2048  # of laws that are remembered, a kilobyte each: of a search, nearly all at hand
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,25 +104,31 @@ class LawShare:
 
     def at(self, low: float, high: float, level: float) -> Array:
         """The points (POINTS,) of the share over a range of lengths, of the program's."""
-        cap = self.control.cap + self.control.rate * level
+        area, own = _parts_of(self, low, high)
+        value = own - (self.control.cap + self.control.rate * level) * area
+        return np.asarray(value - ROUNDING * np.abs(value))
+
+    def parts(self, low: float, high: float) -> tuple[Array, Array]:
+        """What those points are for a unit of the cap, negative, and without it: (POINTS,) both."""
         points = np.linspace(low, high, POINTS)
         breaks, poly = self._up_to(high, points)
         width = np.diff(breaks)
         area = np.concatenate([[0.0], np.cumsum(mean_absolute(poly) * width)])
-        value = -cap * area[np.searchsorted(breaks, points)]
+        area, own = area[np.searchsorted(breaks, points)], np.zeros(POINTS)
         if len(self.weighed):
             # a row on g at a distance d sees the initial velocity over (length − d), or not at all
             moved = np.maximum(points[:, None] - self.weighed, 0.0) - np.maximum(
                 1.0 - self.weighed, 0.0
             )
-            value = value + moved @ self.velocity
+            own = moved @ self.velocity
         if high > low:
             step, inside = points[1] - points[0], breaks[1:] > low
             slopes = poly[:, 1:] * np.arange(1, poly.shape[1]) / width[:, None]
             steepest = np.max(np.abs(slopes).sum(axis=1)[inside], initial=0.0)
             bent = np.abs(self.velocity)[(self.weighed > low) & (self.weighed < high)]
-            value = value - cap * steepest * step**2 / 8.0 - 0.25 * step * np.sum(bent)
-        return np.asarray(value - ROUNDING * np.abs(value))
+            area = area + steepest * step**2 / 8.0
+            own = own - 0.25 * step * np.sum(bent)
+        return area, own
 
     def _up_to(self, high: float, points: Array) -> tuple[Array, Array]:
         """ψ from the anchor to a length, cut at points too."""
@@ -140,6 +148,10 @@ class LawShare:
             outer, left[~inner] - 1.0, right[~inner] - 1.0
         )
         return breaks, poly
+
+
+# Boxes that share a range of one number, and one box at several levels, ask for the same again.
+_parts_of = lru_cache(maxsize=RANGES)(LawShare.parts)
 
 
 def _is_known(state: Array, order: int) -> bool:
@@ -271,10 +283,10 @@ def parametric_bound(
     lagrangian, slope = Lagrangian(model, order), np.zeros(len(u))
     for one in terms.row_functionals(model, order, z):
         own = z[one.first_row : one.first_row + one.count]
-        points, densities = one.distribute(own)
+        points, nodes, masses = one.distribute(own)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        for rows, mass in densities:
+        for rows, mass in density_terms(one, nodes, masses):
             lagrangian.add_rows(rows, mass)
         origin = one.block.origin
         if origin is not None:

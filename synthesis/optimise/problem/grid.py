@@ -19,6 +19,9 @@ SAMPLES = 64  # collocation points of a law, about
 KNOT_STEP = 2.0**-34  # of the segment: what multipliers say of a knot's place beyond it is rounding
 WIDER_STEP = 4.0  # of ramps of two steps: with closer ones the fourth derivative loses digits
 CLOSEST_KNOTS = 2.5e-4  # of the segment; closer ones make the rows ill-conditioned
+RAMP_STEP = 4e-5
+"""Of the segment, between knots of a ramp: from 1e-5 downwards C4 laws lose digits. A law pays for
+what is missing while its control rises from the end of a segment: half of this of a C3 law."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ def uniform_grid(segment: PlacedSegment, intervals: int) -> Grid:
 @lru_cache(maxsize=64)
 def _uniform(smoothness: int, needed: tuple[float, ...], intervals: int) -> Grid:
     """One grid for every law that begins alike: its tables, made once, serve all of them."""
-    beside = ramp_knots(np.array(needed), smoothness - 2) if needed else np.zeros(0)
+    beside = knots_beside(np.array(needed), smoothness - 2) if needed else np.zeros(0)
     return _over(smoothness + 1, merge_knots(np.linspace(0.0, 1.0, intervals + 1), beside, needed))
 
 
@@ -103,21 +106,19 @@ def _over(degree: int, breaks: Array) -> Grid:
     return Grid(SplineSpace(degree, breaks), np.append(inner.ravel(), 1.0))
 
 
-def ramp_knots(switches: Array, softer: int) -> Array:
-    """Knots for a law that is smoother than the ideal one by ``softer`` derivatives.
+def knots_beside(places: Array, softer: int) -> Array:
+    """Places where a law's limits change at once, and knots beside them for what it does there.
 
-    Where the ideal law's control jumps (at a switch, and at both ends), a smoother
-    one needs a short ramp: knots at the switch and as close beside it as knots may lie.
+    A law that is smoother than the ideal one by ``softer`` derivatives takes as many intervals, on
+    either side.
     """
-    step = ramp_step(softer)
-    around = (switches[:, None] + step * np.arange(-softer, softer + 1)).ravel()
-    ends = step * np.arange(1, softer + 1)
-    result = np.concatenate([around, ends, 1.0 - ends])
+    step = beside_step(softer)
+    result = (places[:, None] + step * np.arange(-softer, softer + 1)).ravel()
     return result[(result > 0.0) & (result < 1.0)]
 
 
-def ramp_step(softer: int) -> float:
-    """Distance of a ramp's knots for a law that is smoother by ``softer`` derivatives."""
+def beside_step(softer: int) -> float:
+    """Distance of knots beside a place where a law smoother by ``softer`` derivatives changes."""
     return 1.01 * CLOSEST_KNOTS * (1.0 if softer < 2 else WIDER_STEP)
 
 
@@ -126,20 +127,41 @@ def round_knots(x: Array) -> Array:
     return np.asarray(np.round(x / KNOT_STEP) * KNOT_STEP, dtype=float)
 
 
-def merge_knots(coarse: Array, wanted: Array, needed: Sequence[float] = ()) -> Array:
+def merge_knots(
+    coarse: Array, wanted: Array, needed: Sequence[float] = (), beside: Sequence[float] = (),
+    softer: int = 0, end_steps: tuple[float, float] = (RAMP_STEP, RAMP_STEP),
+) -> Array:  # fmt: skip
     """Breaks through every wanted point, and the coarse ones that keep their distance.
+
+    Where the ideal law's control jumps (at the wanted points, and at both ends), one that is
+    smoother by ``softer`` derivatives needs a short ramp: as many intervals, which a B-spline of
+    degree ``softer`` takes to rise. Divided differences up to the control's span one interval more,
+    so that rows stay well-conditioned however short the ramp is.
 
     Args:
         coarse: breaks from 0 to 1. wanted: further ones; of those too close the first is taken.
-        needed: still others, which come before the wanted ones.
+        needed, beside: still others, which come before the wanted ones and have no ramps.
+        softer, end_steps: intervals of every ramp, and their length in those at the two ends.
     """
-    kept = [0.0, 1.0]
-    for x in (*np.sort(needed), *round_knots(np.sort(wanted))):
+    kept, ramped = [0.0, 1.0], list[float]()
+    first_ones = (*np.sort(needed), *round_knots(np.sort(beside)))
+    for k, x in enumerate((*first_ones, *round_knots(np.sort(wanted)))):
         place = bisect(kept, x)
-        if min(abs(x - other) for other in kept[max(place - 1, 0) : place + 1]) >= CLOSEST_KNOTS:
+        if min(abs(x - y) for y in kept[max(place - 1, 0) : place + 1]) >= CLOSEST_KNOTS:
             kept.insert(place, float(x))
+            if k >= len(first_ones):
+                ramped.append(float(x))
     pinned = np.array(kept)
     spacing = 0.25 / max(len(coarse) - 1, 1)
     pushing = np.setdiff1d(pinned, np.intersect1d(coarse, needed))  # not those that were there
     far = np.min(np.abs(coarse[:, None] - pushing[None, :]), axis=1) > spacing
-    return np.union1d(pinned, coarse[far])
+    result = np.union1d(pinned, coarse[far])
+    if softer <= 0:
+        return result
+    # a ramp about each wanted point in its place, and ramps at the ends
+    around = np.array(ramped)[:, None] + RAMP_STEP * (np.arange(softer + 1) - 0.5 * softer)
+    first, last = (step * np.arange(softer + 1) for step in end_steps)
+    ramps = np.concatenate([around.ravel(), first, 1.0 - last])
+    inside = (result >= first[-1] + CLOSEST_KNOTS) & (result <= 1.0 - last[-1] - CLOSEST_KNOTS)
+    others = np.union1d(np.setdiff1d(result[inside], ramped), needed)
+    return np.union1d(others, round_knots(ramps))

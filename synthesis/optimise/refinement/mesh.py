@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -21,13 +22,14 @@ from synthesis.catalogue.motion import FreeLaw
 from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
+from synthesis.optimise.problem.boundary import BoundaryState, boundary_states
 from synthesis.optimise.problem.grid import (
     CLOSEST_KNOTS,
+    RAMP_STEP,
     Grid,
+    beside_step,
     grid_through,
     merge_knots,
-    ramp_knots,
-    ramp_step,
     uniform_grid,
 )
 from synthesis.optimise.problem.problem import Problem
@@ -37,8 +39,12 @@ from synthesis.optimise.state import SolveState, Stage
 MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than they gain
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
-POLISH_INTERVALS: Final = 48  # equal ones between the switches
+POLISH_INTERVALS: Final = (48, 144)
+"""Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
+48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
+POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4
 POLISH_ITERATIONS: Final = 6  # of moving knots to switches
+LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
 FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
@@ -59,19 +65,20 @@ def refine_mesh(
     violated_points: Sequence[Array] = (),
 ) -> tuple[Grid, ...]:
     """Finer knots where the law pays more than the ideal one; points where rows are violated."""
-    chosen = []
+    chosen, (states, _) = [], boundary_states(problem.segments, grids)
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
         breaks = grid.space.breaks
         if cam is None or lower is None or not lower.switching:
-            breaks = _halved(breaks)
+            finer = _halved(breaks)
+            chosen.append(finer if len(finer) <= MOST_INTERVALS else breaks)
         else:
-            breaks = _knots_of_costly_intervals(
-                segment.free, breaks, cam.laws[position].curve(), lower, position
+            curve = cam.laws[position].curve()
+            chosen.append(
+                _knots_of_costly_intervals(
+                    segment.free, states[position], breaks, curve, lower, position
+                )
             )
-        if len(breaks) > MOST_INTERVALS:
-            breaks = grid.space.breaks
-        chosen.append(breaks)
     if _nearly_equal(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
         return halve_intervals(problem, grids, violated_points)
     return _mesh_through(problem, chosen, violated_points)
@@ -100,7 +107,12 @@ def _mesh_through(
 
 
 def _knots_of_costly_intervals(
-    free: FreeLaw, breaks: Array, curve: Piecewise, lower: Bound, position: int
+    free: FreeLaw,
+    state: BoundaryState,
+    breaks: Array,
+    curve: Piecewise,
+    lower: Bound,
+    position: int,
 ) -> Array:
     """The knots, and more in each interval that loses much against the ideal law.
 
@@ -118,9 +130,25 @@ def _knots_of_costly_intervals(
     # Beside the ends of windows knots lie as close as they may: a bound or a value that ends there
     # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order
-    ends, step = np.array(free.knots), ramp_step(softer)
-    ramps = ramp_knots(switches[single[inside]], softer)
-    return merge_knots(halved, np.concatenate([ends - step, ends + step, ramps]), free.knots)
+    ends, step = np.array(free.knots), beside_step(softer)
+    # A ramp from rest has equal coefficients, exactly. Where the law moves they are rounded, and
+    # that is divided by the third power of the ramp's length.
+    steps = [
+        RAMP_STEP if len(end) > free.smoothness and not end[1:].any() else step
+        for end in (state.start, state.end)
+    ]
+    # A law that is less smooth than it has to be switches at once, on knots that cost it nothing.
+    jumps = curve.poly.shape[1] - 2 < free.smoothness
+    wanted = switches[(counts == 1 if jumps else single)[inside]]
+    finer, present = (
+        merge_knots(
+            each, wanted, free.knots, (*(ends - step), *(ends + step)), softer, (steps[0], steps[1])
+        )
+        for each in (halved, breaks)
+    )
+    if len(finer) <= MOST_INTERVALS:
+        return finer
+    return present if jumps else breaks
 
 
 def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
@@ -137,12 +165,31 @@ def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
     if unfit or (state.is_close(cam) and state.covers_all_laws):
         return state
-    return _improve_multipliers(_move_knots(state, cam, solve_once))
+    state = _move_knots(state, cam, solve_once)
+    return state if state.suffices else _improve_multipliers(state, solve_once)
 
 
-def _improve_multipliers(state: SolveState) -> SolveState:
-    """Raise the bound of the last program by the best multipliers of its rows."""
+def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState:
+    """Raise the bound by the best multipliers of the last program's rows.
+
+    The bound needs fewer knots than the law: a program on the fewest comes first.
+    """
     if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
+        return state
+    fewest, _ = POLISH_INTERVALS
+    if polish_intervals(state.tolerance) > fewest and state.relaxed is not None:
+        grids = grids_on_switches(state.problem, state.relaxed, fewest)
+        coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
+        state = replace(
+            _with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation
+        )
+        if state.is_close(state.relaxed):
+            return state
+    return _with_best_multipliers(state)
+
+
+def _with_best_multipliers(state: SolveState) -> SolveState:
+    if state.relaxation is None:
         return state
     started = time.perf_counter()
     model, solution, lower = state.relaxation
@@ -166,13 +213,21 @@ def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> Sol
         switches = _switches_of_laws(cam)
         if not switches or _nearly_equal(switches, before, STAYS) or state.time_left <= 0.0:
             break
-        grids = _through_switches(state.problem, switches, POLISH_INTERVALS)
+        grids = _through_switches(state.problem, switches, polish_intervals(state.tolerance))
         state, before = replace(state, grids=grids), switches
         state, latest = solve_once(state, number)
         if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
             break
+        if state.suffices or cam.value - latest.value <= LITTLE * state.tolerance * latest.value:
+            break  # what is left of the gap is the bound's
         cam = latest
     return state
+
+
+def polish_intervals(tolerance: float) -> int:
+    """Equal intervals between the switches of a law that is to be the best within a tolerance."""
+    least, most = POLISH_INTERVALS
+    return int(min(max(POLISH_INTERVALS_AT_UNIT_TOLERANCE / sqrt(tolerance), least), most))
 
 
 def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple[Grid, ...]:

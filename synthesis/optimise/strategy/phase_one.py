@@ -33,7 +33,7 @@ from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_caps
-from synthesis.optimise.problem.grid import CLOSEST_KNOTS, Grid, SplineLaw, uniform_grid
+from synthesis.optimise.problem.grid import RAMP_STEP, Grid, SplineLaw, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import recover_cam
 from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
@@ -155,7 +155,7 @@ class PhaseOneResult:
         return (
             f"whether a law keeps these limits is not known, and that none does is not proven: the "
             f"gentlest one found exceeds that on {limits} by {self.share - 1.0:.3g} of its value, "
-            f"with ramps no shorter than {CLOSEST_KNOTS:g} of a segment{remedy}"
+            f"with ramps no shorter than {RAMP_STEP:g} of a segment{remedy}"
         )
 
 

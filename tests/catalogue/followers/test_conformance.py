@@ -18,7 +18,7 @@ from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers import samples
 from tests.catalogue.followers.samples import CASES, LIFTS, SAMPLES, spec
-from tests.exporters.written import written
+from tests.exporters.written import coarse, written
 from tests.numerics.geometry.agreement import agree
 from tests.numerics.geometry.slopes import slopes
 
@@ -144,8 +144,14 @@ def test_motion_is_told_in_the_unit_of_its_travel(kind: str, sample: int) -> Non
 def test_every_format_writes_it(kind: str, sample: int) -> None:
     question = spec(kind, sample)
     unit, design = question.follower.travel.unit, synthesise(question)
-    profiles = {name: written(exporter, design) for name, exporter in PROFILE_FORMATS.items()}
-    motions = {n: f.write(design, f.options()) for n, f in MOTION_FORMATS.items()}
+    profiles = {
+        name: written(exporter, design, coarse(exporter))
+        for name, exporter in PROFILE_FORMATS.items()
+    }
+    motions = {
+        name: written(exporter, design, coarse(exporter))
+        for name, exporter in MOTION_FORMATS.items()
+    }
     for name, content in {**profiles, **{f"motion {n}": c for n, c in motions.items()}}.items():
         assert content, name
     header, *rows = list(csv.reader(io.StringIO(motions["csv"].decode())))

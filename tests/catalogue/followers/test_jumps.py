@@ -18,6 +18,7 @@ from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS, MotionOptions, 
 from synthesis.studies.analyse import given_cam
 from tests.catalogue.followers.samples import CASES, LIFTS, spec
 
+pytestmark = pytest.mark.usefixtures("unmended")
 family = pytest.mark.parametrize(("kind", "sample"), CASES)
 UP, DOWN = 4.0 / np.radians(97.3) ** 2, 0.5 * np.pi**2 / np.radians(118.9) ** 2
 # cam angle: s'' over the lift before and after

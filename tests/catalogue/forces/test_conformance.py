@@ -32,6 +32,6 @@ def test_friction_does_not_grow_with_the_displacement(model: type[FrictionModel]
     assert model.__name__ in FRICTION, f"{model.__name__} has no example in {__file__}"
     friction = model.model_validate(FRICTION[model.__name__])
     friction.check(STROKE)
-    share = friction.effective(np.linspace(0.0, STROKE, 101))
+    share = friction.share_of_side_force(np.linspace(0.0, STROKE, 101))
     assert np.all(share >= 0.0)
     assert np.all(np.diff(share) <= 1e-12 * np.max(share)), f"{model.__name__} grows with s"

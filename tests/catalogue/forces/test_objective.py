@@ -52,9 +52,9 @@ def test_a_spring_shifts_the_inertia_forward() -> None:
     load = {"moving_mass_kg": MASS, "damping_n_s_per_m": 33.0,
             "spring": {"rate_n_per_mm": 2.0, "preload_n": 70.0}}  # fmt: skip
     limits = [{"kind": "jerk", "max_mm_per_s3": JERK}, {"kind": "contact_force", "min_n": 0}]
-    design = designed(load, limits=limits, tolerance=5e-3)
+    design = designed(load, limits=limits, tolerance=2e-2)
     value = design.objectives["peak_drive_force_n"]
-    assert design.certificate.gap <= 5e-3
+    assert design.certificate.gap <= 2e-2
     assert value >= 70.0 + 2.0 * LIFT
     for law in ("modified_sine", "cycloidal", "polynomial_3_4_5", "modified_trapezoid"):
         program = [segment.model_dump(mode="json") for segment in design.spec.program]

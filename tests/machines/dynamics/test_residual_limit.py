@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from itertools import pairwise, product
 from math import pi, sqrt
@@ -368,9 +369,10 @@ def test_angles_are_chosen_so_that_given_laws_leave_little() -> None:
         assert free_amplitudes <= 0.2 * (1.0 + 1e-9)
 
 
-def test_what_cannot_be_less_is_said() -> None:
+def test_what_cannot_be_less_is_said(explain_only: Callable[[str], None]) -> None:
     """A jerk that is just enough for the move itself leaves no room for rest."""
     tight = {"kind": "jerk", "max_mm_per_s3": 33.0 * LIFT / (FIRST / 360.0 / TURNS) ** 3}
+    explain_only("limits/1/max_mm")
     design = synthesise(spec(tight, quiet(hertz(1.4), 0.0), base_radius_mm=95.0))
     assert design.status == "infeasible"
     assert design.conflict is not None

@@ -10,7 +10,7 @@ from synthesis import Design, DesignSpec, synthesise
 from tests.hard.adversary.attack import refutation
 from tests.hard.families import random_scene
 
-SECONDS = 1.0  # of processor time of the attack: as many tries as that allows
+SECONDS = 0.5  # of processor time of the attack: as many tries as that allows
 
 
 @pytest.fixture(scope="module")

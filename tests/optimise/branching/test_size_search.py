@@ -49,12 +49,12 @@ def scene(seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def least_radius(design: Design, steps: int = 241) -> float:
+def least_radius(design: Design) -> float:
     """The least base radius on a grid of offsets: by curvature of the centre's path, directly."""
     spec = design.spec
     follower: Any = spec.follower
     angle, radius = spec.limits
-    s, v, a = design.curve.derivatives(ANGLES, 2)
+    motion = design.curve.derivatives(ANGLES[::2], 2)
     offset = follower.offset_mm
     near = design.dimensions["offset_mm"]
     span = 0.6 * design.dimensions["prime_radius_mm"]
@@ -62,32 +62,26 @@ def least_radius(design: Design, steps: int = 241) -> float:
     if offset is not None:
         low, high = (offset, offset) if isinstance(offset, float) else (offset.min, offset.max)
     least = np.inf
-    for e in np.unique(np.linspace(low, high, steps)):
-        bottom, top = 0.0, 2.0 * design.dimensions["prime_radius_mm"]
-        if not _keeps(top, e, s, v, a, follower.roller_radius_mm, angle, radius):
-            continue
+    trial = np.linspace(0.0, 2.0 * design.dimensions["prime_radius_mm"], 801)
+    for e in np.unique(np.linspace(low, high, 41)):
         # the set of radii need not be an interval: the first that holds, from below
-        trial = np.linspace(bottom, top, 801)
-        held = [_keeps(x, e, s, v, a, follower.roller_radius_mm, angle, radius) for x in trial]
-        first = trial[int(np.argmax(held))]
-        least = min(least, float(np.hypot(first, e)) - follower.roller_radius_mm)
+        held = _keeps(trial[:, None], e, motion, follower.roller_radius_mm, angle, radius)
+        if held[-1]:
+            first = trial[int(np.argmax(held))]
+            least = min(least, float(np.hypot(first, e)) - follower.roller_radius_mm)
     return least
 
 
-def _keeps(
-    s0: float, e: float, s: Array, v: Array, a: Array, roller: float, angle: Any, radius: Any
-) -> bool:
-    """Whether a cam with the centre at (e, s0) at rest satisfies both limits."""
+def _keeps(s0: Array, e: float, motion: Array, roller: float, angle: Any, radius: Any) -> Array:
+    """Which cams with the centre at (e, s0) at rest, s0 (k, 1), satisfy both limits: (k,)."""
+    s, v, a = motion
     x, u = s0 + s, v - e
-    if np.any(x <= 0.0):
-        return False
-    tangent = np.abs(u / x)
     up, down = np.tan(np.radians([angle.rise_deg, angle.return_deg]))
-    if np.any(tangent[v > 1e-9] > up) or np.any(tangent[v < -1e-9] > down):
-        return False
+    steepest = np.where(v > 1e-9, up, np.where(v < -1e-9, down, np.inf))
+    steep = np.abs(u) > steepest * np.maximum(x, 1e-300)
     speed = x * x + u * u
-    curvature = (speed + u * v - x * a) / speed**1.5
-    return bool(np.all(curvature * (roller + radius.min_mm) <= 1.0 + 1e-9))
+    bent = (speed + u * v - x * a) * (roller + radius.min_mm)
+    return ~np.any((x <= 0.0) | steep | (bent > (1.0 + 1e-9) * speed**1.5), axis=1)
 
 
 def face_scene(seed: int) -> dict[str, Any]:
@@ -149,7 +143,7 @@ def test_the_gap_of_given_laws_is_closed_and_no_size_is_below_the_bound(
     assert design.status == "optimal"
     assert any(stage.stage == "sizes" for stage in design.report.stages)
     proof = design.certificate
-    least = least_face_radius(design) if question is face_scene else least_radius(design, 41)
+    least = least_face_radius(design) if question is face_scene else least_radius(design)
     assert proof.bound_valid_for == "every size of the given laws"
     assert proof.value is not None
     assert proof.lower_bound is not None

@@ -13,11 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from synthesis.numerics.bspline import SplineSpace
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
-from synthesis.optimise.problem.grid import CLOSEST_KNOTS, merge_knots, uniform_grid
+from synthesis.optimise.problem.grid import CLOSEST_KNOTS, RAMP_STEP, merge_knots, uniform_grid
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.conic.reference import optimum
 from tests.optimise.scenes import (
@@ -288,6 +289,22 @@ def test_knots_lie_where_windows_end_and_at_points() -> None:
             assert x in grid.space.breaks
         assert np.diff(grid.space.breaks).min() >= CLOSEST_KNOTS
     assert len(uniform_grid(second, 9).space.breaks) == 10
+
+
+@pytest.mark.parametrize(("smoothness", "softer"), [(2, 1), (3, 1), (4, 2)])
+def test_short_ramps_keep_rows_well_conditioned(smoothness: int, softer: int) -> None:
+    """Rows of the control are no larger than on a mesh without them, but for known coefficients."""
+    coarse, order = np.linspace(0.0, 1.0, 21), smoothness + 1 - softer
+    breaks = merge_knots(coarse, np.array([0.4321, 0.75]), softer=softer)
+    largest = []
+    for each in (coarse, breaks):
+        rows = SplineSpace(smoothness + 1, each).control_matrices[order]
+        largest.append(np.max(np.abs(rows[:, smoothness + 1 : -smoothness - 1])))
+    assert largest[1] < 200.0 * largest[0]
+    width = np.diff(breaks)
+    assert np.sum(width < 1.1 * RAMP_STEP) == softer * (2 + 2)  # two wanted points, and both ends
+    assert not np.any((width > 1.1 * RAMP_STEP) & (width < CLOSEST_KNOTS))
+    assert np.min(np.abs(breaks - 0.4321)) < softer * RAMP_STEP
 
 
 def test_needed_knots_come_first_and_push_none_away_that_were_there() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.batch import MultiplierDensity
 from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian, dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
@@ -76,7 +77,8 @@ def test_a_density_at_many_points_is_linear_between_these() -> None:
         z = np.random.default_rng(5).exponential(size=one.count)
         widths = []
         for dense in (True, False):
-            kept, ((rows, mass),) = one.distribute(z, dense=dense)
+            kept, nodes, masses = one.distribute(z, dense=dense)
+            ((rows, mass),) = density_terms(one, nodes, masses)
             assert rows.spans is not None
             assert np.sum(kept) + np.sum(mass) == pytest.approx(np.sum(z), rel=1e-12)
             widths.append(np.ptp(rows.spans, axis=1).max())
@@ -98,9 +100,10 @@ def test_a_distributed_density_is_bounded_as_it_is(seed: int) -> None:
     for rows, mass in (*fixed_size_rows(between.model, z), *cone_rows(between.model, z)):
         lagrangian.add_rows(rows, mass)
     for one in row_functionals(between.model, 3, z):
-        kept, densities = one.distribute(z[one.first_row : one.first_row + one.count], dense=True)
+        own = z[one.first_row : one.first_row + one.count]
+        kept, *density = one.distribute(own, dense=True)
         lagrangian.add_rows(one.point_rows(), kept)
-        for rows, mass in densities:
+        for rows, mass in density_terms(one, *density):
             lagrangian.add_rows(rows, mass)
     controls = law_controls(between.model)
     assert controls

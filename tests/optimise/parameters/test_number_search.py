@@ -191,16 +191,17 @@ def test_no_numbers_are_better_than_the_proof_says(name: str) -> None:
     search = NumberSearch(placement, worth.state, 0.95 * 5e-3, 2e-3)
     start = placement.polytope.centre()
     assert start is not None
-    proof = search.run(start, clock.programs_solved() + 120, inf)
+    is_open = name in ("lifts", "returns")
+    proof = search.run(start, clock.programs_solved() + (40 if is_open else 120), inf)
     assert proof is not None
     assert proof.lower <= proof.value
     assert "at all angles and lifts that are free" in proof.valid_for
     # with two steps curvature decides, which the bound leaves out
-    assert proof.closed == (name not in ("lifts", "returns", "velocity")), proof
-    assert proof.gap <= {"lifts": 2e-2, "returns": 0.15, "velocity": inf}.get(name, 5e-3)
+    assert proof.closed != is_open, proof
+    assert proof.gap <= {"lifts": 2e-2, "returns": 0.15}.get(name, 5e-3)
     # cams at random numbers, and at the numbers chosen, moved a little
-    near = [proof.u + 0.02 * (other - proof.u) for other in points(name, 4, seed=5)]
-    for u in (*points(name, 4, seed=29), *near):
+    near = [proof.u + 0.02 * (other - proof.u) for other in points(name, 3, seed=5)]
+    for u in (*points(name, 2, seed=29), *near):
         problem = worth.problem(u)
         state = None if problem is None else optimise(problem, TOLERANCE)
         if state is not None and state.incumbent is not None:
@@ -241,6 +242,8 @@ def test_the_least_of_the_largest_of_separable_functions() -> None:
     polytope = question("angles").placement.polytope
     low, high = np.array([0.1, 0.2]), np.array([0.9, 0.7])
     grid = [np.linspace(low[k], high[k], POINTS) for k in (0, 1)]
+    line = [polytope.project(np.array([x, 0.5])) for x in np.linspace(-0.5, 1.5, 2001)]
+    inside = np.array([u for u in line if np.all(u >= low) and np.all(u <= high)])
     for _ in range(20):
         parts = []
         for _ in range(3):
@@ -248,14 +251,12 @@ def test_the_least_of_the_largest_of_separable_functions() -> None:
                       for k in (0, 1)}  # fmt: skip
             parts.append(Separable(random.normal(), random.normal(size=2), values))
         bound, _ = least_of_largest(parts, polytope, low, high)
-        line = [polytope.project(np.array([x, 0.5])) for x in np.linspace(-0.5, 1.5, 2001)]
-        inside = [u for u in line if np.all(u >= low) and np.all(u <= high)]
-        largest = [
-            max(
-                part.constant + part.slope @ u
-                + sum(np.interp(u[k], grid[k], part.values[k]) for k in (0, 1))
+        largest = np.max(
+            [
+                part.constant + inside @ part.slope
+                + sum(np.interp(inside[:, k], grid[k], part.values[k]) for k in (0, 1))
                 for part in parts
-            )
-            for u in inside
-        ]  # fmt: skip
-        assert bound <= min(largest) + 1e-9
+            ],
+            axis=0,
+        )  # fmt: skip
+        assert bound <= np.min(largest) + 1e-9

@@ -112,7 +112,8 @@ def test_an_answer_of_another_version_is_said(
     assert "not in the form that this command knows" in found.stderr
 
 
-def test_what_limits_cost_is_told(real_service: Running, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("unexplained")
+def test_what_limits_cost_is_told(tmp_path: Path) -> None:
     assert run("design", EXAMPLES / "p2-sized.json", "--out", tmp_path).exit_code == 0
     reported = run("costs", tmp_path / "design.json")
     assert reported.exit_code == 0, reported.output

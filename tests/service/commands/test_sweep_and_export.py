@@ -157,6 +157,7 @@ def test_export_writes_what_the_core_does(tmp_path: Path, fixed: Design, kept: b
     assert (tmp_path / "contact.svg").read_bytes() == drawn
 
 
+@pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize(
     ("name", "options", "said"),
     [

@@ -25,7 +25,8 @@ def post(client: httpx2.Client, body: dict[str, Any]) -> httpx2.Response:
     return answer
 
 
-@pytest.mark.parametrize("name", examples())
+# the dearest of them, which tests/validation solves: as dear as all others
+@pytest.mark.parametrize("name", [name for name in examples() if name != "spot-weld"])
 def test_worked_examples(client: httpx2.Client, name: str) -> None:
     value = examples()[name]["value"]
     design = post(client, value).json()

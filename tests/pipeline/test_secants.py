@@ -1,0 +1,26 @@
+"""Slopes and zeros of excesses, some of which say nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from synthesis.pipeline.secants import slope_of, zero_of
+
+CONVEX = {1.0: 0.2, 2.0: 0.1, 3.0: 0.02, 3.4: -0.001}  # the last one next to zero
+
+
+def test_the_slope_is_that_next_to_the_zero_of_excesses_that_tell_it() -> None:
+    assert slope_of(CONVEX, 0.0) == pytest.approx(0.021 / 0.4)
+    assert slope_of(CONVEX, 0.05) == pytest.approx(0.101 / 1.4)
+    assert slope_of(CONVEX, 0.5) == pytest.approx(0.201 / 2.4)  # all too near: the farthest
+    assert slope_of({1.0: 0.2}, 0.0) == 0.0
+
+
+def test_a_cam_that_is_much_smaller_than_asked_says_nothing_of_the_slope() -> None:
+    assert slope_of({**CONVEX, 9.0: -0.012}, 0.01) == slope_of(CONVEX, 0.01)
+
+
+def test_the_zero_is_that_of_the_two_least_excesses() -> None:
+    assert zero_of(CONVEX, [1.0, 2.0], 3.4) == pytest.approx(3.0)
+    assert zero_of(CONVEX, [1.0], 3.4) == pytest.approx(1.0 + 2.4 * 0.2 / 0.201)
+    assert zero_of(CONVEX, [], 9.0) is None
