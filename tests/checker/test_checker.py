@@ -56,7 +56,9 @@ def test_the_checker_is_one_file_of_plain_python_without_floating_point() -> Non
             [node.module] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names]
         )
     }
-    assert imported == {"json", "re", "sys", "collections", "fractions", "functools", "math"}
+    assert imported == {
+        "json", "re", "sys", "collections", "fractions", "functools", "itertools", "math"
+    }  # fmt: skip
     assert not [
         n for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, float)
     ]

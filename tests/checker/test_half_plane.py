@@ -165,7 +165,7 @@ def integral(
     segment = own.program[part["segment"]]
     groups = []
     for group in part["rows"]:
-        alpha, _, _ = own.rows(segment, own.limits[group["limit"]], *judge.C, 1)[group["side"]]
+        alpha, _, _ = own.row(segment, own.limits[group["limit"]], group["side"], *judge.C, 1)
         factors = [float(f) * h / d**k for k, f in enumerate(alpha)]
         groups.append((factors, group["multipliers"]))
 

@@ -4,6 +4,7 @@ import copy
 import json
 import math
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -161,10 +162,10 @@ def test_rows_that_every_cam_keeps_are_weaker_than_those_that_suffice(roller: Js
     judge.spent.clear()
     question = judge.Question(judge.read(json.dumps(roller["question"]).encode()))
     rise = question.program[0]
-    weak = question.rows(rise, question.limits["limits/1"], *judge.C, 1)
-    for c in judge.C:
-        strong = question.rows(rise, question.limits["limits/1"], c, c, 0)
-        for side in (1, -1):
-            assert weak[side][0][0] <= strong[side][0][0]  # of s, and of s0
-            assert weak[side][1][1] <= strong[side][1][1]
-    assert weak[1][0][0] < -judge.tangent(Fraction(35))[0] * judge.C[0]
+    limit = question.limits["limits/1"]
+    for side, c in product((1, -1), judge.C):
+        strong = question.row(rise, limit, side, c, c, 0)
+        weak = question.row(rise, limit, side, *judge.C, 1)
+        assert weak[0][0] <= strong[0][0]  # of s, and of s0
+        assert weak[1][1] <= strong[1][1]
+        assert weak[0][0] < -judge.tangent(Fraction(35))[0] * judge.C[0]

@@ -92,8 +92,11 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     answer = design.certificate.lower_bound
     if place == INFEASIBLE:
         yield from ({"multipliers": each} for each, _ in _witnesses(design))
-    for found, bound in _witnesses(design) if place == OBJECTIVE else ():
-        for loss in LOSSES if bound > 0.0 else ():
+    witnesses = list(_witnesses(design)) if place == OBJECTIVE else []
+    for loss in LOSSES:
+        for found, bound in witnesses:
+            if bound <= 0.0:
+                continue
             value = _rounded_down(bound * (1.0 - loss))
             less = answer is not None and value < answer * (1.0 - CLOSE)
             note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
@@ -123,24 +126,21 @@ def _witnesses(design: Design) -> Iterator[Witness]:
         model, solution, bound = state.relaxation
         known = [Bounded(problem.objective, bound.value, "")]
         (on_wire,) = in_wire_units(attempt.question, attempt.question.scaled, known)
-        found = multipliers(model, solution, spec, length)
-        if found is not None:
+        for found in multipliers(model, solution, spec, length):
             yield found, on_wire.lower
     if design.motion:
         return
     # 2. Where no law keeps the limits: the program for the share of a limit that every law needs,
     #    or for the least excess of all others.
     if highest_caps(problem):
-        found = _share_of_limit(problem, spec, length)
-        if found is not None:
+        for found in _share_of_limit(problem, spec, length):
             yield found, -inf
     excess = least_excess_program(problem)
-    found = None if excess is None else multipliers(*excess[:2], spec, length)
-    if found is not None:
+    for found in [] if excess is None else multipliers(*excess[:2], spec, length):
         yield found, -inf
 
 
-def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> Json | None:
+def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> list[Json]:
     """Multipliers of the least share of the limit on the highest derivative (phase 1)."""
     steering = highest_caps(problem)
     others = tuple(limit for limit in problem.limits if limit not in steering)
@@ -152,7 +152,7 @@ def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> Json |
     model = formulate(alone, grids if result is None else result.grids)
     solution = solve(model.program)
     usable = solution.stopped in USABLE
-    return multipliers(model, solution, spec, length) if usable else None
+    return multipliers(model, solution, spec, length) if usable else []
 
 
 def _rounded_down(value: float) -> float:

@@ -27,6 +27,7 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.costates import (
     boundary_multipliers,
     nonnegative_multipliers,
@@ -35,10 +36,12 @@ from synthesis.optimise.dual_bound.costates import (
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import (
     RowFunctional,
+    Terms,
     WeightedRows,
     fixed_size_rows,
     row_functionals,
 )
+from synthesis.optimise.dual_bound.switching import Switching
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
@@ -60,8 +63,8 @@ class Group:
 
 def multipliers(
     model: ConicModel, solution: ConeSolution, spec: DesignSpec, length: float
-) -> dict[str, Any] | None:
-    """The multipliers of a program, None where no derivative of every law is capped.
+) -> list[dict[str, Any]]:
+    """The multipliers of a program, the best first; none where nothing caps every law.
 
     Args:
         model, solution: the program in problem units, and any multipliers of it.
@@ -69,29 +72,38 @@ def multipliers(
     """
     controls = law_controls(model)
     if not controls or any(control.weight for control in controls):
-        return None
+        return []
     order, z = controls[0].order, nonnegative_multipliers(model, solution)
-    groups, lagrangian = list[Group](), Lagrangian(model, order)
-    for one in row_functionals(model, order, z):
-        points, densities = one.distribute(z[one.first_row : one.first_row + one.count])
-        nonzero = points != 0.0
-        for rows, mass in ((one.point_rows(nonzero), points[nonzero]), *densities):
-            lagrangian.add_rows(rows, mass)
-        groups += _groups(one, points, densities, model, spec, length)
-    for rows, mass in fixed_size_rows(model, z):
-        lagrangian.add_rows(rows, mass)
-    lagrangian.reduce()
-    solved = boundary_multipliers(model, solution, order, z)
-    costates = project_costates(model, lagrangian.initial_costates, solved)[0]
-    return _as_stated(
-        order, groups, {s.index: nu for s, nu in zip(model.problem.free, costates, strict=True)}
-    )
+    rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
+    psi: tuple[Switching, ...] = ()
+    # as they are; then, where a limit binds along an arc, those for which ψ is small there
+    for _ in range(1 + any(one.jumps and one.uniform for one in rows)):
+        groups, lagrangian = list[Group](), Lagrangian(model, order)
+        for one in rows:
+            own = z[one.first_row : one.first_row + one.count]
+            points, nodes, masses = one.distribute(own)
+            nonzero, at = points != 0.0, one.block.segment
+            seen = psi[at] if psi and at is not None else None
+            densities = density_terms(one, nodes, masses, seen)
+            for each, mass in ((one.point_rows(nonzero), points[nonzero]), *densities):
+                lagrangian.add_rows(each, mass)
+            groups += _groups(one, points, densities, model, spec, length)
+        for each, mass in fixed_size_rows(model, z):
+            lagrangian.add_rows(each, mass)
+        lagrangian.reduce()
+        solved = boundary_multipliers(model, solution, order, z)
+        costates = project_costates(model, lagrangian.initial_costates, solved)
+        lagrangian.add_boundary_costates(costates)
+        psi = lagrangian.psi()
+        ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
+        found.insert(0, _as_stated(order, groups, ends))
+    return found
 
 
 def _groups(
     one: RowFunctional,
     points: Array,
-    densities: list[tuple[WeightedRows, Array]],
+    densities: Terms,
     model: ConicModel,
     spec: DesignSpec,
     length: float,
