@@ -14,8 +14,9 @@ import pytest
 from synthesis import DesignSpec, proof, synthesise
 from synthesis.design.design import Conflict
 from synthesis.pipeline.proof_file.checker import checker, checker_path
-from tests.checker.mutations import mutated
+from tests.checker.mutations import mutated, put
 from tests.checker.run import verdict
+from tests.checker.schema import conforms
 from tests.checker.truth import contradiction
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "openapi" / "examples"
@@ -127,6 +128,23 @@ def test_nothing_false_is_accepted_in_changed_proofs_of_impossibility(impossible
                 or document["question"]["program"] != impossible["question"]["program"]
             )
     assert codes.count(0) < 40
+
+
+def test_files_are_as_the_schema_says(proofs: Any, impossible: Any) -> None:
+    schema = json.loads(checker_path().with_name("proof.schema.json").read_text("utf-8"))
+    documents = [*proofs.values(), impossible, proof_of("fixed-laws")]
+    assert all(conforms(document, schema, schema) for document in documents)
+    wrong: tuple[tuple[Any, Any], ...] = (
+        (("version",), 2), (("version",), True), (("cam", "laws", 0, "degree"), 6),
+        (("claims", 1, "proven"), False), (("claims", 0, "at_least"), "34"),
+        (("claims", 0, "multipliers", "order"), 4),
+        (("claims", 0, "multipliers", "segments", 0, "rows", 0, "multipliers", 0), [0.5, 1.0, 2.0]),
+    )  # fmt: skip
+    for path, value in wrong:
+        changed = copy.deepcopy(proofs["example-13-6-sized"])
+        put(changed, path, value)
+        assert not conforms(changed, schema, schema), path
+        assert verdict(changed)[0] == 2, path
 
 
 def without_a_claim(document: Any) -> None:

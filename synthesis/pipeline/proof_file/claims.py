@@ -40,6 +40,7 @@ FORMAT, VERSION = "camwright-proof", 1
 OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
 LOSSES = (1e-6, 1e-5, 1e-4, 1e-3)  # of a bound, tried in turn: what rounding takes from it
 FIGURES = 9  # of a bound in the file
+END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
 NO_WITNESS = "no multipliers are known for it"
 
@@ -104,11 +105,15 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
 
 
 def _cam(design: Design) -> Json | None:
-    """The cam as it was delivered; None where there is none."""
+    """The cam as it was delivered, but for rounding at the ends of laws; None where none was."""
     if not design.motion:
         return None
-    laws = [None if each.spline is None else each.spline.model_dump(exclude_none=True)
-            for each in design.motion]  # fmt: skip
+    laws: list[Any] = [
+        each.spline and each.spline.model_dump(exclude_none=True) for each in design.motion
+    ]
+    for law in filter(None, laws):
+        first, *inner, last = law["coefficients"]
+        law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
     return {"size": design.size, "laws": laws}
 
 
