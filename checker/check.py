@@ -21,8 +21,8 @@ from itertools import product
 from math import comb, factorial, isqrt
 
 MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 25, 60  # of the file; of a number
-MOST = {"numbers": 10_000, "segments": 100, "limits": 50,  # of one file
-        "halvings of intervals": 100_000, "coefficients": 300_000}
+MOST_SEGMENTS, MOST_LIMITS = 100, 50  # of a question; of a file, all claims together:
+MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
@@ -101,7 +101,6 @@ def range_of(value):
 # Step 2. The question. Levels are measured from the lowest position.
 class Segment:
     def __init__(self, index, body, rate):
-        spend("segments")
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
         self.index, self.free, self.degrees = index, kind in ("rise", "return"), body["angle_deg"]
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
@@ -120,11 +119,13 @@ class Segment:
 
 class Question:
     def __init__(self, body):
-        spent["segments"] = spent["limits"] = 0
         kind_of(body, "question")
         rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
         demand(rate > 0, "the speed is not positive")
-        self.program = [Segment(i, s, rate) for i, s in enumerate(get(body, "program", list))]
+        program, limits = get(body, "program", list), get(body, "limits", list)
+        good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
+        demand(good, "there are too many segments or limits", 2)
+        self.program = [Segment(i, s, rate) for i, s in enumerate(program)]
         turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
         demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")
         self.smooth = 0 if body["continuity"] is None else whole(body, "continuity", 0, 4)
@@ -152,8 +153,7 @@ class Question:
         # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
         self.limits = {"forward": {"kind": "forward"},
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
-        for k, limit in enumerate(get(body, "limits", list)):
-            spend("limits")
+        for k, limit in enumerate(limits):
             if get(limit, "kind", str) in MEET and limit["kind"] not in others:
                 for name in FIELDS[kind_of(limit, *MEET)].split():
                     good = limit[name] is None or get(limit, name) >= 0
@@ -334,16 +334,15 @@ class Cam:
         3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > radius W too, so that the
         profile runs once round the axis; 2 r W <= W^2 + r^2.
         """
-        def near(w):
-            return isqrt(max(w[len(w) // 2], 1))  # next to W, in units of 1/sqrt(UNIT)
+        share = radius * (1 << BITS // 2)  # as r is in units of 1/sqrt(UNIT), next to W
 
         def bends(w, n):
-            r, far = near(w), 2 * radius * (1 << BITS // 2)
-            return all(3 * r * p - r**3 + far * q >= 0 for p, q in zip(w, n))
+            r = isqrt(max(w[len(w) // 2], 1))
+            return all(3 * r * p - r**3 + 2 * share * q >= 0 for p, q in zip(w, n))
 
         def passes(w, less, along):
-            r, far = near(w), radius * (1 << BITS // 2)
-            return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
+            r = isqrt(max(w[len(w) // 2], 1))
+            return all(2 * r * p + share * (q - r * r) > 0 for p, q in zip(along, less))
 
         minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
         e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
@@ -361,10 +360,10 @@ class Cam:
     def fit(self):
         """Base radius and offset are in their ranges: radii by their squares."""
         question, square = self.question, sum(x * x for x in self.size)
-        known = [(square, *(r and r * r for r in question.radii)), (self.size[-1], ZERO, None)]
-        known += [(self.size[0], *question.offsets)] * question.roller
+        ranges = [(square, [r and r * r for r in question.radii]), (self.size[-1], [ZERO, None])]
+        ranges += [(self.size[0], question.offsets)] * question.roller
         inside = all((low is None or low <= x) and (high is None or x <= high)
-                     for x, low, high in known)
+                     for x, (low, high) in ranges)
         demand(inside and square > question.gap**2, "it is not within the range asked for")
         return "base radius and offset are in their ranges"
 
