@@ -199,6 +199,21 @@ def integral(
     return total
 
 
+def test_slopes_of_densities_are_rounded_upwards() -> None:
+    # a velocity is 0 at the ends of a rise between dwells: what is left is −mass · right-hand side
+    dwell = [{"kind": "dwell", "angle_deg": 30.0}]
+    asked = question(ROLLER, ["velocity", "jerk", "pressure_angle"], dwell)
+    rows = [{"limit": "limits/0", "side": 1, "multipliers": [[0, 0.3, 1, 0]]}]
+    witness = {"order": 3, "segments": [{"segment": 0, "rows": rows, "ends": []}]}
+    judge = checker()
+    judge.spent.clear()
+    body = judge.read(json.dumps({"question": asked, "witness": witness}).encode())
+    body["question"]["limits"][1]["max_mm_per_s3"] = Fraction(0)
+    constant, _ = judge.half_plane(judge.Question(body["question"]), body["witness"])
+    exact = Fraction(-15, 100) * Fraction(900, 540)
+    assert exact - Fraction(1, 10**30) < constant < exact
+
+
 def test_the_integral_of_the_size_of_psi_is_exact_to_a_billionth_and_not_below() -> None:
     judge, chance = checker(), random.Random(3)
     judge.spent.clear()

@@ -4,9 +4,11 @@ Each was accepted by an earlier checker. They are made here, so that what is wro
 """
 
 from typing import Any
+from unittest.mock import ANY
 
 import pytest
 
+from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.run import verdict
 
 Json = dict[str, Any]
@@ -217,3 +219,12 @@ def test_what_takes_too_long_cannot_be_read(name: str) -> None:
     code, said = verdict(found)
     assert code == 2, said
     assert words in said.splitlines()[-1]
+
+
+@pytest.mark.parametrize("what", ["numbers", "coefficients", "halvings of intervals"])
+def test_work_is_bounded(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tight = {**ANGLE, "rise_deg": 10, "return_deg": 10}
+    found = document("limits/0 limits/1 motion", moves(30), [SMOOTH] * 2, tight, VELOCITY)
+    assert verdict(found)[0] == 0
+    monkeypatch.setitem(checker().MOST, what, 1)
+    assert verdict(found) == (2, ANY)
