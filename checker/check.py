@@ -310,9 +310,8 @@ class Cam:
             demand(good, f"derivative {smooth} jumps inside program/{left.index}")
             sides = inside[-1], self.of[right.index][0]
             for k in range(smooth + 1):
-                jump, size = abs(sides[0].s[k][-1] - sides[1].s[k][0]), min(
-                    (abs(p.segment.lift) * max(p.segment.degrees**-k, p.width**-k / 10**6)
-                     for p in sides if p.segment.lift), default=ZERO)
+                jump = abs(sides[0].s[k][-1] - sides[1].s[k][0])
+                size = min((abs(s.lift) / s.degrees**k for s in (left, right) if s.lift), default=0)
                 text = f"derivative {k} jumps at the start of program/{right.index}"
                 demand(jump <= size * JUMP, text)
                 self.jump = max(self.jump, jump / size if jump else ZERO)

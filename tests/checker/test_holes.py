@@ -23,6 +23,8 @@ SMOOTH = {"degree": 3, "knots": [0, 0.25, 0.75, 1], "coefficients": [0, 0, 0, 1,
 QUADRATIC = {"degree": 2, "knots": [0, 0.1, 0.5, 0.9, 1], "coefficients": [0, 0, 0, 1, 1, 1]}
 POLYGON = {"degree": 1, "knots": [0, 0.1, 0.9, 1], "coefficients": [0, 0, 1, 1]}
 BENT = {**SMOOTH, "coefficients": [0, 1e-4, 0.1, 1, 1, 1]}
+NARROW = {"degree": 3, "knots": [0, 1e-14, 0.99999999999999, 1],  # nearly a line
+          "coefficients": [0, 1e-14 / 3, 1 / 3, 2 / 3, 1 - 1e-14 / 3, 1]}  # fmt: skip
 LINE = {"degree": 3, "knots": [0, 1], "coefficients": [0, 1 / 3, 2 / 3, 1]}
 
 
@@ -121,6 +123,8 @@ HOLES: dict[str, tuple[Json, str]] = {
     "a step that is small next to the steeper neighbour": (
         document("motion", STEEP, [SMOOTH, SMOOTH, BENT, None, SMOOTH, None]),
         "derivative 1 jumps"),
+    "a corner beside a very narrow piece": (
+        document("no_undercut", ROUND, [NARROW, None] * 2), "derivative 1 jumps"),
     "a pressure angle of 0": (
         document("limits/0", moves(), [SMOOTH] * 2, {**ANGLE, "rise_deg": 0}), "between 0 and 90"),
     "a pressure angle of 90 where nothing reads it": (
