@@ -26,6 +26,7 @@ MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
+ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
 FIELDS = {  # of each kind that is covered; what has another field is refused
     "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
@@ -311,10 +312,12 @@ class Cam:
             sides = inside[-1], self.of[right.index][0]
             for k in range(smooth + 1):
                 jump = abs(sides[0].s[k][-1] - sides[1].s[k][0])
-                size = min((abs(s.lift) / s.degrees**k for s in (left, right) if s.lift), default=0)
+                scales = [(abs(p.segment.lift) / p.segment.degrees**k, p.segment.degrees / p.width)
+                          for p in sides if p.segment.lift]
+                most = min((h * max(1, min(n, 1000) ** k * ROUNDING) for h, n in scales), default=0)
                 text = f"derivative {k} jumps at the start of program/{right.index}"
-                demand(jump <= size * JUMP, text)
-                self.jump = max(self.jump, jump / size if jump else ZERO)
+                demand(jump <= most * JUMP, text)
+                self.jump = max(self.jump, jump / min(scales)[0] if jump else ZERO)
 
     def keep(self, limit):
         """Show the rows of a limit. They are affine in c, or in c^2: its two bounds suffice."""
