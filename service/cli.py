@@ -41,6 +41,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "spatial": questions.spatial,
     "costs": questions.costs,
     "confirm": questions.confirm,
+    "proof": questions.proof,
     "export": export,
     "read-back": questions.read_back,
     "respond": questions.respond,

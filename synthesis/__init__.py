@@ -4,7 +4,8 @@
     design = synthesise(DesignSpec.model_validate(body))
 
 ``analyse(spec)`` for a cam that is given in full, ``synthesise_set(CamSetSpec…)`` for several cams
-on one shaft, and ``confirm(design)`` for a second opinion to the last digit.
+on one shaft, ``confirm(design)`` for a second opinion to the last digit, and ``proof(design)`` for
+a file that ``checker/check.py`` checks without this program.
 
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.machines.spatial.pipeline import synthesise_spatial
     from synthesis.machines.spatial.spec import SpatialCamSpec
+    from synthesis.pipeline.proof_file import proof
     from synthesis.pipeline.synthesise import synthesise
     from synthesis.spec.cam_set import CamSetSpec
     from synthesis.spec.design_spec import DesignSpec
@@ -50,6 +52,7 @@ __all__ = [
     "SweepSpec",
     "analyse",
     "confirm",
+    "proof",
     "sensitivities",
     "synthesise",
     "synthesise_set",
@@ -69,6 +72,7 @@ _HOMES = {
     "analyse": "synthesis.studies.analyse",
     "sensitivities": "synthesis.studies.sensitivity",
     "confirm": "synthesis.certify.second",
+    "proof": "synthesis.pipeline.proof_file",
     "synthesise": "synthesis.pipeline.synthesise",
     "synthesise_set": "synthesis.studies.cam_set",
     "synthesise_spatial": "synthesis.machines.spatial.pipeline",

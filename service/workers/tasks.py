@@ -5,6 +5,7 @@ Solvers are imported in the functions: the process that answers requests does no
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -209,6 +210,13 @@ def confirm_design(design: bytes) -> bytes:
     from synthesis.certify.second import confirm
 
     return confirm(Design.model_validate_json(design)).model_dump_json().encode()
+
+
+def prove_design(design: bytes) -> bytes:
+    """The proof file of a finished design."""
+    from synthesis.pipeline.proof_file import proof
+
+    return json.dumps(proof(Design.model_validate_json(design)), separators=(",", ":")).encode()
 
 
 def design_sensitivities(design: bytes, budget_s: float) -> bytes:

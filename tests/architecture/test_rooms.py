@@ -4,7 +4,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 # what is tested as a whole, and not in one room
-WHOLE = {"architecture", "benchmarks", "hard", "mutants", "properties", "validation"}
+WHOLE = {"architecture", "benchmarks", "checker", "hard", "mutants", "properties", "validation"}
 
 
 def test_every_folder_of_tests_is_named_after_a_room() -> None:

@@ -26,12 +26,12 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.catalogue.objectives import Objective
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.clarabel import ConeProgram, solve
+from synthesis.numerics.solvers.clarabel import ConeProgram, ConeSolution, solve
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate
-from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_caps
 from synthesis.optimise.problem.grid import RAMP_STEP, Grid, SplineLaw, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
@@ -253,11 +253,20 @@ def _held_back(model: ConicModel, multipliers: Array) -> tuple[int, ...]:
 
 
 def excess_proof(problem: Problem) -> str:
-    """Why no motion law and no size keep the linear rows of all limits; empty without a proof.
+    """Why no motion law and no size keep the linear rows of all limits; empty without a proof."""
+    found = least_excess_program(problem)
+    if found is None or found[2].value <= PROVEN:
+        return ""
+    return "proven for every motion law and size: the limits exclude each other"
 
-    The proof is a lower bound, above 0, of the largest excess of a row: by weak duality it holds
+
+def least_excess_program(problem: Problem) -> tuple[ConicModel, ConeSolution, Bound] | None:
+    """The program of the least largest excess of a row, with its bound over all laws and sizes.
+
+    A bound above 0 is a proof that the limits exclude each other: by weak duality it holds
     for every law whose highest limited derivative is bounded so, and for every size. Where the base
     radius is open above, its end in the search is ours: only rows without the size are looked at.
+    None where there is no such bound.
     """
     # What caps the control stays a limit: the bound over all laws rests on it.
     caps = highest_caps(problem)
@@ -268,25 +277,26 @@ def excess_proof(problem: Problem) -> str:
         segments=tuple(_roughest(segment, caps, problem) for segment in problem.segments),
     )  # fmt: skip
     if not any(objective.rows(s, problem.machine, 0.0) for s in problem.segments):
-        return ""
-    least, grids = -inf, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
+        return None
+    best, grids = None, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
     for _ in range(PROOF_ITERATIONS):
         model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program)
         if solution.stopped not in USABLE:
-            return ""
+            break
         bound, found = (
             dual_bound(model, solution),
             recover_cam(auxiliary, *model.recover(solution.x)),
         )
-        if bound.value > PROVEN and (bound.switching or not problem.free):
-            return "proven for every motion law and size: the limits exclude each other"
+        if problem.free and not bound.switching:
+            break
+        improved = best is None or bound.value > best[2].value
+        best = (model, solution, bound) if improved else best
         # Finer knots bring the bound nearer to what the best law exceeds, if that is above 0.
-        if not bound.switching or found.value <= PROVEN or bound.value <= least:
-            return ""
-        least = bound.value
+        if bound.value > PROVEN or found.value <= PROVEN or not improved:
+            break
         grids = refine_mesh(auxiliary, grids, found, bound, [np.zeros(0)] * len(grids))
-    return ""
+    return best
 
 
 def _roughest(segment: PlacedSegment, caps: Sequence[Limit], problem: Problem) -> PlacedSegment:

@@ -112,6 +112,15 @@ def test_a_design_is_confirmed(spec_file: Path, tmp_path: Path) -> None:
     assert '"contradicted"' in done.output
 
 
+def test_a_design_is_written_as_a_proof(spec_file: Path, tmp_path: Path) -> None:
+    runner.invoke(cli.app, ["design", str(spec_file), "--out", str(tmp_path)])
+    to = tmp_path / "files" / "proof.json"
+    done = runner.invoke(cli.app, ["proof", str(tmp_path / "design.json"), "--out", str(to)])
+    claims = json.loads(to.read_text())["claims"]
+    assert done.exit_code == (0 if all(claim["proven"] for claim in claims) else 3), done.output
+    assert all(f"{claim['place']}:" in done.output for claim in claims)
+
+
 def test_a_groove_brings_a_file_for_each_flank(tmp_path: Path) -> None:
     value = examples()["grooved"]["value"]
     program = [s | ({"law": {"kind": "cycloidal"}} if "law" in s else {}) for s in value["program"]]

@@ -254,3 +254,16 @@ def test_a_design_is_confirmed_to_25_digits(client: httpx2.Client) -> None:
     none = post(client, examples()["infeasible-on-purpose"]["value"]).json()
     refused = client.get(f"/v1/designs/{none['id']}/confirmation")
     assert (refused.status_code, refused.json()["type"]) == (409, "/problems/nothing-fits")
+
+
+def test_a_design_has_a_proof_file_with_or_without_a_cam(client: httpx2.Client) -> None:
+    for name, places in (("flat-face", 8), ("infeasible-on-purpose", 1)):
+        design = post(client, examples()[name]["value"]).json()
+        path = f"/v1/designs/{design['id']}/proof.json"
+        answer = client.get(path)
+        assert answer.status_code == 200, answer.text
+        found = answer.json()
+        assert (found["format"], found["id"]) == ("camwright-proof", design["id"])
+        assert [claim["proven"] for claim in found["claims"]] == [True] * places
+        known = {"if-none-match": answer.headers["etag"]}
+        assert client.get(path, headers=known).status_code == 304

@@ -1,0 +1,561 @@
+#!/usr/bin/env python3
+"""Check a proof about a cam, in exact arithmetic: python3 -I -S check.py proof.json
+
+One file, the standard library alone, integers and fractions in everything that it concludes. It
+reads the question as it was asked and believes nothing else in the file: the cam and the
+multipliers are witnesses, which may be wrong and are then refused. docs/proof.md has the format,
+the symbols, and the theorem behind each step by its number here. Exit codes: 0 and a sentence for
+each claim; 1 and the first step that fails; 2 and why the file cannot be read.
+
+Angles are in degrees: on a segment of d degrees s = level + h g(x), and v, a, j are the derivatives
+of s per degree [mm]. A degree is c = pi/180 radian: s' = v/c, s'' = a/c^2. Of a roller X = s0 + s,
+u = s' - e, W^2 = X^2 + u^2. The size z is (c e, s0), of a flat face (c^2 Rb, 0).
+"""
+import json
+import re
+import sys
+from collections import Counter, defaultdict
+from fractions import Fraction
+from functools import lru_cache
+from itertools import product
+from math import comb, factorial, isqrt
+
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 25, 60  # of the file; of a number
+MOST_SEGMENTS, MOST_LIMITS = 100, 50  # of a question; of a file, all claims together:
+MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
+DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
+UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
+JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
+ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
+GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
+FIELDS = {  # of each kind that is covered; what has another field is refused
+    "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
+                "objective tolerance proof time_budget_s report_smoothness_cost",
+    "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm velocity_mm_per_s",
+    "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
+    "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
+    "translating_roller": "roller_radius_mm closure offset_mm",
+    "translating_flat_face": "offset_mm tilt_deg",
+    "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
+    "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
+    "profile_radius": "min_mm", "face_width": "width_mm left_mm right_mm",
+    "base_radius": "", "peak_acceleration": "", "peak_jerk": ""}
+ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
+MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
+        "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1}
+spent = Counter()
+
+class Failure(Exception):
+    """Why a file is refused; with a second argument, why it cannot be read."""
+
+def demand(holds, text, *code):
+    if not holds:
+        raise Failure(text, *code)
+
+def spend(what, count=1):
+    spent[what] += count
+    demand(spent[what] <= MOST[what], f"there are more than {MOST[what]} {what}", 2)
+
+# Step 1. Read. Decimals become fractions; digits and exponents are bounded before that.
+def number(text):
+    spend("numbers")
+    form = r"(-?[0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]+))?"
+    match = re.fullmatch(form, text) if len(text) <= MOST_DIGITS else None
+    good = match and abs(int(match[3] or 0)) <= MOST_EXPONENT
+    demand(good, f"{text[:50]} is no number, or has too many digits", 2)
+    digits = match[2] or ""
+    return int(match[1] + digits) * Fraction(10) ** (int(match[3] or 0) - len(digits))
+
+def once(pairs):
+    demand(len(dict(pairs)) == len(pairs), "a name occurs twice in one object", 2)
+    return dict(pairs)
+
+def read(content):
+    demand(len(content) <= MOST_BYTES, f"the file has more than {MOST_BYTES} bytes", 2)
+    return json.loads(content.decode(), parse_float=number, parse_int=number,
+                      parse_constant=number, object_pairs_hook=once)
+
+def get(body, name, kind=Fraction):
+    good = isinstance(body, dict) and isinstance(body.get(name), kind)
+    demand(good, f"{name} is missing, or not of the kind that it must have", 2)
+    return body[name]
+
+def whole(body, name, least, most):
+    value = get(body, name)
+    demand(value in range(least, most + 1), f"{name} is none of {least} to {most}", 2)
+    return int(value)
+
+def kind_of(body, *kinds):
+    """What an object is, one of some kinds, without anything that this checker does not know."""
+    kind = kinds[0] if kinds == ("question",) else get(body, "kind", str)
+    demand(kind in kinds, f"{ascii(kind)[:40]} is not covered")
+    names = ["kind", *FIELDS[kind].split()]
+    unknown = [k for k, v in body.items() if k not in names and v not in (None, [], {})]
+    demand(not unknown, f"{kind} has {ascii(unknown)[:80]}, which is not covered")
+    return kind
+
+def range_of(value):
+    """Both ends of a number that is given, free within a range, or free; None where open."""
+    found = value if isinstance(value, dict) else {"min": value, "max": value}
+    return [None if found[end] is None else get(found, end) for end in ("min", "max")]
+
+# Step 2. The question. Levels are measured from the lowest position.
+class Segment:
+    def __init__(self, index, body, rate):
+        kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
+        self.index, self.free, self.degrees = index, kind in ("rise", "return"), body["angle_deg"]
+        self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
+        if self.free:
+            law, lift = body["law"], get(body, "lift_mm")
+            kind_of(law, "spline")
+            self.forward = not get(law, "overshoot", bool)
+            self.smooth = whole(law, "smoothness", 1, 4)
+            self.lift = lift if kind == "rise" else -lift
+            good = good and lift > 0
+        elif kind == "constant_velocity":
+            (name,) = (k for k in ("lift_mm", "velocity_mm_per_s") if body.get(k) is not None)
+            self.lift = get(body, name) * (1 if name == "lift_mm" else self.degrees / rate)
+        demand(good or (kind == "dwell" and self.degrees == 0), f"program/{index} is not valid")
+        self.sense = "rise" if self.lift > 0 else "return" if self.lift < 0 else "dwell"
+
+class Question:
+    def __init__(self, body):
+        kind_of(body, "question")
+        rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
+        demand(rate > 0, "the speed is not positive")
+        program, limits = get(body, "program", list), get(body, "limits", list)
+        good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
+        demand(good, "there are too many segments or limits", 2)
+        self.program = [Segment(i, s, rate) for i, s in enumerate(program)]
+        turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
+        demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")
+        self.smooth = 0 if body["continuity"] is None else whole(body, "continuity", 0, 4)
+        for segment in self.program:  # angles typed with six decimals may miss the turn
+            segment.degrees *= 360 / turn
+            segment.smooth = max(segment.smooth, self.smooth)
+            levels.append(level)
+            level += segment.lift
+        demand(abs(level) <= GAP * (max(levels) - min(levels)), "the lifts do not sum to 0")
+        for segment, start in zip(self.program, levels):
+            segment.level = start - min(levels)
+        self.turning = [s for s in self.program if s.degrees > 0]
+        for left, right in zip(self.turning, self.turning[1:] + self.turning[:1]):
+            left.after, right.before = right, left
+        follower, radii = get(body, "follower", dict), range_of(body["base_radius_mm"])
+        kind = kind_of(follower, "translating_roller", "translating_flat_face")
+        self.roller, self.offsets = kind == "translating_roller", range_of(follower["offset_mm"])
+        self.gap = get(follower, "roller_radius_mm") if self.roller else ZERO
+        held = follower.get("closure") or {"kind": "force", "contact": "outside"}
+        good = kind_of(held, "force") and get(held, "contact", str) == "outside" and self.gap >= 0
+        good = good and (self.roller or get(follower, "offset_mm") is not None)
+        demand(good and not follower.get("tilt_deg"), "this follower is not covered")
+        self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
+        others = {"face_width"} if self.roller else {"pressure_angle", "cutter_radius"}
+        # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
+        self.limits = {"forward": {"kind": "forward"},
+                       "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
+        for k, limit in enumerate(limits):
+            if get(limit, "kind", str) in MEET and limit["kind"] not in others:
+                for name in FIELDS[kind_of(limit, *MEET)].split():
+                    good = limit[name] is None or get(limit, name) >= 0
+                    demand(good, f"limits/{k} has a negative value")
+                    if name[-3:] == "deg" and limit[name] is not None:
+                        tangent(limit[name])
+            else:
+                limit = {"kind": "unknown"}
+            self.limits[f"limits/{k}"] = limit
+
+    def row(self, segment, limit, side, low, high, relaxed):
+        """A limit's row on a segment, alpha . (s, v, a, j) + size . z <= rhs, or None.
+
+        c lies between low and high. ``relaxed``: rows that every cam keeps, not those that suffice.
+        """
+        kind, none = limit["kind"], [ZERO] * 2
+        if kind in ORDERS:
+            k = ORDERS[kind]
+            return [side * ONE if i == k else ZERO for i in range(4)], none, (
+                get(limit, FIELDS[kind]) / self.rate**k)
+        if kind == "pressure_angle" and limit[f"{segment.sense}_deg"] is not None:
+            # side u <= X tan, times c; both sides together say that X is not negative
+            slope = tangent(limit[f"{segment.sense}_deg"])[relaxed] * high
+            return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
+        if kind == "face_width":  # side (s' - offset) <= reach, times c
+            own, width = limit["right_mm" if side > 0 else "left_mm"], limit["width_mm"]
+            reach = [r for r in (own, width and width / 2) if r is not None]
+            if reach:
+                most = min(reach) + side * self.offsets[0]
+                return [ZERO, side, ZERO, ZERO], none, max(most * low, most * high)
+        if kind == "forward" and segment.forward and side > 0:
+            return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
+        known = segment.forward or not (segment.free and relaxed)  # s >= 0, or nothing relaxed
+        if kind == "profile_radius" and not self.roller and side > 0 and known:
+            # Rb + s + s'' >= least, times c^2
+            return [-(high**2), ZERO, -ONE, ZERO], [-ONE, ZERO], -get(limit, "min_mm") * low**2
+        return None
+
+# Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
+def between(terms):
+    low, high = sorted((sum(terms[:-1]), sum(terms)))
+    return Fraction(low * UNIT // 1, UNIT), -Fraction(-high * UNIT // 1, UNIT)
+
+FIFTH, FAR = (between([Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(32)])
+              for n in (5, 239))  # pi = 16 arctan 1/5 - 4 arctan 1/239 (Machin)
+C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
+
+@lru_cache(maxsize=None)
+def tangent(degrees):
+    demand(0 < degrees < 90, "an angle is not between 0 and 90 degrees", 2)
+    (sine, cosine), (more_sine, less_cosine) = (
+        [between([(-1) ** k * (degrees * c) ** (2 * k + p) / factorial(2 * k + p)
+                  for k in range(24)]) for p in (1, 0)] for c in C)
+    demand(less_cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
+    return sine[0] / cosine[1], more_sine[1] / less_cosine[0]
+
+def root(x):
+    return Fraction(isqrt(x * UNIT * UNIT // 1) + 1, UNIT)  # from above
+
+def decimal(x):
+    return f"{x * 10**9 // 1 // 10**9}.{x * 10**9 // 1 % 10**9:09d}"
+
+# Step 4. Polynomials on an interval: Bernstein coefficients, each between two integers over UNIT.
+def enclose(low, high=None):
+    return [(x * UNIT // 1, -(-y * UNIT // 1)) for x, y in zip(low, high or low)]
+
+def times(b, c):
+    n, m, found = len(b) - 1, len(c) - 1, []
+    for k in range(n + m + 1):
+        each = [[comb(n, i) * comb(m, k - i) * x * y for x in b[i] for y in c[k - i]]
+                for i in range(max(0, k - m), min(n, k) + 1)]
+        whole = comb(n + m, k) << BITS
+        found.append((sum(map(min, each)) // whole, -(-sum(map(max, each)) // whole)))
+    return found
+
+def plus(b, c):
+    size = max(len(b), len(c))
+    b, c = (times(p, [(UNIT, UNIT)] * (size - len(p) + 1)) if len(p) < size else p for p in (b, c))
+    return [(x + z, y + w) for (x, y), (z, w) in zip(b, c)]
+
+def halves(b, middle):
+    spend("halvings of intervals")
+    left, right = [], []
+    while b:  # de Casteljau
+        left, right = [*left, b[0]], [b[-1], *right]
+        b = [middle(x, y) for x, y in zip(b, b[1:])]
+    return left, right
+
+class Piece:
+    """A polynomial piece of the motion: s, v, a, j, and where it lies [deg]."""
+
+    def __init__(self, segment, start, width, s):
+        self.segment, self.start, self.width, self.s = segment, start, width, [s]
+        for _ in range(4):
+            s = [(len(s) - 1) * (y - x) / width for x, y in zip(s, s[1:])] or [ZERO]
+            self.s.append(s)
+
+    def show(self, test, *polynomials):
+        """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
+
+        The basis is nowhere negative: with smaller coefficients a polynomial is smaller.
+        """
+        spend("coefficients", sum(map(len, polynomials)))
+        parts = [([[low for low, _ in p] for p in polynomials], 0, ZERO)]
+        while parts:
+            each, depth, at = parts.pop()
+            if not test(*each):
+                place = decimal(self.start + at * self.width)
+                demand(depth < DEEPEST, f"program/{self.segment.index}, {place} deg from its start")
+                left, right = zip(*(halves(b, lambda x, y: (x + y) >> 1) for b in each))  # down
+                parts += [(right, depth + 1, at + Fraction(1, 2 << depth)), (left, depth + 1, at)]
+
+def pieces_of(segment, law):
+    """A segment's pieces: a straight line, or the spline with these knots and coefficients."""
+    h, d, level, found = segment.lift, segment.degrees, segment.level, []
+    if not segment.free:
+        demand(law is None, f"program/{segment.index} has a law", 2)
+        return [Piece(segment, ZERO, d, [level, level + h])]
+    p, t, c = whole(law, "degree", 1, 5), get(law, "knots", list), get(law, "coefficients", list)
+    good = t[:1] + t[-1:] == [0, 1] and all(x < y for x, y in zip(t, t[1:]))
+    good = good and segment.smooth < p and len(c) == len(t) - 1 + p
+    good = good and c[:1] + c[-1:] == [0, 1]  # the lift is the program's
+    demand(good, f"the spline of program/{segment.index} is not of the class asked for")
+    t = [ZERO] * p + t + [ONE] * p
+    for j in range(len(c) - p):
+        s, start, end = [], t[p + j], t[p + j + 1]
+        for k in range(p + 1):  # coefficient k is the blossom at start, p - k times, and at end
+            row = c[j : j + p + 1]
+            for r in range(1, p + 1):
+                x, around = start if r <= p - k else end, zip(t[j + r :], t[j + p + 1 :])
+                row = [((v - x) * y + (x - u) * z) / (v - u)
+                       for (u, v), y, z in zip(around, row, row[1:])]
+            s.append(level + h * row[0])
+        found.append(Piece(segment, d * start, d * (end - start), s))
+    return found
+
+# Step 5. The cam of the file: what its limits say, at every cam angle.
+class Cam:
+    def __init__(self, question, body):
+        laws, self.question, self.size = get(body, "laws", list), question, get(body, "size", list)
+        good = len(laws) == len(question.program) and len(self.size) == 1 + question.roller
+        demand(good, "the cam has not as many laws or sizes as it must have", 2)
+        self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
+        self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
+
+    def join(self, order=None):
+        """Refuse jumps of derivatives up to an order, or up to those that the question asks for."""
+        for left in self.question.turning:
+            right, smooth, inside = left.after, order, self.of[left.index]
+            if order is None:
+                smooth = min(left.smooth, right.smooth) if left.free or right.free else 0
+                smooth = max(smooth, self.question.smooth)
+            good = len(inside) == 1 or len(inside[0].s[0]) - 1 > smooth  # at knots
+            demand(good, f"derivative {smooth} jumps inside program/{left.index}")
+            sides = inside[-1], self.of[right.index][0]
+            for k in range(smooth + 1):
+                jump = abs(sides[0].s[k][-1] - sides[1].s[k][0])
+                scales = [(abs(p.segment.lift) / p.segment.degrees**k, p.segment.degrees / p.width)
+                          for p in sides if p.segment.lift]
+                most = min((h * max(1, min(n, 1000) ** k * ROUNDING) for h, n in scales), default=0)
+                text = f"derivative {k} jumps at the start of program/{right.index}"
+                demand(jump <= most * JUMP, text)
+                self.jump = max(self.jump, jump / min(scales)[0] if jump else ZERO)
+
+    def keep(self, limit):
+        """Show the rows of a limit. They are affine in c, or in c^2: its two bounds suffice."""
+        for piece, c, side in product(self.pieces, C, (1, -1)):
+            row = self.question.row(piece.segment, limit, side, c, c, 0)
+            if row:
+                (alpha, size, rhs), scale = row, c if self.question.roller else c * c
+                spare = enclose([rhs - size[0] * scale * self.size[0] - size[1] * self.size[-1]])
+                for factor, s in zip(alpha, piece.s):
+                    spare = plus(spare, enclose([-factor * x for x in s])) if factor else spare
+                piece.show(lambda b: min(b) >= 0, spare)
+
+    def bend(self, side, radius, around=False):
+        """X > 0 and side N/W^3 <= 1/radius: N/W^3 is the curvature of the roller's path.
+
+        3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > radius W too, so that the
+        profile runs once round the axis; 2 r W <= W^2 + r^2.
+        """
+        share = radius * (1 << BITS // 2)  # as r is in units of 1/sqrt(UNIT), next to W
+
+        def bends(w, n):
+            r = isqrt(max(w[len(w) // 2], 1))
+            return all(3 * r * p - r**3 + 2 * share * q >= 0 for p, q in zip(w, n))
+
+        def passes(w, less, along):
+            r = isqrt(max(w[len(w) // 2], 1))
+            return all(2 * r * p + share * (q - r * r) > 0 for p, q in zip(along, less))
+
+        minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
+        e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
+        for piece in self.pieces:
+            s, v, a, *_ = map(enclose, piece.s)
+            x, slope = plus(s, s0), times(d, v)
+            u = plus(slope, e)
+            w = plus(times(x, x), times(u, u))
+            n = plus(plus(w, times(slope, u)), times(minus, times(times(times(d, d), a), x)))
+            piece.show(lambda b: min(b) > 0, x)
+            piece.show(bends, w, times(enclose([-side * ONE]), n))
+            if around:
+                piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
+
+    def fit(self):
+        """Base radius and offset are in their ranges: radii by their squares."""
+        question, square = self.question, sum(x * x for x in self.size)
+        ranges = [(square, [r and r * r for r in question.radii]), (self.size[-1], [ZERO, None])]
+        ranges += [(self.size[0], question.offsets)] * question.roller
+        inside = all((low is None or low <= x) and (high is None or x <= high)
+                     for x, (low, high) in ranges)
+        demand(inside and square > question.gap**2, "it is not within the range asked for")
+        return "base radius and offset are in their ranges"
+
+    def check(self, place):
+        """Show what stands at a place of the list of claims, or refuse."""
+        question, self.jump, roller = self.question, ZERO, self.question.roller
+        if place == "size":
+            return self.fit()
+        ours = {"motion": "forward", "self_crossing": "no_undercut"}
+        limit = question.limits.get(ours.get(place, place), {"kind": "unknown"})
+        kind = limit["kind"]
+        demand(place == "motion" or kind in MEET, "it is not covered")
+        self.join(None if place == "motion" else MEET[kind])
+        if kind == "cutter_radius":
+            self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
+        elif kind == "profile_radius" and roller:
+            self.bend(1, question.gap + get(limit, "min_mm"), place == "self_crossing")
+        else:
+            self.keep(limit)
+        share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
+        return "holds at every cam angle" + (share if self.jump else "")
+
+# Step 6. What the multipliers say of all cams: constant + size . z <= 0.
+def half_plane(question, proof):
+    order = whole(proof, "order", 2, 3)
+    kind = {2: "acceleration", 3: "jerk"}[order]
+    caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
+    demand(caps, f"nothing limits the {kind} of every law")
+    cap, total, sizes, joints = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
+    for part in get(proof, "segments", list):
+        segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
+        h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
+        ends = get(part, "ends", list)
+        good = segment in question.turning and len(ends) <= order * segment.free
+        demand(good, f"program/{segment.index} has no angle, or not so many end conditions")
+        # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
+        for group in get(part, "rows", list):
+            name = get(group, "limit", str)
+            limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
+            row = question.row(segment, limit, side, *C, 1) if side in (1, -1) else None
+            demand(row, f"{ascii(name)[:20]} says nothing of program/{segment.index}")
+            alpha, size, rhs = row
+            rhs -= alpha[0] * segment.level
+            alpha = [f * h / d**k for k, f in enumerate(alpha)]
+            demand(not any(alpha[order:]), "a row is of the derivative that is limited itself")
+            for x, *more in get(group, "multipliers", list):
+                y, low, high = more if len(more) == 3 else (x, *more, ZERO)
+                demand(0 <= x <= y <= 1 and low >= 0 <= high, "a multiplier is negative, or beyond")
+                mass, kernels = low, [(x, 0, low)]
+                if x < y:
+                    steep = -Fraction((low - high) / (y - x) * UNIT // 1, UNIT)  # up: high too
+                    high = low + steep * (y - x)
+                    mass = (low + high) / 2 * (y - x)
+                    kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
+                for at, n, weight in kernels:
+                    for k in range(order):
+                        psi[at][order - 1 - k + n] += weight * alpha[k]
+                if not segment.free:  # g = x
+                    demand(x == y, "a density on a segment that is not free")
+                    total += mass * (alpha[0] * x + alpha[1])
+                total -= mass * rhs
+                sizes = [p + mass * q for p, q in zip(sizes, size)]
+        if segment.free:
+            # 6.2 End conditions are equalities, with multipliers of either sign. What is left of a
+            # law is the integral of psi g^(m), and shares of the derivatives at its start.
+            for k, nu in enumerate(ends):
+                psi[ONE][order - 1 - k] += nu
+                joints[segment.index, k] -= nu * d**k / h
+            area, shares = remainder(psi)
+            total -= area * cap * d**order / abs(h)
+            for k in range(1, order):
+                joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
+    # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
+    for (index, k), share in joints.items():
+        left, right = question.program[index], question.program[index].after
+        lines = [s for s in (left, right) if not s.free]
+        turns = left.forward and right.forward and left.lift * right.lift < 0
+        if k == 0:
+            total += share * left.lift
+        elif lines:
+            total += share * lines[0].lift / lines[0].degrees * (k == 1)
+        elif share and not (k == 1 and turns):
+            demand(right.forward, f"the start of program/{right.index} is not bounded")
+            most = cap * right.degrees**order / abs(right.lift)
+            most = 1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12
+            total -= abs(share * right.lift) / right.degrees**k * most
+    return total, sizes
+
+def remainder(kernels):
+    """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
+
+    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left.
+    """
+    psi, area, cuts = [ZERO] * 5, [], sorted({ZERO, ONE, *kernels}, reverse=True)
+    for right, left in zip(cuts, [*cuts[1:], ZERO]):
+        # in powers y^n / n! of y = right - tau, then of y = left - tau
+        psi, w = [p + q for p, q in zip(psi, kernels.get(right, [ZERO] * 5))], right - left
+        area.append(([sum(Fraction(comb(k, i), comb(4, i) * factorial(i)) * psi[i] * w**i
+                          for i in range(k + 1)) for k in range(5)], w))
+        psi = [sum(psi[j] * w ** (j - i) / factorial(j - i) for j in range(i, 5)) for i in range(5)]
+    # |p| is at most the mean size of its coefficients; where they have one sign, just that.
+    total, spare = ZERO, sum(sum(map(abs, b)) * w for b, w in area) / (len(area) << 30)
+    while area:
+        b, width = area.pop()
+        size = sum(map(abs, b))
+        if (size - abs(sum(b))) * width <= spare:
+            total += size * width / 5
+        else:
+            area += [(half, width / 2) for half in halves(b, lambda x, y: (x + y) / 2)]
+    return total, psi
+
+# Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
+def exclude(question, proof):
+    """Refuse unless -size . z < constant for every size that the question allows."""
+    least, radius = question.radii
+    if least is not None and radius is not None and least > radius:
+        return
+    constant, (p, q) = half_plane(question, proof)
+    demand(radius is not None or p == q == 0, "nothing limits the size from above")
+    radius, up, most = radius or ZERO, max(-q, ZERO), []
+    ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
+    inner = [e for e in ends if e is not None and e * e < radius * radius]
+    for slope in (-p * (c if question.roller else c * c) for c in C):
+        # slope e + up s0 = (slope - y) e + (y e + up s0), by Cauchy and Schwarz for every y
+        ys = [slope, *(up * e / root(radius**2 - e * e) for e in inner)]
+        most.append(min(radius * root(y * y + up * up) + (slope - y) * (ends[slope > y] or ZERO)
+                        for y in ys if y == slope or ends[slope > y] is not None))
+    demand(max(most) < constant, "the multipliers do not exclude every size")
+
+# Step 8. The claims: what the question asks for, each proven or said not to be covered.
+def places(asked, cam):
+    aims = asked["objective"]
+    found = [f"objective/{k}" for k in range(len(aims) if isinstance(aims, list) else 1)]
+    found += [f"limits/{k}" for k in range(len(get(asked, "limits", list)))]
+    found += ["no_undercut", "self_crossing", "motion", "size"]
+    found += [f"program/{k}/{name}" for k, segment in enumerate(get(asked, "program", list))
+              for name in ("windows", "points", "start", "end") if segment.get(name)]
+    return ["infeasible"] if cam is None else found
+
+def excluded(asked, place, claim):
+    """Check a claim about all cams, and say it."""
+    question, text = Question(asked), "no law and no size keep these limits together"
+    if place != "infeasible":
+        aims, value = asked["objective"], get(claim, "at_least")
+        demand(place == "objective/0" and value >= 0, "later objectives are not covered")
+        aim = kind_of(aims[0] if isinstance(aims, list) else aims,
+                      "base_radius", "peak_acceleration", "peak_jerk")
+        text = f"no cam of this question has a {aim} below {decimal(value)}"
+        if aim == "base_radius":
+            radius = value + question.gap
+            question.radii[1] = min(radius, question.radii[1] or radius)
+        else:
+            question.limits["objective"] = {"kind": aim[5:], FIELDS[aim[5:]]: value}
+    exclude(question, get(claim, "multipliers", dict))
+    return text
+
+def check(content):
+    """The exit code, after a sentence for each claim."""
+    at = "the file"
+    try:
+        proof = read(content)
+        good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1
+        demand(good, "it is not a proof of version 1", 2)
+        asked, body, claims, cam = proof["question"], proof["cam"], proof["claims"], None
+        named, wanted = [get(claim, "place", str) for claim in claims], places(asked, body)
+        demand(sorted(named) == sorted(wanted), f"its claims are not {', '.join(wanted)[:300]}")
+        for at, claim in zip(named, claims):
+            if not get(claim, "proven", bool):
+                demand(get(claim, "reason", str), "it is not proven, and no reason is given", 2)
+                text = f"not covered: {ascii(claim['reason'])[:100]}"
+            elif at == "infeasible" or at[:10] == "objective/":
+                text = excluded(asked, at, claim)
+            else:
+                cam = cam or Cam(Question(asked), body)
+                text = cam.check(at)
+            print(f"{at}: {text}")
+        print(f"{sum(claim['proven'] for claim in claims)} of {len(claims)} claims proven")
+    except Failure as failure:
+        print(f"{at}: {failure.args[0]}")
+        return 2 if len(failure.args) > 1 else 1
+    except (ValueError, RecursionError, LookupError, AttributeError, TypeError, ArithmeticError,
+            MemoryError) as error:
+        print(f"{at} cannot be read: {type(error).__name__} {ascii(str(error))[:100]}")
+        return 2
+    return 0
+
+if __name__ == "__main__":
+    try:
+        with open(sys.argv[1], "rb") as file:
+            sys.exit(check(file.read(MOST_BYTES + 1)))
+    except (OSError, IndexError) as error:
+        print(f"the file cannot be read: {error}")
+        sys.exit(2)

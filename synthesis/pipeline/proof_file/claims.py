@@ -1,0 +1,170 @@
+"""The claims of a design, each with its witness: what the checker accepts is called proven.
+
+A cam is its own witness. The witness of a bound, and of a question that has no cam, are multipliers
+that leave no size: those of the program that gave the bound, solved again, or of the program that
+shows how much every law exceeds a limit.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from math import floor, inf, isfinite, log10
+from typing import Any
+
+from synthesis.design.design import Design, Effort
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.derivative_caps import highest_caps
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.strategy.phase_one import (
+    INTERVALS,
+    LargestShare,
+    least_excess_program,
+    minimise_excess,
+)
+from synthesis.pipeline.assembly import Bounded, in_wire_units
+from synthesis.pipeline.attempt import Goal, prepare
+from synthesis.pipeline.largest_radius import first_question
+from synthesis.pipeline.proof_file.checker import not_covered, objections, places
+from synthesis.pipeline.proof_file.multipliers import multipliers
+from synthesis.spec.design_spec import DesignSpec
+
+Json = dict[str, Any]
+Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
+FORMAT, VERSION = "camwright-proof", 1
+OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
+LOSSES = (1e-6, 1e-5, 1e-4, 1e-3)  # of a bound, tried in turn: what rounding takes from it
+FIGURES = 9  # of a bound in the file
+END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
+CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
+NO_WITNESS = "no multipliers are known for it"
+
+
+def proof_file(design: Design) -> Json:
+    """The proof file of a design."""
+    cam, question = _cam(design), design.spec.model_dump(mode="json")
+    body = {
+        "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
+    }  # fmt: skip
+    named = places(_bytes(question), has_cam=cam is not None)
+    unknown = not_covered(_bytes(question))
+    if unknown:
+        return {**body, "claims": [_claim(place, unknown) for place in named]}
+    # 1. What the cam itself is a witness of.
+    of_cam = [place for place in named if not _is_of_all_cams(place)]
+    plain = [{"place": place, "proven": True} for place in of_cam]
+    found = objections(_bytes({**body, "claims": plain}))
+    # 2. What multipliers are a witness of.
+    claims = [
+        _of_all_cams(body, place, design) if _is_of_all_cams(place) else _claim(place, found[place])
+        for place in named
+    ]
+    return {**body, "claims": claims}
+
+
+def _is_of_all_cams(place: str) -> bool:
+    return place == INFEASIBLE or place.startswith("objective/")
+
+
+def _claim(place: str, objection: str, **witness: Any) -> Json:
+    if objection:
+        return {"place": place, "proven": False, "reason": objection[:100]}
+    return {"place": place, "proven": True, **witness}
+
+
+def _of_all_cams(body: Json, place: str, design: Design) -> Json:
+    """A claim about all cams: the best that the checker accepts."""
+    reason = NO_WITNESS
+    for witness in _attempts(place, design):
+        claim = _claim(place, "", **witness)
+        reason = objections(_bytes({**body, "claims": [claim]}))[place]
+        if not reason:
+            return claim
+    return _claim(place, reason)
+
+
+def _attempts(place: str, design: Design) -> Iterator[Json]:
+    """Claims about all cams that may hold, the best first."""
+    answer = design.certificate.lower_bound
+    if place == INFEASIBLE:
+        yield from ({"multipliers": each} for each, _ in _witnesses(design))
+    witnesses = list(_witnesses(design)) if place == OBJECTIVE else []
+    for loss in LOSSES:
+        for found, bound in witnesses:
+            if bound <= 0.0:
+                continue
+            value = _rounded_down(bound * (1.0 - loss))
+            less = answer is not None and value < answer * (1.0 - CLOSE)
+            note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
+            yield {"at_least": value, **note, "multipliers": found}
+
+
+def _cam(design: Design) -> Json | None:
+    """The cam as it was delivered, but for rounding at the ends of laws; None where none was."""
+    if not design.motion:
+        return None
+    laws: list[Any] = [
+        each.spline and each.spline.model_dump(exclude_none=True) for each in design.motion
+    ]
+    for law in filter(None, laws):
+        first, *inner, last = law["coefficients"]
+        law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
+    return {"size": design.size, "laws": laws}
+
+
+def _witnesses(design: Design) -> Iterator[Witness]:
+    """Multipliers of programs whose rows are those of the question."""
+    spec = design.spec
+    if not any(segment.law_is_free for segment in spec.placed_segments()):
+        return
+    attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
+    problem = next(attempt.problems(Goal(inf).smallest))
+    length = attempt.question.units.length
+    # 1. The program whose multipliers gave the bound.
+    state = optimise(problem, attempt.tolerance(0))
+    if state.relaxation is not None and isfinite(state.relaxation[2].value):
+        model, solution, bound = state.relaxation
+        known = [Bounded(problem.objective, bound.value, "")]
+        (on_wire,) = in_wire_units(attempt.question, attempt.question.scaled, known)
+        for found in multipliers(model, solution, spec, length):
+            yield found, on_wire.lower
+    if design.motion:
+        return
+    # 2. Where no law keeps the limits: the program for the share of a limit that every law needs,
+    #    or for the least excess of all others.
+    if highest_caps(problem):
+        for found in _share_of_limit(problem, spec, length):
+            yield found, -inf
+    excess = least_excess_program(problem)
+    for found in [] if excess is None else multipliers(*excess[:2], spec, length):
+        yield found, -inf
+
+
+def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> list[Json]:
+    """Multipliers of the least share of the limit on the highest derivative (phase 1)."""
+    steering = highest_caps(problem)
+    others = tuple(limit for limit in problem.limits if limit not in steering)
+    grids = tuple(uniform_grid(segment, INTERVALS) for segment in problem.free)
+    result = minimise_excess(problem, grids, 0.0)
+    alone = replace(
+        problem, limits=others, objective=LargestShare(shared=steering), objective_caps=()
+    )
+    model = formulate(alone, grids if result is None else result.grids)
+    solution = solve(model.program)
+    usable = solution.stopped in USABLE
+    return multipliers(model, solution, spec, length) if usable else []
+
+
+def _rounded_down(value: float) -> float:
+    """A positive number with few figures, not above it."""
+    unit = 10.0 ** (floor(log10(value)) + 1 - FIGURES)
+    return float(f"{floor(value / unit) * unit:.{FIGURES}g}")
+
+
+def _bytes(body: Json) -> bytes:
+    return json.dumps(body, separators=(",", ":")).encode()

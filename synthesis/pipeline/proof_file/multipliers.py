@@ -1,0 +1,214 @@
+"""The multipliers of a cone program as a proof file states them, for the checker's own rows.
+
+A row of the program and the checker's row of the same limit differ by a factor. What a multiplier
+does to g^(k) on a free law, or to the size, is the same in both: so it is changed by what the two
+rows have there. All multipliers may have one factor in common.
+
+In a proof file cam angles are in degrees and lengths in mm. With c = π/180 the checker's rows read:
+
+    derivatives     ± dᵏs/d(degree)ᵏ ≤ …
+    pressure angle  ± (v − c e) − c tan α (s0 + s) ≤ 0
+    profile radius  −(a + c² s) − c² Rb ≤ …           under a flat face
+    face width      ± v ≤ …
+    forward         ∓ h v ≤ 0, h the lift
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import tan
+from typing import Any
+
+import numpy as np
+
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.arcs import density_terms
+from synthesis.optimise.dual_bound.costates import (
+    boundary_multipliers,
+    nonnegative_multipliers,
+    project_costates,
+)
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.row_functionals import (
+    RowFunctional,
+    Terms,
+    WeightedRows,
+    fixed_size_rows,
+    row_functionals,
+)
+from synthesis.optimise.dual_bound.switching import Switching
+from synthesis.spec.design_spec import DesignSpec
+from synthesis.units import DEGREE
+
+DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row binds where it is
+PLACES = 9  # decimals of a point on a law, likewise
+SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
+
+
+@dataclass(frozen=True)
+class Group:
+    """Multipliers of one row of a limit on one segment, as in the file."""
+
+    segment: int
+    limit: str
+    side: int
+    points: Array
+    densities: Array
+
+
+def multipliers(
+    model: ConicModel, solution: ConeSolution, spec: DesignSpec, length: float
+) -> list[dict[str, Any]]:
+    """The multipliers of a program, the best first; none where nothing caps every law.
+
+    Args:
+        model, solution: the program in problem units, and any multipliers of it.
+        spec: the question [wire]. length: the problem's unit of length [mm].
+    """
+    controls = law_controls(model)
+    if not controls or any(control.weight for control in controls):
+        return []
+    order, z = controls[0].order, nonnegative_multipliers(model, solution)
+    rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
+    psi: tuple[Switching, ...] = ()
+    # as they are; then, where a limit binds along an arc, those for which ψ is small there
+    for _ in range(1 + any(one.jumps and one.uniform for one in rows)):
+        groups, lagrangian = list[Group](), Lagrangian(model, order)
+        for one in rows:
+            own = z[one.first_row : one.first_row + one.count]
+            points, nodes, masses = one.distribute(own)
+            nonzero, at = points != 0.0, one.block.segment
+            seen = psi[at] if psi and at is not None else None
+            densities = density_terms(one, nodes, masses, seen)
+            for each, mass in ((one.point_rows(nonzero), points[nonzero]), *densities):
+                lagrangian.add_rows(each, mass)
+            groups += _groups(one, points, densities, model, spec, length)
+        for each, mass in fixed_size_rows(model, z):
+            lagrangian.add_rows(each, mass)
+        lagrangian.reduce()
+        solved = boundary_multipliers(model, solution, order, z)
+        costates = project_costates(model, lagrangian.initial_costates, solved)
+        lagrangian.add_boundary_costates(costates)
+        psi = lagrangian.psi()
+        ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
+        found.insert(0, _as_stated(order, groups, ends))
+    return found
+
+
+def _groups(
+    one: RowFunctional,
+    points: Array,
+    densities: Terms,
+    model: ConicModel,
+    spec: DesignSpec,
+    length: float,
+) -> Iterator[Group]:
+    """What a block of rows comes to; nothing of a size's own range, which the checker knows."""
+    block, nonzero = one.block, points != 0.0
+    rows, x = one.point_rows(nonzero), one.block.x[nonzero]
+    if block.kind == "monotone":
+        assert block.segment is not None
+        segment = model.problem.free[block.segment]
+        lift = segment.lift * length
+        factor = segment.angle / DEGREE / lift**2
+        table = np.stack([rows.x, -rows.weights[:, 1] * points[nonzero] * factor], axis=1)
+        yield Group(segment.index, "forward", 1, table, np.zeros((0, 4)))
+        return
+    if block.origin is None:
+        return
+    found = _row(block, model, spec, length)
+    if found is None:
+        return
+    limit, side, factor = found
+    if block.segment is None:  # on a straight line the end is the place where a row is nearest
+        segment, row = block.origin.segment, block.origin.row
+        x = np.full_like(x, float(row.coefficients[0] * segment.lift > 0.0))
+    table = np.stack([x, points[nonzero] * factor], axis=1)
+    spread = np.concatenate([np.zeros((0, 4)), *(_linear(*each) for each in densities)])
+    spread[:, 2:] *= factor
+    yield Group(block.origin.segment.index, limit, side, table, spread)
+
+
+def _row(
+    block: LinearBlock, model: ConicModel, spec: DesignSpec, length: float
+) -> tuple[str, int, float] | None:
+    """The limit and side of a block's rows, and the factor on their multipliers."""
+    assert block.origin is not None
+    segment, row = block.origin.segment, block.origin.row
+    kinds: list[str] = [limit.kind for limit in spec.limits]
+    source = SOURCES.get(row.source, row.source)
+    names = {f"limits/{k}": kind for k, kind in enumerate(kinds)}
+    names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
+    if source.startswith("peak_"):  # what is minimised counts as a limit
+        source = source.removeprefix("peak_")
+        names = {"objective": source}
+    name = next((name for name, kind in names.items() if source.startswith(kind)), "")
+    if not name:
+        return None
+    kind = names[name]
+    if block.segment is not None:
+        # as large a share of the derivative that the checker's row has with the factor ±1
+        order = {"acceleration": 2, "profile_radius": 2}.get(kind, 1)
+        degrees = segment.angle / DEGREE
+        factor = abs(block.alpha[order]) * degrees**order / abs(segment.lift * length)
+        side = -1 if row.coefficients[order] < 0.0 and kind != "profile_radius" else 1
+        return name, side, float(factor)
+    if kind not in ("pressure_angle", "profile_radius"):
+        return None
+    # on a given motion: as large a share of the size, its last variable
+    share = abs(float(block.size[-1])) / (model.scales.size * length)
+    if kind == "profile_radius":
+        return name, 1, share / DEGREE**2
+    allowed = getattr(spec.limits[int(name.removeprefix("limits/"))], f"{segment.kind}_deg")
+    side = 1 if row.size[0] < 0.0 else -1
+    return name, side, share / (DEGREE * tan(allowed * DEGREE))
+
+
+def _linear(rows: WeightedRows, mass: Array) -> Array:
+    """Hats on spans as densities that are linear there: (n, 4), ends and values at the ends."""
+    assert rows.spans is not None
+    assert rows.poly is not None
+    found = dict[tuple[float, float], list[float]]()
+    # ψ gets 1 − 2 s + s² of a falling hat and 1 − s² of a rising one, and little beside that
+    rising = np.abs(rows.poly[:, 1]) < np.abs(rows.poly[:, 0])
+    for (left, right), up, each in zip(rows.spans.tolist(), rising, mass, strict=True):
+        values = found.setdefault((left, right), [0.0, 0.0])
+        values[int(up)] += 2.0 * float(each) / (right - left)
+    return np.array([[*span, *values] for span, values in found.items()]).reshape(-1, 4)
+
+
+def _as_stated(order: int, groups: list[Group], costates: dict[int, Array]) -> dict[str, Any]:
+    """The multipliers by segment, in units of the largest, rounded."""
+    tables = [group.points[:, 1] for group in groups] + list(costates.values())
+    unit = max((float(np.abs(each).max()) for each in tables if each.size), default=1.0) or 1.0
+    parts = []
+    for index in sorted({*costates, *(group.segment for group in groups)}):
+        rows = [
+            {
+                "limit": group.limit,
+                "side": group.side,
+                "multipliers": _rounded(group.points, unit, 1) + _rounded(group.densities, unit, 2),
+            }
+            for group in groups
+            if group.segment == index
+        ]
+        kept = [row for row in rows if row["multipliers"]]
+        ends = _rounded(costates.get(index, np.zeros(0))[None], unit, 0)
+        parts.append({"segment": index, "rows": kept, "ends": ends[0] if ends else []})
+    return {"order": order, "segments": parts}
+
+
+def _rounded(table: Array, unit: float, places: int) -> list[list[float]]:
+    """Rows of places, then of multipliers over their unit: those that rounding leaves."""
+    rows = []
+    for row in table.tolist():
+        x = [round(each, PLACES) for each in row[:places]]
+        values = [round(each / unit, DIGITS) for each in row[places:]]
+        if any(values) and sorted(set(x)) == x:
+            rows.append([*x, *values])
+    return rows

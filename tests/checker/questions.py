@@ -1,0 +1,52 @@
+"""Random questions of the classes that proof files cover, feasible and not."""
+
+import random
+from typing import Any
+
+LEAST_JERK = 32.0  # of h/T³: what a move from rest to rest needs
+LEAST_ACCELERATION = 4.0  # of h/T²
+
+
+def question(chance: random.Random) -> dict[str, Any]:
+    """One question."""
+    lift, rpm = chance.choice((0.5, 8.0, 30.0)), chance.choice((30.0, 95.49296585513721, 600.0))
+    rise, fall = (round(chance.uniform(50.0, 130.0), chance.randrange(3)) for _ in range(2))
+    left = round(360.0 - rise - fall, 6)
+    top = chance.choice((0.0, round(0.3 * left, 3)))
+    law = {"kind": "spline", "smoothness": chance.choice((2, 2, 2, 3)),
+           "overshoot": chance.random() < 0.1}  # fmt: skip
+    program = [
+        {"kind": "rise", "angle_deg": rise, "lift_mm": lift, "law": law},
+        {"kind": "dwell", "angle_deg": top},
+        {"kind": "return", "angle_deg": fall, "lift_mm": lift, "law": law},
+        {"kind": "dwell", "angle_deg": round(left - top, 6)},
+    ]
+    time = min(rise, fall) / (6.0 * rpm)
+    share = chance.choice((0.9, *(1.2, 1.5, 3.0) * 4))
+    limits: list[dict[str, Any]] = [
+        {"kind": "jerk", "max_mm_per_s3": float(f"{LEAST_JERK * share * lift / time**3:.6g}")}
+    ]
+    if chance.random() < 0.3:
+        most = LEAST_ACCELERATION * chance.uniform(1.2, 2.0) * lift / time**2
+        limits.append({"kind": "acceleration", "max_mm_per_s2": float(f"{most:.5g}")})
+    if chance.random() < 0.2:
+        most = chance.uniform(1.3, 2.2) * lift / time
+        limits.append({"kind": "velocity", "max_mm_per_s": float(f"{most:.5g}")})
+    body: dict[str, Any] = {"speed_rpm": rpm, "program": program, "limits": limits}
+    if chance.random() < 0.6:
+        limits.append({"kind": "pressure_angle", "rise_deg": chance.choice((20.0, 30.0, 45.5)),
+                       "return_deg": chance.choice((30.0, 45.0)),
+                       "dwell_deg": chance.choice((None, None, 40.0))})  # fmt: skip
+        offset = chance.choice((0.0, None, {"min": -0.3 * lift, "max": 0.2 * lift}))
+        body["follower"] = {"kind": "translating_roller", "offset_mm": offset,
+                            "roller_radius_mm": chance.choice((0.0, 0.1, 0.3)) * lift}  # fmt: skip
+    else:
+        limits.append({"kind": "profile_radius", "min_mm": chance.choice((0.1, 0.3)) * lift})
+        if chance.random() < 0.4:
+            limits.append({"kind": "face_width", "width_mm": round(4.0 * lift, 3)})
+        body["follower"] = {"kind": "translating_flat_face"}
+    if chance.random() < 0.3:
+        body["base_radius_mm"] = {"min": 0.1 * lift, "max": chance.choice((0.8, 2.0, 20.0)) * lift}
+    kind = chance.choice(("base_radius",) * 4 + ("peak_jerk", "peak_acceleration"))
+    return {**body, "objective": {"kind": kind}, "proof": "quick", "tolerance": 0.005,
+            "time_budget_s": 10.0}  # fmt: skip

@@ -1,0 +1,171 @@
+"""Step 5 of the checker: limits just beyond the cam's extremes hold, limits just within do not."""
+
+import copy
+import json
+import math
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+
+from synthesis import DesignSpec, synthesise
+from synthesis.pipeline.proof_file.checker import checker
+from tests.checker.truth import Json, motion
+
+NEAR = 3e-4  # relative: what sampling misses of an extreme where a derivative has a corner
+ANGLES = {"rise": "rise_deg", "return": "return_deg"}
+
+
+def file_of(follower: Json, limits: list[Json]) -> Json:
+    """Question and cam of a coarse design."""
+    law = {"kind": "spline"}
+    program = [
+        {"kind": "rise", "angle_deg": 70.0, "lift_mm": 20.0, "law": law},
+        {"kind": "dwell", "angle_deg": 20.0},
+        {"kind": "return", "angle_deg": 80.0, "lift_mm": 20.0, "law": law},
+        {"kind": "dwell", "angle_deg": 190.0},
+    ]
+    jerk = {"kind": "jerk", "max_mm_per_s3": 1.6e6}
+    spec = {"speed_rpm": 90.0, "program": program, "follower": follower, "limits": [jerk, *limits]}
+    design = synthesise(DesignSpec.model_validate({**spec, "tolerance": 0.02, "proof": "quick"}))
+    laws = [m.spline.model_dump() if m.spline else None for m in design.motion]
+    question = json.loads(design.spec.model_dump_json())
+    return {"question": question, "cam": {"size": design.size, "laws": laws}}
+
+
+@pytest.fixture(scope="module")
+def roller() -> Json:
+    follower = {"kind": "translating_roller", "roller_radius_mm": 6.0, "offset_mm": 4.0}
+    return file_of(follower, [{"kind": "pressure_angle", "rise_deg": 35.0, "return_deg": 40.0}])
+
+
+@pytest.fixture(scope="module")
+def face() -> Json:
+    return file_of({"kind": "translating_flat_face"}, [{"kind": "profile_radius", "min_mm": 3.0}])
+
+
+def accepts(document: Json, place: str, limit: Json | None = None) -> bool:
+    """Whether the checker accepts a claim about the cam, of a limit in place of all others."""
+    changed = copy.deepcopy(document)
+    if limit is not None:
+        changed["question"]["limits"] = [limit]
+    judge = checker()
+    judge.spent.clear()
+    body = judge.read(json.dumps(changed).encode())
+    try:
+        judge.Cam(judge.Question(body["question"]), body["cam"]).check(place)
+    except judge.Failure:
+        return False
+    return True
+
+
+def is_sharp(
+    document: Json, kind: str, field: str, extreme: float, *, most: bool = True, size: float = 0.0
+) -> bool:
+    """Whether a limit holds where it is a little looser than the extreme, and only there.
+
+    ``most``: it is a largest value. ``size``: of what is sampled, if it is not the extreme itself.
+    """
+    little = NEAR * (size or extreme) * (1.0 if most else -1.0)
+    others = {"pressure_angle": dict.fromkeys(("rise_deg", "return_deg", "dwell_deg")),
+              "face_width": dict.fromkeys(("width_mm", "left_mm", "right_mm"))}  # fmt: skip
+    limits = ({"kind": kind, **others.get(kind, {}), field: extreme + d} for d in (little, -little))
+    return [accepts(document, "limits/0", limit) for limit in limits] == [True, False]
+
+
+@pytest.mark.parametrize(("kind", "order"), [("velocity", 1), ("acceleration", 2), ("jerk", 3)])
+def test_of_the_motion(roller: Json, kind: str, order: int) -> None:
+    s, _, _ = motion(roller["question"], roller["cam"])
+    omega = roller["question"]["speed_rpm"] * math.pi / 30.0
+    most = float(np.max(np.abs(s[order]))) * omega**order
+    field = "max_mm_per_s" + ("", "2", "3")[order - 1]
+    assert is_sharp(roller, kind, field, most, size=4.0 * most)  # accelerations are peaked
+
+
+def test_of_a_roller(roller: Json) -> None:
+    s, sense, _ = motion(roller["question"], roller["cam"])
+    e, s0 = roller["cam"]["size"]
+    x, u = s0 + s[0], s[1] - e
+    alpha = np.degrees(np.abs(np.arctan2(u, x)))
+    for way, field in ((1.0, "rise_deg"), (-1.0, "return_deg"), (0.0, "dwell_deg")):
+        assert is_sharp(roller, "pressure_angle", field, float(np.max(alpha[sense == way])))
+    kappa = (x * x + u * (2.0 * s[1] - e) - x * s[2]) / np.hypot(x, u) ** 3
+    sharpest = 1.0 / float(np.max(kappa))
+    assert is_sharp(roller, "profile_radius", "min_mm", sharpest - 6.0, most=False, size=sharpest)
+    assert is_sharp(
+        roller, "cutter_radius", "radius_mm", 6.0 - 1.0 / float(np.min(kappa)), most=False
+    )
+    for place in ("no_undercut", "self_crossing", "motion", "size"):
+        assert accepts(roller, place)
+    larger = copy.deepcopy(roller)
+    larger["question"]["follower"]["roller_radius_mm"] = sharpest * (1.0 + NEAR)
+    assert not accepts(larger, "no_undercut")
+    assert not accepts(larger, "self_crossing")
+
+
+def test_of_a_flat_face(face: Json) -> None:
+    s, _, _ = motion(face["question"], face["cam"])
+    (base,) = face["cam"]["size"]
+    assert is_sharp(face, "profile_radius", "min_mm", float(np.min(base + s[0] + s[2])), most=False)
+    assert is_sharp(face, "face_width", "right_mm", float(np.max(s[1])))
+    assert is_sharp(face, "face_width", "left_mm", -float(np.min(s[1])))
+    assert is_sharp(face, "face_width", "width_mm", 2.0 * float(np.max(np.abs(s[1]))))
+    smaller = copy.deepcopy(face)
+    smaller["cam"]["size"] = [base - float(np.min(base + s[0] + s[2])) * (1.0 + NEAR)]
+    assert not accepts(smaller, "no_undercut")
+
+
+def test_a_profile_that_turns_back_seen_from_the_axis_is_not_called_simple(roller: Json) -> None:
+    # a point as roller has no undercut; so near to the axis its normal passes on the other side
+    near = copy.deepcopy(roller)
+    near["question"]["follower"]["roller_radius_mm"] = 0.0
+    assert accepts(near, "self_crossing")
+    near["cam"]["size"] = [10.0, 1.0]
+    assert accepts(near, "no_undercut")
+    assert not accepts(near, "self_crossing")
+
+
+def test_sizes_joints_and_backward_moves(roller: Json) -> None:
+    outside = copy.deepcopy(roller)
+    outside["question"]["base_radius_mm"] = {"min": 500.0, "max": None}
+    assert not accepts(outside, "size")
+    for index, value in ((1, 1e-4), (-2, 1.0001)):
+        bent = copy.deepcopy(roller)
+        bent["cam"]["laws"][0]["coefficients"][index] = value
+        assert not accepts(bent, "motion")
+    back = copy.deepcopy(roller)
+    middle = back["cam"]["laws"][2]["coefficients"]
+    k = len(middle) // 2
+    middle[k], middle[k + 1] = middle[k + 1], middle[k] - 0.05
+    assert not accepts(back, "motion")
+
+
+def test_irrational_numbers_lie_between_their_bounds() -> None:
+    judge = checker()
+    pi = Fraction(31415926535897932384626433832795028841971, 10**40)  # to 40 decimals, cut off
+    low, high = judge.C
+    assert low < (pi + Fraction(1, 10**40)) / 180
+    assert high > pi / 180
+    assert high - low < Fraction(1, 10**34)
+    low, high = judge.tangent(Fraction(30))
+    assert 3 * low**2 < 1 < 3 * high**2
+    assert high - low < Fraction(1, 10**33)
+    low, high = judge.tangent(Fraction(15))  # 2 - √3
+    assert (2 - high) ** 2 < 3 < (2 - low) ** 2
+    root = judge.root(Fraction(2))
+    assert 2 < root**2 < 2 + Fraction(1, 10**34)
+
+
+def test_rows_that_every_cam_keeps_are_weaker_than_those_that_suffice(roller: Json) -> None:
+    judge = checker()
+    judge.spent.clear()
+    question = judge.Question(judge.read(json.dumps(roller["question"]).encode()))
+    rise = question.program[0]
+    limit = question.limits["limits/1"]
+    for side, c in product((1, -1), judge.C):
+        strong = question.row(rise, limit, side, c, c, 0)
+        weak = question.row(rise, limit, side, *judge.C, 1)
+        assert weak[0][0] <= strong[0][0]  # of s, and of s0
+        assert weak[1][1] <= strong[1][1]
+        assert weak[0][0] < -judge.tangent(Fraction(35))[0] * judge.C[0]

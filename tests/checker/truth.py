@@ -1,0 +1,150 @@
+"""Whether what a proof file claims is true: floating point, sampling, and the optimiser.
+
+It shares nothing with the checker. A cam's limits are evaluated at many angles by the textbook's
+formulas; a bound is contradicted by a cam of the same question that is better, and so is a claim
+that there is none.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+from scipy.interpolate import BSpline
+
+from synthesis import DesignSpec, synthesise
+from synthesis.errors import CamwrightError
+
+Json = dict[str, Any]
+SAMPLES = 4000  # of a segment
+NEAR = 1e-6  # relative: what sampling and floating point may miss
+
+
+def contradiction(proof: Json, known: Json | None = None) -> str:
+    """Why a claim of a file that was accepted is false; empty where none is.
+
+    ``known``: a file whose claims are true; what this one claims as well is not looked at again.
+    """
+    claims = {claim["place"]: claim for claim in proof["claims"] if claim["proven"] is True}
+    true = {claim["place"]: claim for claim in known["claims"]} if known else {}
+    same = known is not None and all(known[part] == proof[part] for part in ("question", "cam"))
+    for place, claim in claims.items():
+        if same and true.get(place, {}).get("at_least") == claim.get("at_least"):
+            continue
+        if place == "infeasible" or place.startswith("objective/"):
+            found = better_cam(proof["question"], place, claim)
+        else:
+            found = broken(proof, place)
+        if found:
+            return f"{place}: {found}"
+    return ""
+
+
+def better_cam(question: Json, place: str, claim: Json) -> str:
+    """A cam that there should not be."""
+    try:
+        design = synthesise(DesignSpec.model_validate({**question, "time_budget_s": 3.0}))
+    except (ValidationError, CamwrightError):
+        return ""  # no question that can be asked
+    if not design.motion:
+        return ""
+    if place == "infeasible":
+        return f"the question has a cam with {design.objectives}"
+    value = design.certificate.value
+    if value is not None and value < claim["at_least"] * (1.0 - NEAR):
+        return f"a cam with {value} is better than {claim['at_least']}"
+    return ""
+
+
+def broken(proof: Json, place: str) -> str:
+    """What the cam of the file breaks at a place of the list of claims."""
+    question, cam = proof["question"], proof["cam"]
+    s, sense, may_overshoot = motion(question, cam)
+    omega = question["speed_rpm"] * math.pi / 30.0
+    follower = question["follower"]
+    roller = follower["kind"] == "translating_roller"
+    limit = question["limits"][int(place[7:])] if place.startswith("limits/") else {"kind": place}
+    kind, worst = limit["kind"], 0.0
+    orders = {"velocity": 1, "acceleration": 2, "jerk": 3}
+    if kind in orders:
+        k = orders[kind]
+        most = limit["max_mm_per_s" + ("", "2", "3")[k - 1]]
+        worst = np.max(np.abs(s[k])) * omega**k / most - 1.0
+    elif kind == "motion":
+        jumps = [np.max(np.abs(np.diff(s[k]))) / max(np.ptp(s[k]), 1e-300) for k in (0, 1)]
+        back = np.min(s[1] * sense * ~may_overshoot) / np.max(np.abs(s[1]))
+        worst = max(max(jumps) - 0.05, -back)
+    elif roller:
+        e, s0 = cam["size"]
+        x, u = s0 + s[0], s[1] - e
+        w = np.hypot(x, u)
+        kappa = (x * x + u * (2.0 * s[1] - e) - x * s[2]) / w**3
+        radius = follower["roller_radius_mm"]
+        if kind == "pressure_angle":
+            names = {1.0: "rise_deg", -1.0: "return_deg", 0.0: "dwell_deg"}
+            most = np.array([math.tan(math.radians(limit[names[k]] or 89.9999)) for k in sense])
+            worst = np.max(np.abs(u) - most * x) / np.max(w)
+        elif kind in ("profile_radius", "no_undercut", "self_crossing"):
+            worst = np.max(kappa) * (radius + (limit.get("min_mm") or 0.0)) - 1.0
+        elif kind == "cutter_radius":
+            worst = np.max(-kappa) * max(limit["radius_mm"] - radius, 0.0) - 1.0
+        elif kind == "size":
+            worst = outside(question["base_radius_mm"], math.hypot(e, s0) - radius)
+            worst = max(worst, outside(follower["offset_mm"], e))
+    else:
+        (base,) = cam["size"]
+        if kind in ("profile_radius", "no_undercut", "self_crossing"):
+            rho = base + s[0] + s[2]
+            worst = ((limit.get("min_mm") or 0.0) - np.min(rho)) / base
+        elif kind == "face_width":
+            half = (limit["width_mm"] or math.inf) / 2.0
+            right, left = (min(limit[f"{side}_mm"] or math.inf, half) for side in ("right", "left"))
+            offset = follower["offset_mm"]
+            worst = max(np.max(s[1]) - offset - right, offset - np.min(s[1]) - left) / base
+        elif kind == "size":
+            worst = outside(question["base_radius_mm"], base)
+    return f"broken by {worst}" if not worst <= NEAR else ""
+
+
+def outside(asked: Any, value: float) -> float:
+    """How far a value lies outside what was asked."""
+    low, high = (
+        (asked, asked)
+        if isinstance(asked, (int, float))
+        else (((asked or {}).get("min"), (asked or {}).get("max")))
+    )
+    below = 0.0 if low is None else low - value
+    above = 0.0 if high is None else value - high
+    return max(below, above, 0.0) / max(abs(value), 1e-300)
+
+
+def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
+    """s to s''' per radian at many angles, the sense of the move, and whether it may overshoot."""
+    columns, senses, may, level, levels = [], [], [], 0.0, [0.0]
+    rate = 6.0 * question["speed_rpm"]
+    x = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    for segment, law in zip(question["program"], cam["laws"], strict=True):
+        beta = math.radians(segment["angle_deg"])
+        lift = segment.get("lift_mm") or (segment.get("velocity_mm_per_s") or 0.0) * (
+            segment["angle_deg"] / rate
+        )
+        lift = -lift if segment["kind"] == "return" else lift
+        table = np.zeros((4, SAMPLES))
+        if law is None:
+            table[0], table[1] = level + lift * x, lift / beta if beta else 0.0
+        else:
+            p = int(law["degree"])
+            knots = [0.0] * p + list(law["knots"]) + [1.0] * p
+            g = BSpline(np.array(knots), np.array(law["coefficients"], dtype=float), p)
+            for k in range(4):
+                table[k] = lift / beta**k * g(x, k)
+            table[0] += level
+        if beta:
+            columns.append(table)
+            senses.append(np.full(SAMPLES, float(np.sign(lift))))
+            may.append(np.full(SAMPLES, bool((segment.get("law") or {}).get("overshoot"))))
+        level += lift
+        levels.append(level)
+    s = np.concatenate(columns, axis=1)
+    s[0] -= min(levels)
+    return s, np.concatenate(senses), np.concatenate(may)
