@@ -10,7 +10,7 @@ as valid as any; of a value that is held on a window they may have either sign.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import factorial
 
 import numpy as np
@@ -36,16 +36,17 @@ Function = Callable[[Array], Array]
 
 
 def density_terms(
-    one: RowFunctional, nodes: Array, mass: Array, psi: Function | None = None
+    one: RowFunctional, nodes: Array, mass: Array, psi: Sequence[Switching] = ()
 ) -> Terms:
     """Masses (n,) at ascending nodes (n,) as rows with densities linear in between.
 
-    ``psi``: what they come to as they stand, with all else; then they are moved along their arcs.
+    ``psi``: of every free law, what all multipliers come to as they stand; where it is given, the
+    masses are moved along their arcs.
     """
     if not len(nodes):
         return []
-    if psi is not None:
-        mass = flatten(one, nodes, mass, psi)
+    if psi and one.block.segment is not None:
+        mass = flatten(one, nodes, mass, psi[one.block.segment])
     own = np.concatenate(distribute_to_intervals(nodes, mass))
     return [(one.hat_rows(nodes).select(own != 0.0), own[own != 0.0])]
 

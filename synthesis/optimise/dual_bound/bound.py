@@ -107,7 +107,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
         costates = boundary_multipliers(model, solution, order, z)
     rows = list(terms.row_functionals(model, order, z))
     bound = _bound_of_rows(model, solution, controls, costates, z, rows, dense=dense)
-    if dense or not any(one.jumps and one.uniform for one in rows):
+    if dense or not any(one.may_be_density for one in rows):
         return bound
     # Where a limit binds along an arc, once more with multipliers for which ψ is small there.
     flat = _bound_of_rows(
@@ -142,8 +142,7 @@ def _bound_of_rows(
         points, nodes, masses = one.distribute(own, dense=dense)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        seen = psi[one.block.segment] if psi and one.block.segment is not None else None
-        for density, mass in density_terms(one, nodes, masses, seen):
+        for density, mass in density_terms(one, nodes, masses, psi):
             lagrangian.add_rows(density, mass)
     for other, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
         lagrangian.add_rows(other, mass)

@@ -129,6 +129,11 @@ class RowFunctional:
         same = block.alpha.ndim == 1 and block.size.ndim == 1
         return same and block.highest_order < self.order and block.ascending
 
+    @property
+    def may_be_density(self) -> bool:
+        """Whether its multipliers may be densities along an arc, where ψ would jump at points."""
+        return self.jumps and self.uniform
+
     def point_rows(self, which: Which = EVERY) -> WeightedRows:
         """All of its rows, or some: a mask or numbers."""
         block, order, rhs = self.block, self.order, self.block.rhs[which]
@@ -173,7 +178,7 @@ class RowFunctional:
         window ends its bound may be met at that very point.
         """
         windowed, none = self.block.spans is not None, np.zeros(0)
-        if not self.jumps or not self.uniform or (windowed and len(z) <= 3):
+        if not self.may_be_density or (windowed and len(z) <= 3):
             return z, none, none
         kept, nodes = np.zeros_like(z), self.block.x
         if windowed:

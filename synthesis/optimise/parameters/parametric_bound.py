@@ -284,15 +284,14 @@ def parametric_bound(
     # their multipliers are moved as in the dual bound, which this bound is at these numbers.
     lagrangian, slope = Lagrangian(model, order), np.zeros(len(u))
     row_functionals = list(terms.row_functionals(model, order, z))
-    arcs = any(one.jumps and one.uniform for one in row_functionals)
+    arcs = any(one.may_be_density for one in row_functionals)
     psi = dual_bound(model, solution).switching if arcs else ()
     for one in row_functionals:
         own = z[one.first_row : one.first_row + one.count]
         points, nodes, masses = one.distribute(own)
         nonzero = points != 0.0
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
-        seen = psi[one.block.segment] if psi and one.block.segment is not None else None
-        for rows, mass in density_terms(one, nodes, masses, seen):
+        for rows, mass in density_terms(one, nodes, masses, psi):
             lagrangian.add_rows(rows, mass)
         origin = one.block.origin
         if origin is not None:

@@ -77,14 +77,13 @@ def multipliers(
     rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
     psi: tuple[Switching, ...] = ()
     # as they are; then, where a limit binds along an arc, those for which ψ is small there
-    for _ in range(1 + any(one.jumps and one.uniform for one in rows)):
+    for _ in range(1 + any(one.may_be_density for one in rows)):
         groups, lagrangian = list[Group](), Lagrangian(model, order)
         for one in rows:
             own = z[one.first_row : one.first_row + one.count]
             points, nodes, masses = one.distribute(own)
-            nonzero, at = points != 0.0, one.block.segment
-            seen = psi[at] if psi and at is not None else None
-            densities = density_terms(one, nodes, masses, seen)
+            nonzero = points != 0.0
+            densities = density_terms(one, nodes, masses, psi)
             for each, mass in ((one.point_rows(nonzero), points[nonzero]), *densities):
                 lagrangian.add_rows(each, mass)
             groups += _groups(one, points, densities, model, spec, length)
