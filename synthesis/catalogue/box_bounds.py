@@ -28,8 +28,8 @@ class BoxBound(ABC):
         source: as of a ``LinearInequality``.
         coordinates: the trace point's, in motion and size.
         order: highest derivative of s in the inequalities.
-        needs_motion_bounds: whether ``relax`` needs bounds of motion and size besides those of the
-            point. known_orders: 2, or 3 where bounds of s'' serve it as well.
+        needs_motion_bounds: whether ``linear_relaxation`` needs bounds of motion and size besides
+            those of the point. known_orders: 2, or 3 where bounds of s'' serve it as well.
     """
 
     source: str
@@ -48,7 +48,7 @@ class BoxBound(ABC):
         return 2
 
     @abstractmethod
-    def relax(
+    def linear_relaxation(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> tuple[PointInequalities, ...]:
         """Linear inequalities implied wherever (X, u, e) lies in boxes (3, n); () if none is known.
@@ -72,7 +72,7 @@ class ConstraintBound(BoxBound):
     def order(self) -> int:
         return self.constraint.order
 
-    def relax(
+    def linear_relaxation(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> tuple[PointInequalities, ...]:
         if moving is None:
@@ -80,4 +80,4 @@ class ConstraintBound(BoxBound):
         box = MotionSizeBox(
             moving.low[0], moving.high[0], moving.low[1], moving.high[1], moving.sizes
         )
-        return self.constraint.relax(box, moving.about)
+        return self.constraint.linear_relaxation(box, moving.about)

@@ -210,7 +210,7 @@ class NonconvexConstraint(ABC):
     """A constraint on motion and size together that is not linear in both.
 
     For a fixed motion it is linear in the size, exactly (``half_planes``). Over a box of motion and
-    size it has a linear relaxation, if ``has_relaxation`` (``relax``).
+    size it has a linear relaxation, if ``has_relaxation`` (``linear_relaxation``).
 
     Attributes:
         source: as of a ``LinearInequality``.
@@ -225,7 +225,7 @@ class NonconvexConstraint(ABC):
 
     @property
     def has_relaxation(self) -> bool:
-        """Whether ``relax`` returns inequalities over small boxes."""
+        """Whether ``linear_relaxation`` returns inequalities over small boxes."""
         return True
 
     @property
@@ -248,7 +248,7 @@ class NonconvexConstraint(ABC):
         where nothing is known before the size is fixed.
         """
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         """Linear inequalities that the constraint implies everywhere in a box; () if none is known.

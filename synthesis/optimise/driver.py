@@ -168,7 +168,7 @@ def _grids_through(problem: Problem, knots: Sequence[Array]) -> tuple[Grid, ...]
 def _exit(state: SolveState, tree: Tree) -> str:
     """Why the loop has ended, for the report."""
     tests = ((name, holds(state, tree, tree.next_node)) for name, holds in EXITS)
-    if state.solved:
+    if state.is_good_enough:
         return SUFFICIENT if state.suffices else TOLERANCE
     name = next((name for name, holds in tests if holds), UNDIVIDED)
     # What only a longer proof would raise: more nodes, or any at all where curvature decides.

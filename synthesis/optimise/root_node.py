@@ -37,7 +37,7 @@ from synthesis.optimise.refinement.mesh import (
     refine_mesh,
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
-from synthesis.optimise.separation.outer_approximation import Relaxed, relax
+from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
 from synthesis.optimise.state import SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
@@ -85,7 +85,7 @@ class RootNode(Node):
     previous_interval_count: int = 0
     dimension_searched: bool = False
     near: bool = False
-    is_root: bool = field(default=True, kw_only=True)
+    is_first: bool = field(default=True, kw_only=True)
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         """One mesh: relax, bound, recover a cam, and refine the mesh where that pays."""
@@ -101,7 +101,7 @@ class RootNode(Node):
         # 1. Relax and solve; the dual bound holds over all laws where their jerk is capped.
         started = time.perf_counter()
         gap_before, bound_before = state.relaxation_gap, state.lower
-        solve_mesh = _solve_fractional if problem.objective.quasiconvex else relax
+        solve_mesh = _solve_fractional if problem.objective.quasiconvex else solve_on_mesh
         state, model, solution, bound = solve_mesh(state, 0.0)
         # 2. Recover a cam, and the points at which it violates rows.
         state, cam, violations = _recover(state, model, solution, bound)
@@ -197,7 +197,7 @@ class RootNode(Node):
             state = self._bound_without_highest_caps(state)
         # A least value is not convex, nor are all ranges stated: a dimension is fixed at values.
         pinning = problem.machine.follower.fixable_dimension()
-        undecided = not (state.solved or state.infeasibility_proof)
+        undecided = not (state.is_good_enough or state.infeasibility_proof)
         if pinning and (pinning.needed or pinning.low > 0.0) and undecided:
             return search_dimension(state, self.optimise), replace(node, dimension_searched=True)
         return state, node
@@ -229,7 +229,11 @@ class RootNode(Node):
                 return state, ()
             state = local_search(replace(state, margin=0.0))
         dimension = problem.machine.follower.fixable_dimension()
-        if state.solved or state.time_left <= 0.0 or (dimension is not None and dimension.needed):
+        if (
+            state.is_good_enough
+            or state.time_left <= 0.0
+            or (dimension is not None and dimension.needed)
+        ):
             return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()
@@ -240,7 +244,7 @@ class RootNode(Node):
         return state, [child] if child is not None else []
 
     def is_pruned(self, state: SolveState) -> bool:
-        return self.processed and state.solved
+        return self.processed and state.is_good_enough
 
     def node_limit(self, state: SolveState) -> float:
         return inf
@@ -330,7 +334,7 @@ def _needs_no_finer_mesh(
 def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate | None]:
     """One relaxation on the present mesh, reported; its cam, if it has one."""
     started = time.perf_counter()
-    state, model, solution, bound = relax(state, 0.0)
+    state, model, solution, bound = solve_on_mesh(state, 0.0)
     state, cam, _ = _recover(state, model, solution, bound)
     seconds = time.perf_counter() - started
     return state.with_stage(program_stage(f"convex {number}", model, solution, seconds)), cam
@@ -360,7 +364,7 @@ def _recover(
     return replace(state.with_bound(bound), relaxation=(model, solution, bound)), cam, violations
 
 
-def _solve_fractional(state: SolveState, _: float) -> Relaxed:
+def _solve_fractional(state: SolveState, _: float) -> MeshSolution:
     """A fractional objective on the present mesh, by Dinkelbach's method.
 
     The level is lowered to the value of the last solution until it stays; a program just below it
@@ -368,7 +372,7 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
     """
     level = 1.0 if state.relaxed is None else state.relaxed.value
     for _ in range(MOST_LEVELS):
-        state, model, solution, bound = relax(state, level)
+        state, model, solution, bound = solve_on_mesh(state, level)
         if solution.stopped not in USABLE:
             return state, model, solution, None
         reached = recover_cam(model.problem, *model.recover(solution.x)).value
@@ -380,7 +384,7 @@ def _solve_fractional(state: SolveState, _: float) -> Relaxed:
         below = level * (1.0 - distance * state.tolerance)
         if below <= 0.0:
             break
-        state, _plan, _solution, excess = relax(state, below)
+        state, _plan, _solution, excess = solve_on_mesh(state, below)
         if excess is None:
             return state, model, solution, bound
         if excess.value > 0.0:
@@ -392,7 +396,7 @@ def _bound_without_vibration(state: SolveState) -> SolveState:
     """A bound without limits on residual vibration, which laws of few knots pay too much for."""
     problem = state.problem
     unfit = problem.has_curved_limits or problem.objective.quasiconvex or not state.grids
-    if not problem.vibration_limits or unfit or state.solved or state.time_left <= 0.0:
+    if not problem.vibration_limits or unfit or state.is_good_enough or state.time_left <= 0.0:
         return state
     model = formulate(problem.without_vibration, state.grids, 0.0, state.tightening)
     solution = solve(model.program, state.time_left)

@@ -266,7 +266,7 @@ class SolveState:
         return gap <= 0.99 * self.tolerance
 
     @cached_property
-    def solved(self) -> bool:
+    def is_good_enough(self) -> bool:
         """Whether the incumbent is sufficient, or within the tolerance of the lower bound."""
         return self.suffices or self.is_close(self.incumbent)
 
@@ -312,15 +312,17 @@ class SolveState:
     def nonconvex_limits_cost(self) -> bool:
         """Whether limits outside the relaxation cost more than the tolerance."""
         if self.relaxed is None:  # it may know the cam of an earlier objective all the same
-            return self.incumbent is not None and not self.solved
+            return self.incumbent is not None and not self.is_good_enough
         if self.incumbent is None:
             return True
-        return self.incumbent.value > self.relaxed.value and not self.solved
+        return self.incumbent.value > self.relaxed.value and not self.is_good_enough
 
     @property
     def needs_local_search(self) -> bool:
         """Whether nonconvex limits, in the relaxation or not, leave more than the tolerance."""
-        return self.nonconvex_limits_cost or (self.problem.has_curved_limits and not self.solved)
+        return self.nonconvex_limits_cost or (
+            self.problem.has_curved_limits and not self.is_good_enough
+        )
 
     def allowance(self, tolerance: float) -> float:
         """The largest value [problem units] that is still within a tolerance of the best.

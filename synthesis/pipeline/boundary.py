@@ -186,7 +186,7 @@ class Boundary:
 
     @property
     def at_least(self) -> float | None:
-        """The value below which no cam at all fits; None where that is not proven of any."""
+        """The value farthest from the request that is proven impossible; None where none is."""
         if self.excluded is None or self.needed is None:
             return self.excluded
         return None if self._beyond(self.needed, self.excluded) > 0.0 else self.excluded
@@ -235,7 +235,7 @@ class Boundary:
             self.nearest = value, trial
 
     def _exclude(self, value: float) -> None:
-        if not self.number.provable:
+        if not self.number.monotone:
             return  # values nearer to the request might do
         if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
             self.excluded = value

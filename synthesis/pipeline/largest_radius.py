@@ -79,7 +79,9 @@ def first_question(spec: DesignSpec) -> DesignSpec:
     return wider or spec
 
 
-def solve(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
+def solve_with_maximum(
+    spec: DesignSpec, goal: Goal, stages: list[Effort]
+) -> tuple[Attempt, Smallest | None]:
     """Solve a question, its maximum of the base radius treated as described above.
 
     Args:
@@ -93,7 +95,7 @@ def solve(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, 
 
 
 def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
-    """As ``solve``, but a smallest cam that is too large ends it, though it may not be the best.
+    """As ``solve_with_maximum``, but a smallest cam that is too large ends it, best or not.
 
     For whoever wants to know by how much it is too large.
     """

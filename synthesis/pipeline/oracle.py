@@ -19,7 +19,7 @@ from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
 from synthesis.pipeline.infeasibility import contains_angle, gentlest_law, infeasibility_proof
-from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve
+from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve_with_maximum
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
@@ -136,7 +136,7 @@ class Oracle:
 
     def ask_as_it_stands(self, spec: DesignSpec) -> Trial:
         """Put a question as anyone would who sends this spec, for a cam and no more proof."""
-        return self._trial(*solve(spec.model_copy(update=QUICK), Goal(self.stop), []))
+        return self._trial(*solve_with_maximum(spec.model_copy(update=QUICK), Goal(self.stop), []))
 
     def _trial(self, attempt: Attempt, smallest: Smallest | None) -> Trial:
         return Trial(attempt, smallest, attempt.certified or not self.is_late())

@@ -82,7 +82,7 @@ def _angles(spec: DesignSpec) -> Iterator[ProgramNumber]:
         yield ProgramNumber(
             f"angle of program/{i}", (f"program/{i}/angle_deg", f"program/{donor}/angle_deg"),
             (move.degrees, given), "deg", "≤", power=JERK, slopes=(1.0, -1.0),
-            provable=free and rests and _eases_when_slower(spec),
+            monotone=free and rests and _eases_when_slower(spec),
             farthest=move.degrees + min(given, MOST * move.degrees),
         )  # fmt: skip
 
@@ -104,7 +104,7 @@ def _lifts(spec: DesignSpec) -> Iterator[ProgramNumber]:
     first, *_ = lifts
     yield ProgramNumber(
         "all lifts", tuple(paths), tuple(lifts), spec.follower.travel.unit,
-        "≥", slopes=tuple(lift / first for lift in lifts), provable=False,
+        "≥", slopes=tuple(lift / first for lift in lifts), monotone=False,
         farthest=(1.0 - MOST) * first,
     )  # fmt: skip
 
@@ -117,7 +117,7 @@ def _speed(spec: DesignSpec) -> Iterator[ProgramNumber]:
     if all(isinstance(move, Rise | Return) and _is_plain(move) for move in moves):
         yield ProgramNumber(
             "speed", ("speed_rpm",), (spec.speed_rpm,), "rpm", "≥", power=JERK,
-            provable=_eases_when_slower(spec), farthest=(1.0 - MOST) * spec.speed_rpm,
+            monotone=_eases_when_slower(spec), farthest=(1.0 - MOST) * spec.speed_rpm,
         )  # fmt: skip
 
 

@@ -37,7 +37,7 @@ class Relaxable:
         dimension: name among the dimensions of a cam; empty for a limit.
         held: of ±: the value held.
         power: with which power of it, at most, what is limited falls as it is relaxed.
-        provable: whether a cam for one value shows that there is one for all that allow more.
+        monotone: whether a cam for one value shows that there is one for all that allow more.
         farthest: where it ends; None where it can be left out.
     """
 
@@ -50,7 +50,7 @@ class Relaxable:
     dimension: str = ""
     held: float = 0.0
     power: float = 1.0
-    provable: bool = True
+    monotone: bool = True
     farthest: float | None = None
 
     @property

@@ -86,7 +86,7 @@ def test_a_move_that_is_not_the_cause_is_not_changed(conflict: tuple[DesignSpec,
 def numbers(*limits: dict[str, Any], program: Any = PLAIN) -> dict[str, bool]:
     """Whether more than sufficient values can be shown of each number."""
     spec = scene(program, angles(30.0, 30.0), *limits)
-    return {number.name: number.provable for number in program_numbers(spec, ())}
+    return {number.name: number.monotone for number in program_numbers(spec, ())}
 
 
 def test_what_a_longer_move_or_a_lower_speed_proves() -> None:

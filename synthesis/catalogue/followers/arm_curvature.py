@@ -73,7 +73,7 @@ class ArmCurvatureBound(BoxBound):
         bend = (square + turn * back * lever) * float(self.side)
         return (bend - square * np.sqrt(square) * (self.most * self.arm)) / positive(beside)
 
-    def relax(
+    def linear_relaxation(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> tuple[PointInequalities, ...]:
         least, most = low[:2], high[:2]

@@ -66,7 +66,7 @@ class FreePivotPressureAngle(NonconvexConstraint):
         below = np.stack([cosine - t * sine, -sine - t * cosine])
         return PointInequalities(still, above, -lever), PointInequalities(still, below, lever)
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         low, high = box.s_min / self.arm, box.s_max / self.arm
@@ -140,7 +140,7 @@ class FixedPivotPressureAngle(NonconvexConstraint):
             *(PointInequalities(still, one, self.arm * high - s[0]) for high in most),
         )
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         ((w_low, w_high),), found = box.sizes, list[PointInequalities]()

@@ -58,7 +58,7 @@ class CurvatureBound(BoxBound):
     def known_orders(self) -> int:
         return 2 if self.pressure_term is None else 3
 
-    def relax(
+    def linear_relaxation(
         self, low: Array, high: Array, about: Array | None, moving: MotionBox | None = None
     ) -> tuple[PointInequalities, ...]:
         if not (np.all(low[0] > 0.0) and np.all(np.isfinite(low)) and np.all(np.isfinite(high))):

@@ -124,7 +124,7 @@ class SwingingFaceConstraint(NonconvexConstraint):
         distance = float(self.distance or 0.0)
         return np.asarray(distance * (np.sin(inside) + angle - inside) - self.offset)
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         """A plane below the limit's left side less its right one, divided by d cosψ if it bends."""

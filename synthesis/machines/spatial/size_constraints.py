@@ -81,7 +81,7 @@ RADIUS_STEP = 1e-5  # relative: forward differences of wall radii
 class SizeConstraint(NonconvexConstraint):
     """z ≥ least size(s, s', …), with z the machine's minimised dimension [mm].
 
-    ``relax`` returns outer rows where it is given no motion, inner rows about a motion.
+    ``linear_relaxation`` returns outer rows where it is given no motion, inner rows about a motion.
 
     Attributes:
         length: a natural length, of the order of the size [mm]; s is the arc of this radius.
@@ -136,7 +136,7 @@ class TurretPressureAngle(SizeConstraint):
         cosine, speed = np.cos(self._nearest(s[0])), np.abs(s[1])
         return np.asarray(np.max([rho * cosine + b * speed for rho, b in self.places], axis=0))
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         if about is not None:
@@ -228,7 +228,7 @@ class ArmPressureAngle(SizeConstraint):
             least = np.maximum(least, np.max(needed, axis=0))
         return np.asarray(self.depth + least)
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         if about is None:
@@ -262,7 +262,7 @@ class TurretWallRadius(SizeConstraint):
     def least_size(self, s: Array) -> Array:
         return np.asarray(np.max(self._least(self._states(s)), axis=0))
 
-    def relax(
+    def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         if about is None or len(about[0]) < 3:

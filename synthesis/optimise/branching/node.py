@@ -44,15 +44,15 @@ class Node(ABC):
         processed: whether ``process`` has nothing more to do; then the node is branched on.
         upper_half: whether a node was divided by the objective's value and this is the part with
             the larger values, which is processed only while the node limit allows.
-        is_root: whether it is the whole domain: the first node of its kind, from which the nodes of
-            this kind are counted. started: ``SolveState.stopwatch`` at its root.
+        is_first: whether it is the first node of its kind, the whole domain, from which nodes are
+            counted. started: ``SolveState.stopwatch`` at that node.
     """
 
     lower: float = -inf
     valid_for: str = ""
     processed: bool = False
     upper_half: bool = False
-    is_root: bool = False
+    is_first: bool = False
     started: float = 0.0
 
     @abstractmethod
@@ -107,11 +107,11 @@ class Tree:
     def with_processed(self, node: Node, processed: Node) -> Tree:
         """The tree after a node was processed."""
         tree = replace(self, leaves=(*self._without(node), processed), count=self.count + 1)
-        return replace(tree, first=processed) if node.is_root else tree
+        return replace(tree, first=processed) if node.is_first else tree
 
     def with_children(self, node: Node, children: Sequence[Node]) -> Tree:
         """The tree after branching on a node; a root among the children is counted as the first."""
-        count = 0 if any(child.is_root for child in children) else self.count
+        count = 0 if any(child.is_first for child in children) else self.count
         return replace(self, leaves=(*self._without(node), *children), count=count)
 
     def _without(self, node: Node) -> tuple[Node, ...]:

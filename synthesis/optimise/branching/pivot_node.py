@@ -85,30 +85,32 @@ class PivotNode(Node):
             return None
         return cls(
             state.problem, parts, state.grids, lower=state.lower, valid_for=state.valid_for,
-            is_root=True, started=started,
+            is_first=True, started=started,
         )  # fmt: skip
 
     def node_limit(self, state: SolveState) -> float:
         return MAX_NODES if state.thorough and self.sizes else 1
 
     def is_pruned(self, state: SolveState) -> bool:
-        return state.solved if self.is_root else state.is_close(state.incumbent, self.lower)
+        return (
+            state.is_good_enough if self.is_first else state.is_close(state.incumbent, self.lower)
+        )
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
-        node, quick = self, self.is_root and state.problem.omits_curved_rows and not state.thorough
+        node, quick = self, self.is_first and state.problem.omits_curved_rows and not state.thorough
         for _ in range(QUICK_ITERATIONS if quick else ITERATIONS):
             best, before = _incumbent(state), node.lower
             tighter = tighten_node(state, best, node)
-            if tighter is None or (self.is_root and state.time_left <= 0.0):
+            if tighter is None or (self.is_first and state.time_left <= 0.0):
                 break
             node = _solve_relaxation(state, best, tighter)
-            if self.is_root:
+            if self.is_first:
                 # the knots that the bound asks for are those on which a better cam is looked for
                 state = state.raise_bound(node.lower, node.valid_for)
                 if node.grids != state.grids:
                     state = improve_from(replace(state, grids=node.grids), best)
             best = _incumbent(state)
-            least = LEAST_GAIN * (best.value - (node.lower if self.is_root else before))
+            least = LEAST_GAIN * (best.value - (node.lower if self.is_first else before))
             if node.is_pruned(state) or node.lower - before < least:
                 break
         return state, replace(node, processed=True)
@@ -120,7 +122,7 @@ class PivotNode(Node):
         for sizes in halve(self.sizes, axis):
             inside = (*bounds[:axis], sizes[axis], *bounds[axis + 1 :])
             problem = replace(self.problem, sizing=replace(self.problem.sizing, bounds=inside))
-            child = replace(self, problem=problem, sizes=sizes, processed=False, is_root=False)
+            child = replace(self, problem=problem, sizes=sizes, processed=False, is_first=False)
             children.append(child)
         return state, children
 

@@ -88,13 +88,13 @@ def search_sizes(state: SolveState) -> SolveState:
     """
     problem, best, started = state.problem, state.incumbent, state.stopwatch
     norm = problem.objective.norm(problem.machine)
-    if state.solved or best is None or norm is None or state.time_left <= 0.0:
+    if state.is_good_enough or best is None or norm is None or state.time_left <= 0.0:
         return state
     kinds = {limit.kind for limit in problem.limits if is_traced(state, limit)}
     state = replace(state, modelled_kinds=kinds)
     # no radius is below the least that the spec states: the best cam may be as small already
     least = state.raise_bound(0.0, VALID_FOR)
-    if least.solved:
+    if least.is_good_enough:
         return least
     # ‖M z + m‖ ≤ R leaves each y = M z + m within ±R, and z = M⁺ (y − m) but for a part of z of
     # which M does not speak

@@ -100,7 +100,7 @@ class TracedNode(Node):
         region = initial_region(task.problem, task.controls, binding.parts)
         region = replace(region, binding=binding.pairs)
         return cls(
-            task, region, lower=state.lower, valid_for=state.valid_for, is_root=True,
+            task, region, lower=state.lower, valid_for=state.valid_for, is_first=True,
             started=started,
         )  # fmt: skip
 
@@ -124,7 +124,7 @@ class TracedNode(Node):
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
-        if not self.is_root:
+        if not self.is_first:
             return state, tighten(inside, replace(self, upper_half=False), ITERATIONS)._processed()
         node = solve_relaxation(inside, self)
         for iterations in (FIRST_ITERATIONS, ITERATIONS):
@@ -148,7 +148,7 @@ class TracedNode(Node):
         """
         if not self.region.is_divisible or clock.now() >= self.task.deadline:
             return state, ()
-        child, sizes = replace(self, processed=False, is_root=False), self.region.sizes
+        child, sizes = replace(self, processed=False, is_first=False), self.region.sizes
         widths = [high - low for low, high in sizes]
         low, high = max(self.least, self.lower), self.largest_value
         norm = self.task.problem.objective.norm(self.task.problem.machine)
@@ -222,7 +222,7 @@ def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:
     for iteration in range(iterations):
         if node.is_empty or not node.grids or state.time_left <= 0.0:
             break
-        if node.is_root and iteration >= FEW_ITERATIONS and not state.thorough:
+        if node.is_first and iteration >= FEW_ITERATIONS and not state.thorough:
             break
         before, region = node.region.for_laws(among).mean_width, _tighten_region(state, node, among)
         if region is None:

@@ -1,9 +1,10 @@
 """Nonconvex limits as linear rows: at points of free laws, exact half-planes on given ones.
 
 A limit f(s, s', s'', z) ≤ 0 that is not linear (the pressure angle of an arm, the curvature on a
-flat face) is a ``NonconvexConstraint``, made by the limit's ``nonconvex``. Its ``relax`` gives rows
-that every motion and size of a region satisfy, tangent at a point where one is given. They hold for
-every law with s and s' in the region's bounds, so that dual bounds made of them hold for all laws.
+flat face) is a ``NonconvexConstraint``, made by the limit's ``nonconvex``. Its
+``linear_relaxation`` gives rows that every motion and size of a region satisfy, tangent at a point
+where one is given. They hold for every law with s and s' in the region's bounds, so that dual
+bounds made of them hold for all laws.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ def cuts_on_law(
     within = _within(position, segment, grid.points, region)
     for about in region.tangent_points or (None,):
         place = None if about is None else about.at(position, segment, grid.points)
-        for cuts in curve.relax(within, place):
+        for cuts in curve.linear_relaxation(within, place):
             yield cut_block(cuts, curve.source, position, segment, grid, scales, tightening)
 
 

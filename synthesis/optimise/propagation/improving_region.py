@@ -213,7 +213,7 @@ class ImprovingRegion:
             for about in near if sparing and near and jumps else (None, *near):
                 traced = None if about is None else np.stack(implied.coordinates.evaluate(*about))
                 motion = self._motion_bounds(segment, implied, bounds, x, about)
-                for cut in implied.relax(low, high, traced, motion):
+                for cut in implied.linear_relaxation(low, high, traced, motion):
                     block = cuts.cut_block(
                         cut, implied.source, position, segment, grid, model.scales, Tightening(),
                         bare=each > 0,

@@ -152,7 +152,7 @@ def _rows(
         for limit in problem.limits:
             for implied in limit.curvature_bounds(segment, problem.machine):
                 low, high = _box(implied.coordinates, s, boxes)
-                for cuts in implied.relax(low, high, None, box):
+                for cuts in implied.linear_relaxation(low, high, None, box):
                     upper = cuts.upper - np.sum(cuts.coefficients[:3] * each, axis=0)
                     yield cuts.size, upper, implied.source
             # Of a fixed motion these are linear in the size, whatever the box.

@@ -36,10 +36,10 @@ TANGENT = 1e-9  # excess of a curved limit up to which rows at the solution cann
 SIZE_GAIN = 0.1  # of the tolerance: what rows may leave to gain once a cam of that value is known
 SPARE = 1e-9  # relative slack of values that a better cam satisfies, against rounding
 
-Relaxed = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
+MeshSolution = tuple[SolveState, ConicModel, ConeSolution, Bound | None]
 
 
-def relax(state: SolveState, level: float) -> Relaxed:
+def solve_on_mesh(state: SolveState, level: float) -> MeshSolution:
     """Solve the relaxation on the present mesh: one cone program, and its dual bound.
 
     Where limits are curved, programs are solved until their rows touch these limits: the last one

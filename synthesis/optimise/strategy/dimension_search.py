@@ -108,7 +108,7 @@ def search_dimension(state: SolveState, optimise: Optimise) -> SolveState:
         valid_for = f"a local optimum: no bound over the {dimension.name} is known"
         state = replace(state, valid_for=valid_for)
     state, cost = _try_motion(state, fixed, state.relaxed, STARTS), _Cost()
-    if not state.solved:
+    if not state.is_good_enough:
         # a nonlinear program over all sizes would leave what only a fixed value states
         together = state.problem.free and not dimension.needed
         search = _search_with_free_laws if together else _search_values
@@ -155,7 +155,7 @@ def _try_motion(
         size = smallest_size(problem)
         if size is not None:
             state = state.with_incumbent(fixed.release(value, cam_at_size(problem, cam.laws, size)))
-        if state.solved or state.time_left <= 0.0:
+        if state.is_good_enough or state.time_left <= 0.0:
             break
     return state
 

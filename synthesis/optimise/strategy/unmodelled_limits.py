@@ -23,7 +23,7 @@ def unmodelled_limits(state: SolveState) -> str:
         the end of a sentence on what the bound covers; empty where nothing is left out.
     """
     best = state.incumbent
-    if best is None or state.solved or not state.valid_for or OPENING in state.valid_for:
+    if best is None or state.is_good_enough or not state.valid_for or OPENING in state.valid_for:
         return ""
     missing = [
         limit

@@ -65,7 +65,7 @@ def test_rows_hold_wherever_the_limit_does(
     place = np.zeros((3, COUNT))
     place[0], place[1] = rng.uniform(low, high), rng.uniform(slow, fast)
     about = (place, tuple(a for a, _ in sizes)) if near else None
-    rows = curve.relax(MotionSizeBox(low, high, slow, fast, tuple(sizes)), about)
+    rows = curve.linear_relaxation(MotionSizeBox(low, high, slow, fast, tuple(sizes)), about)
     assume(rows)  # over the widest boxes the face may turn past the axis: nothing is implied
     (row,) = rows
     for _ in range(40):
@@ -95,7 +95,7 @@ def test_a_row_closes_in_with_the_square_of_the_ranges() -> None:
         away = reach * DISTANCE
         sizes = ((z - away, z + away),)
         box = MotionSizeBox(s[0] - away, s[0] + away, s[1] - away, s[1] + away, sizes)
-        (row,) = curve.relax(box, (s, (z,)))
+        (row,) = curve.linear_relaxation(box, (s, (z,)))
         left = np.sum(row.coefficients[:2] * s[:2], axis=0) + row.coefficients[2] * DISTANCE * at
         lost.append(row.upper - left - row.size[0] * z)
     assert np.all(lost[1] > 0.0)
@@ -112,6 +112,6 @@ def test_where_no_row_is_known_none_is_said(distance: float | None, far: int) ->
     fast, high = (np.inf if far == 0 else 1.0) * one, (12.0 if far == 1 else 2.0) * one
     if far == 2:
         sizes = ((68.0, 70.0),) if distance else ((-1.0, 3.0), (40.0, 41.0))
-    assert not curve.relax(MotionSizeBox(one, high, -one, fast, sizes), None)
+    assert not curve.linear_relaxation(MotionSizeBox(one, high, -one, fast, sizes), None)
     within = ((40.0, 41.0),) if distance else ((60.0, 61.0), (40.0, 41.0))
-    assert curve.relax(MotionSizeBox(one, 2.0 * one, -one, one, within), None)
+    assert curve.linear_relaxation(MotionSizeBox(one, 2.0 * one, -one, one, within), None)

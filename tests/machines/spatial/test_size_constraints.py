@@ -129,13 +129,13 @@ def test_chords_refuse_no_law_and_tangents_none_that_is_broken() -> None:
         state[0] - wide, state[0] + 0.7 * wide, -everywhere, everywhere, ((0.0, 1e3),)
     )
     exact = least(curve, state / length, length)
-    for cuts in curve.relax(within, None):
+    for cuts in curve.linear_relaxation(within, None):
         needed = np.sum(cuts.coefficients * state, axis=0) - cuts.upper
         assert np.all(needed <= exact + 1e-9)
     about = state + length * np.stack([rng.uniform(-0.2, 0.2, 300), *np.zeros((3, 300))])
     needed = [
         np.sum(cuts.coefficients * state, axis=0) - cuts.upper
-        for cuts in curve.relax(within, (about, (150.0,)))
+        for cuts in curve.linear_relaxation(within, (about, (150.0,)))
     ]
     assert np.all(np.max(needed, axis=0) >= exact - 1e-9)
     assert np.min(np.max(needed, axis=0) - exact) < 1.0  # and asks for little more

@@ -48,7 +48,7 @@ class Bent(NonconvexConstraint):
             ),
         )
 
-    def relax(
+    def linear_relaxation(
         self, within: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:
         one = np.ones((1, len(within.s_min)))

@@ -51,7 +51,7 @@ def test_no_motion_and_size_inside_the_box_is_cut_off(seed, side, most, width):
     free = SlideCoordinates(1, (0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     limit = CurvatureBound("", free, side, most)
     for place in (None, 0.3 * low + 0.7 * high):
-        (cuts,) = limit.relax(low, high, place)
+        (cuts,) = limit.linear_relaxation(low, high, place)
         for _ in range(25):
             corner = draw.random((3, 5)).round() if draw.random() < 0.3 else draw.random((3, 5))
             at = low + corner * (high - low)
@@ -74,7 +74,7 @@ def test_a_point_is_seen_as_its_curvature_sees_it(seen):
     assert np.allclose(e, 8.3 if seen is ROLLER else -3.7)
     at = np.stack([x, u, e + 0.0 * x])
     limit = CurvatureBound("", seen, 1, 0.04)
-    (cuts,) = limit.relax(at, at, None)  # of no width: nothing is lost
+    (cuts,) = limit.linear_relaxation(at, at, None)  # of no width: nothing is lost
     needed = sharpest(*at, limit)
     total = cuts.coefficients[:3] * np.stack([s, v, a])
     left = cuts.upper - total.sum(axis=0) - cuts.size[0] * z[0] - cuts.size[1] * z[1]
@@ -87,7 +87,7 @@ def test_what_a_row_loses_shrinks_with_the_square_of_the_box(seed, side, most):
     limit, lost = CurvatureBound("", free, side, most), []
     for width in (0.02, 0.01):
         low, high, _ = box(seed, width)
-        (cuts,), middle = limit.relax(low, high, None), 0.5 * (low + high)
+        (cuts,), middle = limit.linear_relaxation(low, high, None), 0.5 * (low + high)
         a = sharpest(*middle, limit)
         lost.append(cuts.upper - np.sum(cuts.size * middle, axis=0) - cuts.coefficients[2] * a)
     assert np.all(lost[1] >= -1e-9)
@@ -97,8 +97,8 @@ def test_what_a_row_loses_shrinks_with_the_square_of_the_box(seed, side, most):
 def test_no_rows_where_the_box_reaches_the_axis_or_is_open():
     low, high, _ = box(7, 0.5)
     limit = CurvatureBound("", ROLLER, 1, 0.05)
-    assert not limit.relax(low - np.array([[70.0], [0.0], [0.0]]), high, None)
-    assert not limit.relax(low, high + np.array([[0.0], [np.inf], [0.0]]), None)
+    assert not limit.linear_relaxation(low - np.array([[70.0], [0.0], [0.0]]), high, None)
+    assert not limit.linear_relaxation(low, high + np.array([[0.0], [np.inf], [0.0]]), None)
 
 
 SCENE = {

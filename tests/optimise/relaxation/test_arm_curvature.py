@@ -48,7 +48,7 @@ def relaxed(
         about,
     )  # fmt: skip
     place = None if about is None else np.stack(np.broadcast_arrays(*seen.evaluate(*about)))
-    rows = bound.relax(points.min(axis=0), points.max(axis=0), place, moving)
+    rows = bound.linear_relaxation(points.min(axis=0), points.max(axis=0), place, moving)
     return [(row.coefficients, row.size, row.upper) for row in rows]
 
 

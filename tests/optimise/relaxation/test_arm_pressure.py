@@ -99,7 +99,7 @@ def test_cuts_hold_wherever_the_limit_does(
     within = MotionSizeBox(places[0], places[1], speeds[0], speeds[1], (sizes,))
     where = np.stack([rng.uniform(*places), rng.uniform(*speeds)])
     place = (where, (rng.uniform(*sizes),)) if about else None
-    rows = curve.relax(within, place)
+    rows = curve.linear_relaxation(within, place)
     assert rows
     for _ in range(20):
         s = np.zeros((4, n))
@@ -132,7 +132,7 @@ def test_planes_of_a_free_pivot_hold_wherever_the_limit_does(
     sizes = tuple((at, at + width * ARM * rng.uniform(0.1, 1.0)) for at in corner)
     within = MotionSizeBox(places[0], places[1], speeds[0], speeds[1], sizes)
     where = np.stack([rng.uniform(*places), rng.uniform(*speeds)])
-    rows = curve.relax(within, (where, corner) if about else None)
+    rows = curve.linear_relaxation(within, (where, corner) if about else None)
     assert rows
     for _ in range(20):
         s = np.zeros((4, n))
@@ -151,7 +151,7 @@ def test_planes_of_a_free_pivot_close_in_on_the_limit_with_the_square_of_the_reg
     for reach in (0.04, 0.02):
         ends = tuple((v - reach * ARM, v + reach * ARM) for v in size)
         within = MotionSizeBox(s[0] - reach * ARM, s[0] + reach * ARM, -free, free, ends)
-        rows = curve.relax(within, (s[:2], size))
+        rows = curve.linear_relaxation(within, (s[:2], size))
         left = [
             np.sum(c.coefficients * s, axis=0) + np.array(size) @ c.size - c.upper for c in rows
         ]
@@ -194,7 +194,7 @@ def test_cuts_are_the_limit_itself_where_they_touch_and_it_is_convex(sense: str)
     free = np.full(n, np.inf)
     within = MotionSizeBox(s[0] - 5.0, s[0] + 5.0, -free, free, ((size - 1.0, size + 1.0),))
     unit = max(ARM, DISTANCE / np.cos(limit))
-    rows = curve.relax(within, (s[:2], (size,)))
+    rows = curve.linear_relaxation(within, (s[:2], (size,)))
     assert len(rows) == 2
     for cuts, excess in zip(rows, curve.excess(s, (size,)), strict=True):
         left = np.sum(cuts.coefficients * s, axis=0) + cuts.size[0] * size - cuts.upper
@@ -213,7 +213,7 @@ def test_cuts_touch_the_limit_where_the_cosine_rises(sense: str, fastest: float)
     # Everywhere the box holds angles on both sides of v = 0.
     within = MotionSizeBox(s[0] - 1.0, s[0] + ARM, -most, most, ((size - 1.0, size + 1.0),))
     unit = max(ARM, ARM / np.cos(limit))
-    above, _ = curve.relax(within, (s[:2], (size,)))
+    above, _ = curve.linear_relaxation(within, (s[:2], (size,)))
     left = np.sum(above.coefficients * s, axis=0) + above.size[0] * size - above.upper
     excess = unit * curve.excess(s, (size,))[0]
     assert np.all(left <= excess + 1e-10 * unit)

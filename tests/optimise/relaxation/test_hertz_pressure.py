@@ -114,7 +114,7 @@ def row_of(traced, theta, low, high):
     (s, v, _, e, s0), (s_, v_, _, e_, s0_) = low, high
     x = np.array([[s0 + s, s0_ + s_], [v - e_, v_ - e], [e, e_]])
     known = MotionBox(np.array([theta]), low[:3, None], high[:3, None])
-    (cuts,) = traced.relax(x[:, :1], x[:, 1:], None, known)
+    (cuts,) = traced.linear_relaxation(x[:, :1], x[:, 1:], None, known)
     return np.concatenate([cuts.coefficients[:3, 0], cuts.size[:, 0]]), float(cuts.upper[0])
 
 

@@ -195,7 +195,7 @@ def minimise_size(
             if not phase_one.fits:
                 break
             continue
-        if state.solved or state.time_left <= 0.0:
+        if state.is_good_enough or state.time_left <= 0.0:
             break
         # Dual: chords over tubes, once finer knots gain little.
         best = state.incumbent
@@ -205,7 +205,7 @@ def minimise_size(
         if little and best is not None:
             state, better = bound_by_chords(state, best.size[0], number)
             lower = better or lower
-            if state.solved or not lower.switching:
+            if state.is_good_enough or not lower.switching:
                 break
         # Refine the knots where the multipliers say that laws would gain.
         state = replace(state, grids=refine_mesh(problem, state.grids, last, lower, missed))
