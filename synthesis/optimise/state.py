@@ -104,7 +104,7 @@ class SolveState:
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
         undecided: what is known where neither a law nor a proof that there is none was found.
         least_excess: by how much, relatively, the gentlest law found exceeds limits on the motion.
-        strained: the kinds of these limits.
+        strained: the kinds of limits whose share it makes least; empty where it was not sought.
         stages: what has been solved, in order.
         grids: knots and collocation points of every free law.
         region: where curved limits are linearised.

@@ -239,7 +239,8 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
         finished = attempt.certified or attempt.crosses_itself or attempt.beyond_tightening
         if finished or clock.now() >= goal.stop:
             break
-        goal = replace(goal, warm_start=None)
+        mesh = attempt.mesh(attempt.tolerance(0)) or goal.mesh
+        goal = replace(goal, warm_start=None, mesh=mesh)
     return attempt
 
 

@@ -16,7 +16,7 @@ A value is named only if the question with it, put as it stands, has a certified
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import copysign, isfinite, sqrt
+from math import copysign, inf, sqrt
 
 from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
@@ -38,6 +38,9 @@ MISSED = 1e-5  # relative: by what a question as it stands may miss the smallest
 SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Of the way and of the value: added to a value, until the question as it stands has a cam."""
 STEPS = 8  # of the secant outwards
+STRIPS, BEYOND_STRIP = 3, 1.5
+"""Steps outwards, and the factor of each, where a trial finds neither a cam nor an excess."""
+UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
 SECANTS = 8  # inwards, before brackets are halved alone
 CLOSING = 5  # trials at the fine tolerance
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
@@ -45,6 +48,7 @@ BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
 far will do."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
+SLOW = 0.1  # of the excess before: where more is left the secant may not end
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
@@ -254,7 +258,7 @@ class Boundary:
         excess = self.excesses.get(value)
         if self.number.sense in "=±" or excess is None or value == 0.0:
             return False
-        way = (excess + COARSE) * abs(value) / self.number.power
+        way, strips = (excess + COARSE) * abs(value) / self.number.power, 0
         for _ in range(STEPS):
             value = self.number.tightest + self.direction * way
             if not self.oracle.is_valid(self.number, value):
@@ -262,7 +266,15 @@ class Boundary:
             trial = self._tried(value)
             if trial.certified:
                 return True
+            if trial.excess is None and strips < STRIPS:
+                # Next to the least value neither a cam nor a proof may be found: beyond it.
+                way, strips = BEYOND_STRIP * way, strips + 1
+                continue
             if trial.excess is None or trial.excess > FALLING * excess:
+                return False
+            # Trials become dearer as limits are relaxed: does anything suffice at all?
+            slow = self.number.farthest is None and trial.excess > SLOW * excess
+            if slow and not self.oracle.without([self.number]).certified:
                 return False
             fall = (excess - trial.excess) / abs(value - before)
             way += (trial.excess + COARSE) / fall
@@ -275,7 +287,8 @@ class Boundary:
         spec = self.oracle.spec
         if objective is None or self.number.paths[0].startswith("program"):
             return False
-        if isfinite(ends(spec.base_radius_mm)[1]):  # the smallest cam is a sharper measure
+        low, high = ends(spec.base_radius_mm)
+        if low < high < inf:  # the smallest cam is a sharper measure
             return False
         trial = self.oracle.ask(without(spec, [self.number]), self._fine, objective)
         if not trial.certified:
@@ -331,7 +344,8 @@ class Boundary:
             levels = self.levels
             failed = [v for v in levels if levels[v] > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            width = max(ROUGH * self._way(good), ROUNDING * abs(good))
+            known = any(value in self.excesses for value in failed[-1:])
+            width = max((ROUGH if known else UNKNOWN) * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
             zero = zero_of(self.excesses, levels if began_near else failed, good)

@@ -85,7 +85,8 @@ def gentlest_law(attempt: Attempt) -> PhaseOneResult | None:
     """
     search = attempt.searches[0]
     problem = search.problem
-    if not problem.free or search.least_excess is not None or search.infeasibility_proof:
+    known = search.strained or search.least_excess is not None or search.infeasibility_proof
+    if not problem.free or known:
         return None
     return minimise_excess(problem, [uniform_grid(s, INTERVALS) for s in problem.free], 0.0)
 
@@ -121,15 +122,28 @@ def _given_vibration_conflict(problem: Problem, given: set[int]) -> str:
 
 def _mean_velocity_conflict(problem: Problem) -> str:
     """Which limit lies below a mean velocity: by the mean value theorem every law reaches that."""
+    for segment, name, mean, most in _mean_velocities(problem):
+        if mean > most + ROUNDING * abs(mean):
+            return f"proven: {name} is below the mean velocity over program/{segment.index}"
+    return ""
+
+
+def mean_velocity_excess(attempt: Attempt) -> float | None:
+    """By how much mean velocities exceed their limits at most, relatively; None if none does."""
+    problem = attempt.searches[0].problem
+    excesses = [mean / most - 1.0 for _, _, mean, most in _mean_velocities(problem) if most > 0.0]
+    worst = max(excesses, default=0.0)
+    return worst if worst > ROUNDING else None
+
+
+def _mean_velocities(problem: Problem) -> Iterator[tuple[PlacedSegment, str, float, float]]:
+    """Of every limit on the velocity of a free law: segment, name, mean velocity, its most."""
     for segment in problem.free:
         for row in problem.limit_rows(segment):
             if row.orders != (1,) or any(row.size) or row.interval is not None:
                 continue
             mean = row.coefficients[1] * segment.lift / segment.angle
-            if mean > row.upper + ROUNDING * abs(mean):
-                name = row.source.replace("_", " ")
-                return f"proven: {name} is below the mean velocity over program/{segment.index}"
-    return ""
+            yield segment, row.source.replace("_", " "), mean, row.upper
 
 
 def _given_cam_conflict(problem: Problem, attempt: Attempt, given: set[int]) -> str:

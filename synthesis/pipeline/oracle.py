@@ -18,7 +18,12 @@ from synthesis.certify import certify
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
-from synthesis.pipeline.infeasibility import contains_angle, gentlest_law, infeasibility_proof
+from synthesis.pipeline.infeasibility import (
+    contains_angle,
+    gentlest_law,
+    infeasibility_proof,
+    mean_velocity_excess,
+)
 from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve_with_maximum
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
@@ -54,7 +59,9 @@ class Trial:
         known = next((each.least_excess for each in self.attempt.searches[-1:]), None)
         if known is not None or self.certified or not self.attempt.searches:
             return known
-        gentlest = gentlest_law(self.attempt)
+        mean, gentlest = mean_velocity_excess(self.attempt), gentlest_law(self.attempt)
+        if mean is not None:
+            return mean
         return None if gentlest is None or gentlest.fits else gentlest.share - 1.0
 
     @property

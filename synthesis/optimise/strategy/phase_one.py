@@ -46,7 +46,8 @@ GAIN = 1e-4  # of the share, by an iteration: less is not worth another where no
 INTERVALS = 24  # of a mesh where none is known
 NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
-LITTLE = 0.1  # of what a share exceeds 1 by: a smaller change brings it no nearer
+IDLE = 4  # vertices in a row whose share changes by more than it has changed before
+LITTLE = 0.1  # of what a share differs from 1 by: a smaller change brings it no nearer
 VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
 MULTIPLIER = 1e-6  # of the objective's: rows with a smaller one hold nothing back
 SPARE = 1e-6  # of 1: a share as far below it leaves a solver slack
@@ -215,7 +216,7 @@ def _to_last_digits(auxiliary: Problem, near: PhaseOneResult, deadline: float) -
     that bind there to rounding. From vertex to vertex the knots move onto the switches; how far the
     share is from its least falls with their distance. Sizes are left out, as any law may have them.
     """
-    grids, share = near.grids, inf
+    grids, share, least_change, idle = near.grids, inf, inf, 0
     for _ in range(LOCATIONS):
         model = formulate(auxiliary, grids, 0.0)
         rows, end = model.program, model.program.equalities + model.program.inequalities
@@ -231,15 +232,18 @@ def _to_last_digits(auxiliary: Problem, near: PhaseOneResult, deadline: float) -
         cam = recover_cam(auxiliary, *model.recover(vertex.x))
         if cam.value < 1.0 - NEAR:
             break  # cones, which are not among the rows, hold the share up
-        little = max(0.1 * MET, LITTLE * (cam.value - 1.0 - SPARE))
-        if abs(cam.value - share) <= (MET if abs(cam.value - 1.0) <= MET else little):
+        little = max(0.1 * MET, LITTLE * (abs(cam.value - 1.0) - SPARE))
+        change = abs(cam.value - share)
+        if change <= (MET if abs(cam.value - 1.0) <= MET else little):
             tight = _held_back(model, vertex.multipliers)
             last = replace(near, grids=grids, share=cam.value, laws=cam.laws, tight=tight)
             # Rows between points may have flattered the law that it began with.
             return last if last.just_meets or last.share < near.share else near
         grids, share = grids_on_switches(auxiliary, cam, INTERVALS), cam.value
-        if not grids or clock.now() >= deadline:
-            break
+        idle = 0 if change < least_change else idle + 1
+        least_change = min(least_change, change)
+        if not grids or idle == IDLE or clock.now() >= deadline:
+            break  # the knots wander, and come no nearer to the switches
     return near
 
 
