@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Check a proof about a cam, in exact arithmetic: python3 -I -S check.py proof.json
+"""Check proofs about cams, in exact arithmetic: python3 -I -S check.py proof.json | proofs.zip
 
 One file, the standard library alone, integers and fractions in everything that it concludes. It
 reads the question as it was asked and believes nothing else in the file: the cam and the
 multipliers are witnesses, which may be wrong and are then refused. docs/proof.md has the format,
 the symbols, and the theorem behind each step by its number here. Exit codes: 0 and a sentence for
-each claim; 1 and the first step that fails; 2 and why the file cannot be read.
+each claim; 1 and the first step that fails; 2 and why the file cannot be read. Of several files, in
+an archive or named one after the other, the largest code.
 
 Angles are in degrees: on a segment of d degrees s = level + h g(x), and v, a, j are the derivatives
 of s per degree [mm]. A degree is c = pi/180 radian: s' = v/c, s'' = a/c^2. Of a roller X = s0 + s,
@@ -14,14 +15,17 @@ u = s' - e, W^2 = X^2 + u^2. The size z is (c e, s0), of a flat face (c^2 Rb, 0)
 import json
 import re
 import sys
+import zlib
 from collections import Counter, defaultdict
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
 from math import comb, factorial, isqrt
+from zipfile import BadZipFile, ZipFile
 
 MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 25, 60  # of the file; of a number
-MOST_SEGMENTS, MOST_LIMITS = 100, 50  # of a question; of a file, all claims together:
+MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
+# of a file, all claims together:
 MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
@@ -552,10 +556,28 @@ def check(content):
         return 2
     return 0
 
+def contents(path):
+    """The name and the content of a file, or of every file in an archive."""
+    if not path.endswith(".zip"):
+        with open(path, "rb") as file:
+            yield path, file.read(MOST_BYTES + 1)
+        return
+    with ZipFile(path) as archive:
+        names = archive.namelist()
+        demand(0 < len(names) <= MOST_FILES, "the archive holds no files, or too many")
+        for name in names:
+            with archive.open(name) as file:
+                yield f"{path}/{ascii(name)[1:-1]}", file.read(MOST_BYTES + 1)
+
 if __name__ == "__main__":
-    try:
-        with open(sys.argv[1], "rb") as file:
-            sys.exit(check(file.read(MOST_BYTES + 1)))
-    except (OSError, IndexError) as error:
-        print(f"the file cannot be read: {error}")
-        sys.exit(2)
+    code = 0 if sys.argv[1:] else 2
+    for path in sys.argv[1:]:
+        try:
+            for name, content in contents(path):
+                spent.clear()
+                print(name)
+                code = max(code, check(content))
+        except (OSError, ValueError, RuntimeError, BadZipFile, Failure, zlib.error) as error:
+            print(f"{path} cannot be read: {ascii(str(error))[:100]}")
+            code = 2
+    sys.exit(code)

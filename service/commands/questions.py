@@ -5,7 +5,6 @@ What is printed of an answer is in `tables`; solvers and formats are imported wh
 
 from __future__ import annotations
 
-import json
 import re
 import time
 from pathlib import Path
@@ -31,6 +30,7 @@ from service.commands.terminal import (
 from service.settings import settings_from
 from synthesis.design.design import WITHOUT_CAM
 from synthesis.errors import CamwrightError, InputError
+from synthesis.exporters.exporter import compact_json
 from synthesis.machines.linkages import LINKAGES
 
 SEPARATORS = re.compile(r"[,;\s]+")
@@ -183,18 +183,17 @@ def proof(
     Exit codes: 0 written, every claim proven; 2 the file is not a design, or cannot be written; 3
     written, and some claims are not covered: which and why is printed.
     """
-    from service.workers.tasks import prove_design
     from synthesis.design.design import Design
+    from synthesis.pipeline.proof_file import proof as proof_of
 
     try:
-        content = prove_design(read_spec(design, Design).model_dump_json().encode())
+        found = proof_of(read_spec(design, Design))
     except CamwrightError as error:
         stop(str(error))
-    claims = json.loads(content)["claims"]
-    for claim in claims:
+    for claim in found["claims"]:
         out.print(f"{claim['place']}: {'proven' if claim['proven'] else claim['reason']}")
-    save({to.name: content}, to.parent)
-    if not all(claim["proven"] for claim in claims):
+    save({to.name: compact_json(found)}, to.parent)
+    if not all(claim["proven"] for claim in found["claims"]):
         raise typer.Exit(3)
 
 

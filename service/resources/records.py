@@ -16,7 +16,7 @@ from service.resources.resource import Accepted, Resource, ResourceFile, StatusO
 from service.sweeps.store import design_of_item
 from service.wire.errors import ProblemType
 from service.workers import tasks
-from service.workers.tasks import DESIGN_FORMATS, write_file
+from service.workers.tasks import DESIGN_FORMATS, PROOF, write_file
 from synthesis.design.analysis import Analysis
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design, Status
@@ -106,6 +106,7 @@ DESIGNS = Resource(
             for name, each in formats.items()
         ),
         *(ResourceFile(PICTURES[name], write_design, name) for name in PICTURES if name != REPORT),
+        ResourceFile(PROOF, write_design, PROOF.name),
     ),
     marks_broken_limits=True,
     own_delete=True,

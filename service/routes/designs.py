@@ -1,10 +1,10 @@
-"""What designs alone have: sensitivities, confirmation, proof, the report, and DELETE."""
+"""What designs alone have: sensitivities, confirmation, the report, and DELETE."""
 
 from __future__ import annotations
 
 import json
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
@@ -16,7 +16,7 @@ from service.state import Parts, State
 from service.sweeps.views import sweep_path
 from service.wire.conditional import not_modified, tag_of
 from service.wire.errors import ProblemType
-from service.workers.tasks import confirm_design, design_sensitivities, prove_design
+from service.workers.tasks import confirm_design, design_sensitivities
 from synthesis.certify.second import Confirmation
 from synthesis.design.analysis import Sensitivities
 from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS, report_with
@@ -73,27 +73,6 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
     tag = tag_of(row.etag or "", "confirmation", "json", "")
     return not_modified(request, tag) or Response(
         await in_worker(parts, partial(confirm_design, design)), 200,
-        {"ETag": f'"{tag}"'}, "application/json",
-    )  # fmt: skip
-
-
-@router.get(
-    "/v1/designs/{design_id}/proof.json",
-    tags=["designs"],
-    response_model=dict[str, Any],
-    responses={200: etag_response()[200], **problems(404, 409, 429, 500, 503, 504)},
-    summary="A design's claims as a proof that anyone can check",
-)
-async def get_proof(request: Request, design_id: str, parts: Parts) -> Response:
-    """The question, the cam, and every claim with its witness, or with why it is not covered.
-
-    `checker/check.py` reads it: one file of Python without packages, in exact arithmetic. The page
-    `proof` of the documentation has the format and the theorems. Takes as long as the design.
-    """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
-    tag = tag_of(row.etag or "", "proof", "json", "")
-    return not_modified(request, tag) or Response(
-        await in_worker(parts, partial(prove_design, design)), 200,
         {"ETag": f'"{tag}"'}, "application/json",
     )  # fmt: skip
 

@@ -5,7 +5,6 @@ Solvers are imported in the functions: the process that answers requests does no
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,9 +22,11 @@ from synthesis.exporters import (
     PICTURES,
     PROFILE_FORMATS,
     SOLID_FORMATS,
+    Exporter,
     FileContent,
+    Options,
 )
-from synthesis.exporters.exporter import FileFormat
+from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.machines.dynamics import TrainSpec
 from synthesis.machines.dynamics.files import TRAIN_FILES
 from synthesis.machines.linkages import LINKAGES
@@ -66,6 +67,22 @@ class Answer:
 Task = Callable[[bytes, float], Answer]  # question and time budget [s] to the answer
 SENSITIVITY_SHARE = 0.8  # of the time budget: what is known by then is reported
 DESIGN_FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
+
+
+def _prove(design: Design, _: Options) -> bytes:
+    from synthesis.pipeline.proof_file import proof
+
+    return compact_json(proof(design))
+
+
+PROOF = Exporter(
+    "proof.json", "Proof that anyone can check", "application/json", ".json", _prove, Options,
+    "The question, the cam, and every claim with its witness, or with why it is not covered.\n\n"
+    "`checker/check.py` reads it: one file of Python without packages, in exact arithmetic. The "
+    "page `proof` of the documentation has the format and the theorems. Takes as long as the "
+    "design.",
+    in_worker=True, without_cam=True,
+)  # fmt: skip
 
 
 def links_to(path: str, id: str, files: Iterable[str]) -> dict[str, str]:
@@ -131,10 +148,10 @@ def design_answer(
     }
     has_cam = bool(design.motion)
     points = [f"{part}.{name}" for part, formats in DESIGN_FORMATS.items() for name in formats]
-    pictures = [name for name, each in PICTURES.items() if has_cam or each.without_cam]
+    others = [name for name, each in PICTURES.items() if has_cam or each.without_cam]
     return _answer(
         design, design.status, started, summary, "/v1/designs",
-        [*(points if has_cam else ()), *pictures],
+        [*(points if has_cam else ()), *others, PROOF.name],
         quantities=quantities, id=design.id, warm_start=neighbours[-1] if neighbours else None,
     )  # fmt: skip
 
@@ -210,13 +227,6 @@ def confirm_design(design: bytes) -> bytes:
     from synthesis.certify.second import confirm
 
     return confirm(Design.model_validate_json(design)).model_dump_json().encode()
-
-
-def prove_design(design: bytes) -> bytes:
-    """The proof file of a finished design."""
-    from synthesis.pipeline.proof_file import proof
-
-    return json.dumps(proof(Design.model_validate_json(design)), separators=(",", ":")).encode()
 
 
 def design_sensitivities(design: bytes, budget_s: float) -> bytes:

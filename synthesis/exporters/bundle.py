@@ -20,7 +20,7 @@ import io
 import json
 import re
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
@@ -76,13 +76,18 @@ class BundleOptions:
 
 def bundle(cams: CamSet, options: BundleOptions) -> bytes:
     """The archive."""
+    return archive(bundle_files(cams, options))
+
+
+def archive(files: Iterable[tuple[str, bytes]]) -> bytes:
+    """A ZIP archive of names and contents: the same files give the same bytes."""
     packed = io.BytesIO()
-    with ZipFile(packed, "w") as archive:
-        for name, content in bundle_files(cams, options):
+    with ZipFile(packed, "w") as zipped:
+        for name, content in files:
             entry = ZipInfo(name, LONG_AGO)
             entry.compress_type, entry.create_system = ZIP_DEFLATED, UNIX
             entry.external_attr = PLAIN_FILE
-            archive.writestr(entry, content, compresslevel=LEVEL)
+            zipped.writestr(entry, content, compresslevel=LEVEL)
     return packed.getvalue()
 
 

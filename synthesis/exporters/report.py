@@ -25,6 +25,10 @@ from synthesis.exporters.options import PictureOptions, ProfileOptions
 from synthesis.exporters.samples.cam import profiles
 
 Formats = Mapping[str, Exporter[Any]]
+CHECK = (
+    "<p class=note>Anyone can check this without the program that made it: "
+    "<a href=proof.json>proof.json</a> beside this page, or <code>camwright proof</code>.</p>"
+)
 VERDICTS = {
     "optimal": "certified, and proven to be within the tolerance of the best possible",
     "feasible": "certified: every limit holds at every cam angle",
@@ -105,7 +109,7 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     )
     holds = "Every limit holds at every cam angle."
     note = holds if certificate.certified else "Not every limit holds: see above."
-    yield _section("Certificate", proofs + _note(note))
+    yield _section("Certificate", proofs + _note(note) + CHECK)
     price = design.smoothness_cost
     if price is not None:
         costs = {"value": price.value, "with C2 laws": price.c2_value, "price": price.price,

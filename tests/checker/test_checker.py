@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 
@@ -58,7 +59,8 @@ def test_the_checker_is_one_file_of_plain_python_without_floating_point() -> Non
         )
     }
     assert imported == {
-        "json", "re", "sys", "collections", "fractions", "functools", "itertools", "math"
+        "json", "re", "sys", "zlib", "zipfile",
+        "collections", "fractions", "functools", "itertools", "math",
     }  # fmt: skip
     assert not [
         n for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, float)
@@ -78,6 +80,29 @@ def test_a_python_with_nothing_installed_accepts_the_example(proofs: Any, tmp_pa
     assert found.returncode == 0, found.stdout
     assert "no cam of this question has a base_radius below 34.9009" in found.stdout
     assert found.stdout.count("holds at every cam angle") == 5
+
+
+def test_an_archive_is_checked_as_a_whole(proofs: Any, impossible: Any, tmp_path: Path) -> None:
+    broken = json.loads(json.dumps(impossible))
+    broken["question"]["limits"] = []
+
+    def run(*files: bytes) -> tuple[int, str]:
+        with ZipFile(tmp_path / "proofs.zip", "w") as archive:
+            for number, content in enumerate(files):
+                archive.writestr(f"item-{number}.proof.json", content)
+        command = [sys.executable, "-I", "-S", str(checker_path()), "proofs.zip"]
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        return found.returncode, found.stdout
+
+    sound = [json.dumps(each).encode() for each in (proofs["example-13-6-sized"], impossible)]
+    code, text = run(*sound)
+    assert (code, text.count("item-"), text.count("claims proven")) == (0, 2, 2), text
+    assert run(json.dumps(broken).encode(), *sound)[0] == 1
+    assert run(*sound, b"{")[0] == 2
+    assert run()[0] == 2
+    (tmp_path / "proofs.zip").write_bytes(b"PK")
+    command = [sys.executable, str(checker_path()), "proofs.zip"]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode == 2
 
 
 @pytest.mark.parametrize("name", MUTANTS)

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import re
+import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import httpx2
 import pytest
 
 from service.contract.examples import SELF_CHECK, examples
+from synthesis.pipeline.proof_file.checker import checker_path
 from tests.service.conftest import Running, wait_until, wait_until_idle
+from tests.service.sweeps.test_sweeps import over
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +37,7 @@ def test_worked_examples(client: httpx2.Client, name: str) -> None:
     if name.startswith("infeasible"):
         assert design["status"] == "infeasible"
         assert design["conflict"]["relaxations"]
-        assert list(design["links"]) == ["self", "report.html"]
+        assert list(design["links"]) == ["self", "report.html", "proof.json"]
         return
     assert design["certificate"]["certified"]
     assert all(extreme["holds"] for extreme in design["extremes"])
@@ -254,6 +258,29 @@ def test_a_design_is_confirmed_to_25_digits(client: httpx2.Client) -> None:
     none = post(client, examples()["infeasible-on-purpose"]["value"]).json()
     refused = client.get(f"/v1/designs/{none['id']}/confirmation")
     assert (refused.status_code, refused.json()["type"]) == (409, "/problems/nothing-fits")
+
+
+def test_the_proofs_of_a_sweep_are_one_archive_that_the_checker_reads(
+    client: httpx2.Client, tmp_path: Path
+) -> None:
+    base = examples()["flat-face"]["value"]
+    axis = {"kind": "list", "pointer": "/base_radius_mm", "values": [None, {"max": 5.0}]}
+    where = client.post("/v1/sweeps", json={"base": base, "axes": [axis]}).headers["location"]
+    assert over(client, where)["state"] == "successful"
+    answer = client.get(f"{where}/proofs.zip", params={"item": [1, 0, 1]})
+    assert answer.status_code == 200, answer.text
+    (tmp_path / "proofs.zip").write_bytes(answer.content)
+    command = [sys.executable, "-I", "-S", str(checker_path()), "proofs.zip"]
+    found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout
+    assert found.stdout.splitlines()[0] == "proofs.zip/item-0.proof.json"
+    assert "no cam of this question has a base_radius below" in found.stdout
+    assert "infeasible: no law and no size keep these limits together" in found.stdout
+    known = {"if-none-match": answer.headers["etag"]}
+    again = client.get(f"{where}/proofs.zip", params={"item": [0, 1]}, headers=known)
+    assert again.status_code == 304
+    assert client.get(f"{where}/proofs.zip", params={"item": 7}).status_code == 404
+    assert client.get(f"{where}/proofs.zip").status_code == 422
 
 
 def test_a_design_has_a_proof_file_with_or_without_a_cam(client: httpx2.Client) -> None:
