@@ -19,7 +19,7 @@ import zlib
 from collections import Counter, defaultdict
 from fractions import Fraction
 from functools import lru_cache
-from itertools import product
+from itertools import product, zip_longest
 from math import comb, factorial, isqrt
 from zipfile import BadZipFile, ZipFile
 
@@ -38,12 +38,23 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm velocity_mm_per_s",
     "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
     "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
+    "named law": "inflection",
     "translating_roller": "roller_radius_mm closure offset_mm",
     "translating_flat_face": "offset_mm tilt_deg",
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "face_width": "width_mm left_mm right_mm",
     "base_radius": "", "peak_acceleration": "", "peak_jerk": ""}
+POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
+    "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
+    "polynomial_4_5_6_7": (4, 35, -84, 70, -20),
+    "polynomial_5_6_7_8_9": (5, 126, -420, 540, -315, 70),
+    "polynomial_6_7_8_9_10_11": (6, 462, -1980, 3465, -3080, 1386, -252),
+    "peisakh_11": (5, 336, -1890, 4740, -6615, 5320, -2310, 420)}
+SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the acceleration
+    "parabolic": (0, 40, 0), "simple_harmonic": (0, 0, 40), "cycloidal": (20, 0, 20),
+    "modified_trapezoid": (10, 20, 10), "modified_sine": (10, 0, 30), "mcv50_makino": (5, 0, 15),
+    "cv50_half_sine": (10, 0, 10), "cv50_modified_trapezoid": (5, 10, 5), "scca_cv20": (8, 16, 8)}
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1}
@@ -93,7 +104,7 @@ def kind_of(body, *kinds):
     """What an object is, one of some kinds, without anything that this checker does not know."""
     kind = kinds[0] if kinds == ("question",) else get(body, "kind", str)
     demand(kind in kinds, f"{ascii(kind)[:40]} is not covered")
-    names = ["kind", *FIELDS[kind].split()]
+    names = ["kind", *FIELDS["named law" if kind in (*POLYNOMIALS, *SCCA) else kind].split()]
     unknown = [k for k, v in body.items() if k not in names and v not in (None, [], {})]
     demand(not unknown, f"{kind} has {ascii(unknown)[:80]}, which is not covered")
     return kind
@@ -107,13 +118,17 @@ def range_of(value):
 class Segment:
     def __init__(self, index, body, rate):
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
-        self.index, self.free, self.degrees = index, kind in ("rise", "return"), body["angle_deg"]
+        self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
-        if self.free:
+        if kind in ("rise", "return"):
             law, lift = body["law"], get(body, "lift_mm")
-            kind_of(law, "spline")
-            self.forward = not get(law, "overshoot", bool)
-            self.smooth = whole(law, "smoothness", 1, 4)
+            self.law = kind_of(law, "spline", *POLYNOMIALS, *SCCA)
+            self.free = self.law == "spline"
+            if self.free:
+                self.forward = not get(law, "overshoot", bool)
+                self.smooth = whole(law, "smoothness", 1, 4)
+            else:
+                demand(get(law, "inflection") * 2 == 1, "an inflection that is moved is not covered")
             self.lift = lift if kind == "rise" else -lift
             good = good and lift > 0
         elif kind == "constant_velocity":
@@ -247,14 +262,86 @@ def halves(b, middle):
         b = [middle(x, y) for x, y in zip(b, b[1:])]
     return left, right
 
-class Piece:
-    """A polynomial piece of the motion: s, v, a, j, and where it lies [deg]."""
+def total(*pairs):
+    return sum(x for x, _ in pairs), sum(y for _, y in pairs)
 
-    def __init__(self, segment, start, width, s):
-        self.segment, self.start, self.width, self.s = segment, start, width, [s]
-        for _ in range(4):
-            s = [(len(s) - 1) * (y - x) / width for x, y in zip(s, s[1:])] or [ZERO]
-            self.s.append(s)
+def by(pair, factor):
+    low, high = sorted((pair[0] * factor, pair[1] * factor))
+    return low // 1, -(-high // 1)
+
+PI = enclose([180 * C[0]], [180 * C[1]])[0]
+INVERSE = enclose([1 / (180 * C[1])], [1 / (180 * C[0])])[0]  # of pi
+
+def sine(order, last=28):
+    """A derivative of sin(pi u / 2), 0 <= u <= 1, in powers of u, its remainder in the first one.
+
+    The terms alternate and shrink: what is left out is less than the first of them.
+    """
+    power, found = (UNIT, UNIT), []
+    for i in range(last + 1):
+        if i >= order:
+            sign = (-1) ** (i // 2) if i % 2 else 0
+            found.append(by(power, Fraction(sign, factorial(i - order))))
+        power = times([power], [by(PI, Fraction(1, 2))])[0]
+    rest = by(power, Fraction(1, factorial(last + 1 - order)))[1]
+    found[0] = total(found[0], (-rest, rest))
+    return found
+
+@lru_cache(maxsize=None)
+def parts_of(law):
+    """The parts of a given law g on [0, 1]: start, width, and g with four derivatives.
+
+    A part is the sum of p_i y^i and q sin(pi y / 2w), y measured from one end, w its width.
+    """
+    one, none, found, at = (UNIT, UNIT), (0, 0), [], ZERO
+    if law in SCCA:
+        (b, c, d), q = (Fraction(x, 40) for x in SCCA[law]), INVERSE
+        flat, square = 1 - b - c - d, times([q], [q])[0]
+        v1, s1 = by(q, b), total(by(q, b * b / 2), by(square, -b * b))
+        v2, s2 = total(v1, by(one, c / 2)), total(s1, by(v1, c / 2), by(one, c * c / 8))
+        v3, s3 = total(v2, by(q, d)), total(s2, by(v2, d / 2), by(square, d * d))
+        end = total(s3, by(v3, flat / 2))
+        peak = UNIT * UNIT // (2 * end[1]), -(-UNIT * UNIT // (2 * end[0]))  # as g(1/2) = 1/2
+        parts = [(b / 2, 1, [none, v1], by(square, -b * b)),
+                 (c / 2, 1, [s1, v1, by(one, Fraction(1, 2))], none),
+                 (d / 2, -1, [s3, v2], by(square, d * d)), (flat / 2, -1, [end, v3], none)]
+        parts = [(w, way, [times([x], [peak])[0] for x in p], times([a], [peak])[0])
+                 for w, way, p, a in parts if w]
+    else:
+        lowest, *c = POLYNOMIALS.get(law, (1, 1))
+        parts = [(ONE, 1, [none] * lowest + [by(one, x) for x in c], none)]
+    for w, way, p, a in parts:
+        orders, y = [], way * w  # of y at u = 1
+        for k in range(5):
+            c = [by(x, Fraction(factorial(i), factorial(i - k)) * y**i / y**k)
+                 for i, x in enumerate(p) if i >= k] or [none]
+            wave = [by(times([x], [a])[0], way / y**k) for x in sine(k)] if any(a) else []
+            c = [total(x, z) for x, z in zip_longest(c, wave, fillvalue=none)]
+            b = [total(*(by(x, Fraction(comb(m, i), comb(len(c) - 1, i)))
+                         for i, x in enumerate(c[: m + 1]))) for m in range(len(c))]
+            orders.append(b[::way])
+        found.append((at, w, orders))
+        at += w
+    if at < 1:  # the second half is 1 - g(1 - x)
+        for start, w, orders in found[::-1]:
+            turned = [[by(x, -((-1) ** k)) for x in b[::-1]] for k, b in enumerate(orders)]
+            turned[0] = [total(one, x) for x in turned[0]]
+            found.append((1 - start - w, w, turned))
+    return found
+
+def given(law, k, x):
+    """A derivative of a given law at a place on [0, 1]: two fractions."""
+    start, w, orders = [part for part in parts_of(law) if part[0] <= x][-1]
+    u, b = (x - start) / w, orders[k]
+    while len(b) > 1:  # de Casteljau
+        b = [(p * (1 - u) + r * u, q * (1 - u) + t * u) for (p, q), (r, t) in zip(b, b[1:])]
+    return Fraction(b[0][0], UNIT), Fraction(b[0][1], UNIT)
+
+class Piece:
+    """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg]."""
+
+    def __init__(self, segment, start, width, orders):
+        self.segment, self.start, self.width, self.s = segment, start, width, orders
 
     def show(self, test, *polynomials):
         """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
@@ -276,7 +363,11 @@ def pieces_of(segment, law):
     h, d, level, found = segment.lift, segment.degrees, segment.level, []
     if not segment.free:
         demand(law is None, f"program/{segment.index} has a law", 2)
-        return [Piece(segment, ZERO, d, [level, level + h])]
+        for start, w, orders in parts_of(segment.law):
+            orders = [[by(x, h / d**k) for x in b] for k, b in enumerate(orders)]
+            orders[0] = [total(x, enclose([level])[0]) for x in orders[0]]
+            found.append(Piece(segment, d * start, d * w, orders))
+        return found
     p, t, c = whole(law, "degree", 1, 5), get(law, "knots", list), get(law, "coefficients", list)
     good = t[:1] + t[-1:] == [0, 1] and all(x < y for x, y in zip(t, t[1:]))
     good = good and segment.smooth < p and len(c) == len(t) - 1 + p
@@ -292,7 +383,11 @@ def pieces_of(segment, law):
                 row = [((v - x) * y + (x - u) * z) / (v - u)
                        for (u, v), y, z in zip(around, row, row[1:])]
             s.append(level + h * row[0])
-        found.append(Piece(segment, d * start, d * (end - start), s))
+        orders, width = [s], d * (end - start)
+        for _ in range(4):
+            s = [(len(s) - 1) * (y - x) / width for x, y in zip(s, s[1:])] or [ZERO]
+            orders.append(s)
+        found.append(Piece(segment, d * start, width, [enclose(s) for s in orders]))
     return found
 
 # Step 5. The cam of the file: what its limits say, at every cam angle.
@@ -315,7 +410,8 @@ class Cam:
             demand(good, f"derivative {smooth} jumps inside program/{left.index}")
             sides = inside[-1], self.of[right.index][0]
             for k in range(smooth + 1):
-                jump = abs(sides[0].s[k][-1] - sides[1].s[k][0])
+                (p, q), (r, t) = sides[0].s[k][-1], sides[1].s[k][0]
+                jump = Fraction(max(p - t, r - q, 0), UNIT)  # enclosed to 1e-18 of its scale
                 scales = [(abs(p.segment.lift) / p.segment.degrees**k, p.segment.degrees / p.width)
                           for p in sides if p.segment.lift]
                 most = min((h * max(1, min(n, 1000) ** k * ROUNDING) for h, n in scales), default=0)
@@ -330,8 +426,8 @@ class Cam:
             if row:
                 (alpha, size, rhs), scale = row, c if self.question.roller else c * c
                 spare = enclose([rhs - size[0] * scale * self.size[0] - size[1] * self.size[-1]])
-                for factor, s in zip(alpha, piece.s):
-                    spare = plus(spare, enclose([-factor * x for x in s])) if factor else spare
+                for factor, b in zip(alpha, piece.s):
+                    spare = plus(spare, [by(x, -factor) for x in b]) if factor else spare
                 piece.show(lambda b: min(b) >= 0, spare)
 
     def bend(self, side, radius, around=False):
@@ -353,7 +449,7 @@ class Cam:
         minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
         e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
         for piece in self.pieces:
-            s, v, a, *_ = map(enclose, piece.s)
+            s, v, a, *_ = piece.s
             x, slope = plus(s, s0), times(d, v)
             u = plus(slope, e)
             w = plus(times(x, x), times(u, u))
@@ -397,8 +493,9 @@ def half_plane(question, proof):
     order = whole(proof, "order", 2, 3)
     kind = {2: "acceleration", 3: "jerk"}[order]
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
-    demand(caps, f"nothing limits the {kind} of every law")
-    cap, total, sizes, joints = min(caps) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
+    demand(caps or not any(s.free for s in question.program),
+           f"nothing limits the {kind} of every law")
+    cap, constant, sizes, joints = min(caps, default=ZERO) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
         h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
@@ -414,7 +511,8 @@ def half_plane(question, proof):
             alpha, size, rhs = row
             rhs -= alpha[0] * segment.level
             alpha = [f * h / d**k for k, f in enumerate(alpha)]
-            demand(not any(alpha[order:]), "a row is of the derivative that is limited itself")
+            good = not segment.free or not any(alpha[order:])
+            demand(good, "a row is of the derivative that is limited itself")
             for x, *more in get(group, "multipliers", list):
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and low >= 0 <= high, "a multiplier is negative, or beyond")
@@ -427,10 +525,11 @@ def half_plane(question, proof):
                 for at, n, weight in kernels:
                     for k in range(order):
                         psi[at][order - 1 - k + n] += weight * alpha[k]
-                if not segment.free:  # g = x
+                if not segment.free:
                     demand(x == y, "a density on a segment that is not free")
-                    total += mass * (alpha[0] * x + alpha[1])
-                total -= mass * rhs
+                    constant += mass * sum(min(f * bound for bound in given(segment.law, k, x))
+                                           for k, f in enumerate(alpha))
+                constant -= mass * rhs
                 sizes = [p + mass * q for p, q in zip(sizes, size)]
         if segment.free:
             # 6.2 End conditions are equalities, with multipliers of either sign. What is left of a
@@ -439,24 +538,26 @@ def half_plane(question, proof):
                 psi[ONE][order - 1 - k] += nu
                 joints[segment.index, k] -= nu * d**k / h
             area, shares = remainder(psi)
-            total -= area * cap * d**order / abs(h)
+            constant -= area * cap * d**order / abs(h)
             for k in range(1, order):
                 joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
     # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
     for (index, k), share in joints.items():
         left, right = question.program[index], question.program[index].after
-        lines = [s for s in (left, right) if not s.free]
+        known = [(s, end) for s, end in ((left, ONE), (right, ZERO)) if not s.free]
         turns = left.forward and right.forward and left.lift * right.lift < 0
         if k == 0:
-            total += share * left.lift
-        elif lines:
-            total += share * lines[0].lift / lines[0].degrees * (k == 1)
+            constant += share * left.lift
+        elif known:
+            (segment, end), *_ = known
+            share *= segment.lift / segment.degrees**k
+            constant += min(share * bound for bound in given(segment.law, k, end))
         elif share and not (k == 1 and turns):
             demand(right.forward, f"the start of program/{right.index} is not bounded")
             most = cap * right.degrees**order / abs(right.lift)
             most = 1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12
-            total -= abs(share * right.lift) / right.degrees**k * most
-    return total, sizes
+            constant -= abs(share * right.lift) / right.degrees**k * most
+    return constant, sizes
 
 def remainder(kernels):
     """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.

@@ -3,6 +3,9 @@
 import random
 from typing import Any
 
+NAMED = (
+    "polynomial_3_4_5", "polynomial_4_5_6_7", "cycloidal", "modified_sine", "modified_trapezoid",
+)  # fmt: skip
 LEAST_JERK = 32.0  # of h/T³: what a move from rest to rest needs
 LEAST_ACCELERATION = 4.0  # of h/T²
 
@@ -15,18 +18,20 @@ def question(chance: random.Random) -> dict[str, Any]:
     top = chance.choice((0.0, round(0.3 * left, 3)))
     law = {"kind": "spline", "smoothness": chance.choice((2, 2, 2, 3)),
            "overshoot": chance.random() < 0.1}  # fmt: skip
+    given = [{"kind": chance.choice(NAMED)} for _ in range(chance.choice((0, 0, 0, 1, 2)))]
+    first, second = chance.sample([*given, *[law] * (2 - len(given))], 2)
     program = [
-        {"kind": "rise", "angle_deg": rise, "lift_mm": lift, "law": law},
+        {"kind": "rise", "angle_deg": rise, "lift_mm": lift, "law": first},
         {"kind": "dwell", "angle_deg": top},
-        {"kind": "return", "angle_deg": fall, "lift_mm": lift, "law": law},
+        {"kind": "return", "angle_deg": fall, "lift_mm": lift, "law": second},
         {"kind": "dwell", "angle_deg": round(left - top, 6)},
     ]
     time = min(rise, fall) / (6.0 * rpm)
-    share = chance.choice((0.9, *(1.2, 1.5, 3.0) * 4))
+    share = chance.choice((1.5, *(2.5, 3.5) * 4) if given else (0.9, *(1.2, 1.5, 3.0) * 4))
     limits: list[dict[str, Any]] = [
         {"kind": "jerk", "max_mm_per_s3": float(f"{LEAST_JERK * share * lift / time**3:.6g}")}
     ]
-    if chance.random() < 0.3:
+    if chance.random() < 0.3 and not given:
         most = LEAST_ACCELERATION * chance.uniform(1.2, 2.0) * lift / time**2
         limits.append({"kind": "acceleration", "max_mm_per_s2": float(f"{most:.5g}")})
     if chance.random() < 0.2:

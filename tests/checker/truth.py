@@ -6,10 +6,13 @@ that there is none.
 """
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from pydantic import ValidationError
+from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
 from synthesis import DesignSpec, synthesise
@@ -17,6 +20,13 @@ from synthesis.errors import CamwrightError
 
 Json = dict[str, Any]
 SAMPLES = 4000  # of a segment
+POWERS = {  # lowest power, coefficients
+    "polynomial_3_4_5": (3, (10, -15, 6)), "polynomial_4_5_6_7": (4, (35, -84, 70, -20)),
+}  # fmt: skip
+PARTS = {  # of sine, constant and cosine acceleration
+    "cycloidal": (0.5, 0.0, 0.5), "modified_sine": (0.25, 0.0, 0.75),
+    "modified_trapezoid": (0.25, 0.5, 0.25), "simple_harmonic": (0.0, 0.0, 1.0),
+}  # fmt: skip
 NEAR = 1e-6  # relative: what sampling and floating point may miss
 
 
@@ -118,6 +128,28 @@ def outside(asked: Any, value: float) -> float:
     return max(below, above, 0.0) / max(abs(value), 1e-300)
 
 
+@cache
+def given(kind: str | None) -> Any:
+    """A given law and three derivatives at the samples: its acceleration, integrated."""
+    x = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    if kind is None:
+        return np.array([x, np.ones(SAMPLES), np.zeros(SAMPLES), np.zeros(SAMPLES)])
+    if kind in POWERS:
+        g = Polynomial([0.0] * POWERS[kind][0] + list(POWERS[kind][1]))
+        return np.array([g(x), *(g.deriv(k)(x) for k in (1, 2, 3))])
+    b, c, d = PARTS[kind]
+    fine = np.linspace(0.0, 1.0, 40 * SAMPLES + 1)
+    y = np.minimum(fine, 1.0 - fine)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        waves = np.sin(np.pi * y / b), np.ones_like(y), np.cos(np.pi * (y - (b + c) / 2) / d)
+    shape = np.select([y < b / 2, y <= (b + c) / 2, y < (b + c + d) / 2], waves)
+    a = shape * np.where(fine <= 0.5, 1.0, -1.0)
+    v = cumulative_simpson(a, x=fine, initial=0.0)
+    s = cumulative_simpson(v, x=fine, initial=0.0)
+    table = np.array([s, v, a, np.gradient(a, fine)]) / s[-1]
+    return table[:, 20::40]
+
+
 def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
     """s to s''' per radian at many angles, the sense of the move, and whether it may overshoot."""
     columns, senses, may, level, levels = [], [], [], 0.0, [0.0]
@@ -131,7 +163,10 @@ def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
         lift = -lift if segment["kind"] == "return" else lift
         table = np.zeros((4, SAMPLES))
         if law is None:
-            table[0], table[1] = level + lift * x, lift / beta if beta else 0.0
+            g = given((segment.get("law") or {}).get("kind"))
+            for k in range(4 if beta else 1):
+                table[k] = lift * g[k] / (beta**k if k else 1.0)
+            table[0] += level
         else:
             p = int(law["degree"])
             knots = [0.0] * p + list(law["knots"]) + [1.0] * p

@@ -14,10 +14,11 @@ from math import floor, inf, isfinite, log10
 from typing import Any
 
 from synthesis.design.design import Design, Effort
-from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
-from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.driver import optimise
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
@@ -31,7 +32,7 @@ from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.checker import not_covered, objections, places
-from synthesis.pipeline.proof_file.multipliers import multipliers
+from synthesis.pipeline.proof_file.multipliers import broken_by_given_law, multipliers
 from synthesis.spec.design_spec import DesignSpec
 
 Json = dict[str, Any]
@@ -105,8 +106,8 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
 
 
 def _cam(design: Design) -> Json | None:
-    """The cam as it was delivered, but for rounding at the ends of laws; None where none was."""
-    if not design.motion:
+    """The cam as it was delivered, but for rounding at the ends of laws; None where none fits."""
+    if not design.motion or design.status == "infeasible":
         return None
     laws: list[Any] = [
         each.spline and each.spline.model_dump(exclude_none=True) for each in design.motion
@@ -120,29 +121,37 @@ def _cam(design: Design) -> Json | None:
 def _witnesses(design: Design) -> Iterator[Witness]:
     """Multipliers of programs whose rows are those of the question."""
     spec = design.spec
-    if not any(segment.law_is_free for segment in spec.placed_segments()):
-        return
     attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
     problem = next(attempt.problems(Goal(inf).smallest))
     length = attempt.question.units.length
-    # 1. The program whose multipliers gave the bound.
-    state = optimise(problem, attempt.tolerance(0))
-    if state.relaxation is not None and isfinite(state.relaxation[2].value):
-        model, solution, bound = state.relaxation
+    # 1. The program whose multipliers gave the bound; of given laws, that of the size alone.
+    relaxation = optimise(problem, attempt.tolerance(0)).relaxation
+    if not problem.free:
+        relaxation = _solved(formulate(problem, []))
+    if relaxation is not None and isfinite(relaxation[2].value):
+        model, solution, bound = relaxation
         known = [Bounded(problem.objective, bound.value, "")]
         (on_wire,) = in_wire_units(attempt.question, attempt.question.scaled, known)
         for found in multipliers(model, solution, spec, length):
             yield found, on_wire.lower
-    if design.motion:
+    if design.status != "infeasible":
         return
-    # 2. Where no law keeps the limits: the program for the share of a limit that every law needs,
-    #    or for the least excess of all others.
+    # 2. Where there is no cam: a given law that breaks a limit; the program for the share of a
+    #    limit that every law needs; or that for the least excess of all others.
+    for found in broken_by_given_law(problem, spec):
+        yield found, -inf
     if highest_caps(problem):
         for found in _share_of_limit(problem, spec, length):
             yield found, -inf
     excess = least_excess_program(problem)
     for found in [] if excess is None else multipliers(*excess[:2], spec, length):
         yield found, -inf
+
+
+def _solved(model: ConicModel) -> tuple[ConicModel, ConeSolution, Bound] | None:
+    """A program with its solution and bound; None where the solver gives no usable point."""
+    solution = solve(model.program)
+    return (model, solution, dual_bound(model, solution)) if solution.stopped in USABLE else None
 
 
 def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> list[Json]:
@@ -154,10 +163,8 @@ def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> list[J
     alone = replace(
         problem, limits=others, objective=LargestShare(shared=steering), objective_caps=()
     )
-    model = formulate(alone, grids if result is None else result.grids)
-    solution = solve(model.program)
-    usable = solution.stopped in USABLE
-    return multipliers(model, solution, spec, length) if usable else []
+    found = _solved(formulate(alone, grids if result is None else result.grids))
+    return [] if found is None else multipliers(*found[:2], spec, length)
 
 
 def _rounded_down(value: float) -> float:

@@ -22,6 +22,9 @@ from typing import Any
 
 import numpy as np
 
+from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import law_controls
@@ -42,9 +45,11 @@ from synthesis.optimise.dual_bound.row_functionals import (
     row_functionals,
 )
 from synthesis.optimise.dual_bound.switching import Switching
+from synthesis.optimise.problem.problem import Problem
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
+GIVEN = 2  # order that a file states where no law is free, so that it plays no part
 DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row binds where it is
 PLACES = 9  # decimals of a point on a law, likewise
 SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
@@ -70,10 +75,11 @@ def multipliers(
         model, solution: the program in problem units, and any multipliers of it.
         spec: the question [wire]. length: the problem's unit of length [mm].
     """
-    controls = law_controls(model)
-    if not controls or any(control.weight for control in controls):
+    controls = law_controls(model) or []
+    if any(control.weight for control in controls) or (model.problem.free and not controls):
         return []
-    order, z = controls[0].order, nonnegative_multipliers(model, solution)
+    order = controls[0].order if controls else GIVEN
+    z = nonnegative_multipliers(model, solution)
     rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
     psi: tuple[Switching, ...] = ()
     # as they are; then, where a limit binds along an arc, those for which ψ is small there
@@ -97,6 +103,38 @@ def multipliers(
         ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
         found.insert(0, _as_stated(order, groups, ends))
     return found
+
+
+def broken_by_given_law(problem: Problem, spec: DesignSpec) -> Iterator[dict[str, Any]]:
+    """A limit on the motion alone that a given law breaks, at the angle where it is worst."""
+    given = [segment for segment in problem.segments if segment not in problem.free]
+    for segment in given:
+        for row in problem.limit_rows(segment):
+            if any(row.size) or row.interval is not None:
+                continue
+            worst, place = maximise(segment.placed(), row.coefficients)
+            name = _limit_of(row, spec)
+            if worst > row.upper and name:
+                side = -1 if row.coefficients[max(row.orders)] < 0.0 else 1
+                table = np.array([[_share_at(segment, place), 1.0]])
+                group = Group(segment.index, name, side, table, np.zeros((0, 4)))
+                yield _as_stated(GIVEN, [group], {})
+
+
+def _share_at(segment: PlacedSegment, place: float) -> float:
+    """Where on a segment a cam angle lies, from 0 to 1."""
+    return min(max((place - segment.start) / segment.angle, 0.0), 1.0)
+
+
+def _limit_of(row: LinearInequality, spec: DesignSpec) -> str:
+    """The name that a proof file gives to the limit of a row; empty where it has none."""
+    source = SOURCES.get(row.source, row.source)
+    names = {f"limits/{k}": str(limit.kind) for k, limit in enumerate(spec.limits)}
+    names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
+    if source.startswith("peak_"):  # what is minimised counts as a limit
+        source = source.removeprefix("peak_")
+        names = {"objective": source}
+    return next((name for name, kind in names.items() if source.startswith(kind)), "")
 
 
 def _groups(
@@ -124,9 +162,10 @@ def _groups(
     if found is None:
         return
     limit, side, factor = found
-    if block.segment is None:  # on a straight line the end is the place where a row is nearest
+    if block.segment is None:  # of a given motion, the place where the row is nearest
         segment, row = block.origin.segment, block.origin.row
-        x = np.full_like(x, float(row.coefficients[0] * segment.lift > 0.0))
+        _, place = maximise(segment.placed(), row.coefficients)
+        x = np.full_like(x, _share_at(segment, place))
     table = np.stack([x, points[nonzero] * factor], axis=1)
     spread = np.concatenate([np.zeros((0, 4)), *(_linear(*each) for each in densities)])
     spread[:, 2:] *= factor
@@ -139,17 +178,14 @@ def _row(
     """The limit and side of a block's rows, and the factor on their multipliers."""
     assert block.origin is not None
     segment, row = block.origin.segment, block.origin.row
-    kinds: list[str] = [limit.kind for limit in spec.limits]
-    source = SOURCES.get(row.source, row.source)
-    names = {f"limits/{k}": kind for k, kind in enumerate(kinds)}
-    names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
-    if source.startswith("peak_"):  # what is minimised counts as a limit
-        source = source.removeprefix("peak_")
-        names = {"objective": source}
-    name = next((name for name, kind in names.items() if source.startswith(kind)), "")
+    name = _limit_of(row, spec)
     if not name:
         return None
-    kind = names[name]
+    kind = "profile_radius"
+    if name == "objective":
+        kind = row.source.removeprefix("peak_")
+    elif name != "no_undercut":
+        kind = spec.limits[int(name.removeprefix("limits/"))].kind
     if block.segment is not None:
         # as large a share of the derivative that the checker's row has with the factor ±1
         order = {"acceleration": 2, "profile_radius": 2}.get(kind, 1)
