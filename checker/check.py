@@ -43,7 +43,7 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "translating_flat_face": "offset_mm tilt_deg",
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
-    "profile_radius": "min_mm", "face_width": "width_mm left_mm right_mm",
+    "profile_radius": "min_mm", "outer_radius": "max_mm", "face_width": "width_mm left_mm right_mm",
     "base_radius": "", "peak_acceleration": "", "peak_jerk": ""}
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
@@ -57,7 +57,8 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
     "cv50_half_sine": (10, 0, 10), "cv50_modified_trapezoid": (5, 10, 5), "scca_cv20": (8, 16, 8)}
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
-        "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1}
+        "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
+        "outer_radius": 0}
 spent = Counter()
 
 class Failure(Exception):
@@ -114,10 +115,21 @@ def range_of(value):
     found = value if isinstance(value, dict) else {"min": value, "max": value}
     return [None if found[end] is None else get(found, end) for end in ("min", "max")]
 
+def choose(asked, chosen):
+    """A number as it is given, or that of the cam if the question leaves a range."""
+    if not isinstance(asked, dict) or chosen is None:
+        return asked
+    low, high = range_of(asked)
+    good = isinstance(chosen, Fraction) and low is not None and high is not None
+    demand(good and low <= chosen <= high, "a number is not within the range asked for")
+    return chosen
+
 # Step 2. The question. Levels are measured from the lowest position.
 class Segment:
-    def __init__(self, index, body, rate):
+    def __init__(self, index, body, rate, chosen):
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
+        body = {**body, **{name: choose(body[name], chosen.get(name))
+                           for name in ("angle_deg", "lift_mm") if name in body}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
         if kind in ("rise", "return"):
@@ -128,7 +140,7 @@ class Segment:
                 self.forward = not get(law, "overshoot", bool)
                 self.smooth = whole(law, "smoothness", 1, 4)
             else:
-                demand(get(law, "inflection") * 2 == 1, "an inflection that is moved is not covered")
+                demand(get(law, "inflection") * 2 == 1, "a moved inflection is not covered")
             self.lift = lift if kind == "rise" else -lift
             good = good and lift > 0
         elif kind == "constant_velocity":
@@ -138,14 +150,16 @@ class Segment:
         self.sense = "rise" if self.lift > 0 else "return" if self.lift < 0 else "dwell"
 
 class Question:
-    def __init__(self, body):
+    def __init__(self, body, chosen=()):
         kind_of(body, "question")
         rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
         demand(rate > 0, "the speed is not positive")
         program, limits = get(body, "program", list), get(body, "limits", list)
         good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
         demand(good, "there are too many segments or limits", 2)
-        self.program = [Segment(i, s, rate) for i, s in enumerate(program)]
+        demand(len(chosen) in (0, len(program)), "the cam has not as many segments", 2)
+        self.program = [Segment(i, s, rate, dict(chosen[i]) if chosen else {})
+                        for i, s in enumerate(program)]
         turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
         demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")
         self.smooth = 0 if body["continuity"] is None else whole(body, "continuity", 0, 4)
@@ -459,6 +473,14 @@ class Cam:
             if around:
                 piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
 
+    def reach(self, most):
+        """X^2 + e^2 <= (most + R)^2: where a closed curve is farthest, its normal is radial."""
+        e = self.size[0] if self.question.roller else ZERO
+        for piece in self.pieces:
+            x = plus(piece.s[0], enclose([self.size[-1]]))
+            square = enclose([(most + self.question.gap) ** 2 - e * e])
+            piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -1) for p in times(x, x)]))
+
     def fit(self):
         """Base radius and offset are in their ranges: radii by their squares."""
         question, square = self.question, sum(x * x for x in self.size)
@@ -479,7 +501,9 @@ class Cam:
         kind = limit["kind"]
         demand(place == "motion" or kind in MEET, "it is not covered")
         self.join(None if place == "motion" else MEET[kind])
-        if kind == "cutter_radius":
+        if kind == "outer_radius":
+            self.reach(get(limit, "max_mm"))
+        elif kind == "cutter_radius":
             self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
         elif kind == "profile_radius" and roller:
             self.bend(1, question.gap + get(limit, "min_mm"), place == "self_crossing")
@@ -495,7 +519,8 @@ def half_plane(question, proof):
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
     demand(caps or not any(s.free for s in question.program),
            f"nothing limits the {kind} of every law")
-    cap, constant, sizes, joints = min(caps, default=ZERO) / question.rate**order, ZERO, [ZERO] * 2, defaultdict(int)
+    cap, constant = min(caps, default=ZERO) / question.rate**order, ZERO
+    sizes, joints = [ZERO] * 2, defaultdict(int)
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
         h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
@@ -644,7 +669,7 @@ def check(content):
             elif at == "infeasible" or at[:10] == "objective/":
                 text = excluded(asked, at, claim)
             else:
-                cam = cam or Cam(Question(asked), body)
+                cam = cam or Cam(Question(asked, body.get("program", ())), body)
                 text = cam.check(at)
             print(f"{at}: {text}")
         print(f"{sum(claim['proven'] for claim in claims)} of {len(claims)} claims proven")

@@ -169,3 +169,37 @@ def test_rows_that_every_cam_keeps_are_weaker_than_those_that_suffice(roller: Js
         assert weak[0][0] <= strong[0][0]  # of s, and of s0
         assert weak[1][1] <= strong[1][1]
         assert weak[0][0] < -judge.tangent(Fraction(35))[0] * judge.C[0]
+
+
+def test_the_largest_radius(roller: Json, face: Json) -> None:
+    s, _, _ = motion(face["question"], face["cam"])
+    assert is_sharp(face, "outer_radius", "max_mm", face["cam"]["size"][0] + float(s[0].max()))
+    s, _, _ = motion(roller["question"], roller["cam"])
+    e, s0 = roller["cam"]["size"]
+    farthest = math.hypot(e, s0 + float(s[0].max())) - 6.0
+    assert is_sharp(roller, "outer_radius", "max_mm", farthest)
+
+
+def test_numbers_that_the_question_leaves_free_lie_in_their_ranges(roller: Json) -> None:
+    document = copy.deepcopy(roller)
+    rise, dwell = document["question"]["program"][:2]
+    rise["angle_deg"], dwell["angle_deg"] = {"min": 60.0, "max": 75.0}, {"min": 5.0, "max": 30.0}
+    judge = checker()
+
+    def holds(*chosen: Json) -> bool:
+        document["cam"]["program"] = [*chosen, {}, {}]
+        judge.spent.clear()
+        body = judge.read(json.dumps(document).encode())
+        try:
+            question = judge.Question(body["question"], body["cam"]["program"])
+            judge.Cam(question, body["cam"]).check("limits/0")
+        except judge.Failure:
+            return False
+        return True
+
+    assert holds({"angle_deg": 70.0}, {"angle_deg": 20.0})
+    assert not holds({"angle_deg": 76.0}, {"angle_deg": 14.0})  # beyond the range
+    assert not holds({"angle_deg": 70.0}, {})  # not chosen
+    assert not holds({"angle_deg": 60.0}, {"angle_deg": 30.0})  # too steep for the jerk limit
+    rise["angle_deg"] = 70.0
+    assert holds({"angle_deg": 60.0}, {"angle_deg": 20.0})  # given: nothing is to be chosen

@@ -48,7 +48,8 @@ def objections(proof: bytes) -> dict[str, str]:
             if place == "infeasible" or place.startswith("objective/"):
                 judge.excluded(body["question"], place, claim)
             else:
-                cam = cam or judge.Cam(judge.Question(body["question"]), body["cam"])
+                question = judge.Question(body["question"], body["cam"].get("program", ()))
+                cam = cam or judge.Cam(question, body["cam"])
                 cam.check(place)
         except (judge.Failure, *OTHER) as failure:
             found[place] = str(failure.args[0])
@@ -57,12 +58,15 @@ def objections(proof: bytes) -> dict[str, str]:
     return found
 
 
-def not_covered(question: bytes) -> str:
-    """What of a question the checker does not know; empty where it knows all."""
+def not_covered(question: bytes, chosen: bytes) -> str:
+    """What of a question the checker does not know; empty where it knows all.
+
+    ``chosen``: numbers of its program that a cam has where the question leaves ranges.
+    """
     judge = checker()
     judge.spent.clear()
     try:
-        judge.Question(judge.read(question))
+        judge.Question(judge.read(question), judge.read(chosen))
     except (judge.Failure, *OTHER) as failure:
         return f"this question is not covered: {failure.args[0]}"
     return ""

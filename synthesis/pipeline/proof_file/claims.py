@@ -53,7 +53,7 @@ def proof_file(design: Design) -> Json:
         "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
     }  # fmt: skip
     named = places(_bytes(question), has_cam=cam is not None)
-    unknown = not_covered(_bytes(question))
+    unknown = not_covered(_bytes(question), _bytes(_chosen(design)))
     if unknown:
         return {**body, "claims": [_claim(place, unknown) for place in named]}
     # 1. What the cam itself is a witness of.
@@ -115,12 +115,24 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    return {"size": design.size, "laws": laws}
+    return {"size": design.size, "laws": laws, "program": _chosen(design)}
+
+
+def _chosen(design: Design) -> list[Json]:
+    """Of every segment the angle and the lift that were chosen, where the question has a range."""
+    asked = design.spec.model_dump(mode="json")["program"]
+    made = design.completed_spec.model_dump(mode="json")["program"]
+    return [
+        {name: made[i][name] for name in ("angle_deg", "lift_mm") if isinstance(s.get(name), dict)}
+        for i, s in enumerate(asked)
+    ]  # fmt: skip
 
 
 def _witnesses(design: Design) -> Iterator[Witness]:
     """Multipliers of programs whose rows are those of the question."""
     spec = design.spec
+    if spec.free_parameters.parameters:
+        return  # a bound over all numbers has other multipliers
     attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
     problem = next(attempt.problems(Goal(inf).smallest))
     length = attempt.question.units.length
@@ -173,5 +185,5 @@ def _rounded_down(value: float) -> float:
     return float(f"{floor(value / unit) * unit:.{FIGURES}g}")
 
 
-def _bytes(body: Json) -> bytes:
+def _bytes(body: Json | list[Json]) -> bytes:
     return json.dumps(body, separators=(",", ":")).encode()
