@@ -25,7 +25,7 @@ DISTANCE = 101.9
 
 # lengths tried first, descents and their steps, how closely: a search that is sure enough here
 LITTLE = {
-    "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 2e-2, "FINE": 2e-2,
+    "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 5e-2, "FINE": 2e-2,
 }  # fmt: skip
 
 
