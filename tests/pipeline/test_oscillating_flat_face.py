@@ -310,9 +310,7 @@ def test_the_outer_radius_of_a_given_cam_is_judged() -> None:
     assert tight.status == "infeasible"
 
 
-@pytest.mark.parametrize(
-    ("rotation", "offset"), [("ccw", OFFSET), ("ccw", 0.0), ("cw", -2.9)]
-)
+@pytest.mark.parametrize(("rotation", "offset"), [("ccw", OFFSET), ("ccw", 0.0), ("cw", -2.9)])
 def test_every_format_is_written(rotation: str, offset: float) -> None:
     design = synthesise(question(83.3, RADIUS, offset=offset, rotation=rotation))
     assert design.status == "optimal"

@@ -91,8 +91,7 @@ def test_given_law_as_small_as_a_global_search_finds(sense: str, distance: float
 
 @pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize(
-    ("sense", "end", "factor"),
-    [("opposite", "max", 0.93), ("same", "min", 1.1)],
+    ("sense", "end", "factor"), [("opposite", "max", 0.93), ("same", "min", 1.1)]
 )
 def test_centre_distance_at_the_end_of_its_range(sense: str, end: str, factor: float) -> None:
     """Where the free answer lies outside, the best is at the end: as with that distance given."""
