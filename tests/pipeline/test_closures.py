@@ -93,8 +93,8 @@ SHAPES = {
 @pytest.mark.parametrize("scene", SHAPES)
 def test_a_limit_of_shape_bites_on_its_flank(scene: str) -> None:
     closure, limit, name, flank, inflection = SHAPES[scene]
-    without = synthesise(spec(closure, inflection=inflection))
-    design = synthesise(spec(closure, limit, inflection=inflection))
+    without = synthesise(spec(closure, inflection=inflection, tolerance=1e-2))
+    design = synthesise(spec(closure, limit, inflection=inflection, tolerance=1e-3))
     assert design.certificate.certified
     assert design.dimensions["base_radius_mm"] > without.dimensions["base_radius_mm"] * 1.005
     binding = extreme(design, name)
@@ -180,22 +180,29 @@ def test_a_range_that_ends_too_early_reshapes_the_main_cam() -> None:
     assert extreme(near, "counter_distance").bound == most
 
 
+@pytest.mark.parametrize(
+    ("end", "base", "status"),
+    [("", 64.0, "infeasible"), ("/max", None, "unsolved")],  # a range is not proven
+)
 def test_a_conflict_says_how_far_the_counter_roller_would_have_to_be(
-    explain_only: Callable[[str], None],
+    end: str, base: float | None, status: str, explain_only: Callable[[str], None]
 ) -> None:
-    limit = {"kind": "pressure_angle", "rise_deg": 29.0, "return_deg": 61.0}
-    free = synthesise(spec(PAIR, limit))
-    enough = free.dimensions["counter_distance_mm"]
-    for place, field in ((0.8 * enough, ""), ({"max": 0.8 * enough}, "/max")):
-        explain_only(f"follower/closure/distance_mm{field}")
-        refused = synthesise(spec(PAIR | {"distance_mm": place}, limit))
-        assert refused.status == ("unsolved" if field else "infeasible")  # a range is not proven
-        reported = [r for r in refused.conflict.relaxations if r.limit == "counter_distance"]
-        assert [r.field for r in reported] == [f"follower/closure/distance_mm{field}"]
-        assert 0.8 * enough < reported[0].needed <= enough * (1.0 + 1e-6)
-        given = {"distance_mm": reported[0].needed if field == "" else {"max": reported[0].needed}}
-        assert synthesise(spec(PAIR | given, limit)).certificate.certified
-        assert reported[0].requested == pytest.approx(0.8 * enough)
+    field = f"follower/closure/distance_mm{end}"
+    explain_only(field)
+
+    def designed(distance: float | None) -> Design:
+        place = distance if distance is None or not end else {"max": distance}
+        limit = {"kind": "pressure_angle", "rise_deg": 29.0, "return_deg": 61.0}
+        return synthesise(spec(PAIR | {"distance_mm": place}, limit, base_radius_mm=base))
+
+    enough = designed(None).dimensions["counter_distance_mm"]
+    refused = designed(0.8 * enough)
+    assert refused.status == status
+    (reported,) = (r for r in refused.conflict.relaxations if r.limit == "counter_distance")
+    assert reported.field == field
+    assert reported.requested == pytest.approx(0.8 * enough)
+    assert 0.8 * enough < reported.needed <= enough * (1.0 + 1e-6)
+    assert designed(reported.needed).certificate.certified
 
 
 def test_a_range_on_the_wrong_side_of_the_axis_fits_nothing(
@@ -232,7 +239,7 @@ def test_an_outer_radius_brings_the_counter_roller_nearer() -> None:
     assert tight.conflict is not None
 
 
-@pytest.mark.usefixtures("unexplained")
+@pytest.mark.usefixtures("unmended")
 def test_undercut_names_its_flank_and_angle() -> None:
     question = spec(GROOVE, inflection=0.3, base_radius_mm=8.0)
     found = analyse(question)
@@ -277,6 +284,7 @@ def test_an_analysis_asks_for_the_counter_roller_s_place() -> None:
         analyse(spec(PAIR, base_radius_mm=64.0))
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_a_ring_smaller_than_its_roller_fits_nowhere() -> None:
     with pytest.raises(ValueError, match="outer_radius_too_small"):
         spec(RING, {"kind": "outer_radius", "max_mm": 7.2})

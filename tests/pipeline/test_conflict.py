@@ -43,6 +43,7 @@ from tests.optimise.scenes import (
 pytestmark = pytest.mark.usefixtures("coarse_conflicts")
 
 NAMED = (rise(71.7, law="cycloidal"), dwell(23.9), fall(83.3), dwell(181.1))
+GIVEN = (*NAMED[:2], fall(83.3, law="cycloidal"), dwell(181.1))
 OUTER: dict[str, Any] = {"kind": "outer_radius"}
 LEAST = {"min": 4.3}  # without it, nothing would keep a cam of free laws from shrinking
 
@@ -54,12 +55,6 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
     "acceleration and jerk": (
         scene(PLAIN, acceleration(4.9, 71.7), jerk(39.0, 71.7), base=LEAST),
         {"limits/0/max_mm_per_s2", "limits/1/max_mm_per_s3"},
-    ),
-    "two of one kind": (
-        scene(
-            PLAIN, velocity(1.25, 71.7), acceleration(5.5, 71.7), velocity(1.7, 71.7), base=LEAST
-        ),
-        {"limits/0/max_mm_per_s", "limits/1/max_mm_per_s2"},
     ),
     "size": (
         scene(PLAIN, angles(20.0, 30.0), jerk(47.0, 71.7), base={"max": 30.0}),
@@ -76,16 +71,16 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
          "follower/offset_mm/min"},
     ),
     "angle on dwells": (
-        scene(PLAIN, angles(30.0, 60.0, dwell_deg=2.0), base={"max": 40.0},
+        scene(PLAIN, angles(30.0, 60.0, dwell_deg=2.0), jerk(60.0, 71.7), base={"max": 40.0},
               offset={"min": 9.0}),
         {"limits/0/dwell_deg", "base_radius_mm/max", "follower/offset_mm/min"},
     ),
     "outer radius": (
-        scene(PLAIN, angles(24.0, 44.0), jerk(47.0, 71.7), {**OUTER, "max_mm": 46.0}),
-        {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "limits/2/max_mm"},
+        scene(NAMED, angles(24.0, 44.0), jerk(60.0, 71.7), {**OUTER, "max_mm": 46.0}),
+        {"limits/0/rise_deg", "limits/2/max_mm"},
     ),
     "outer radius and base radius": (
-        scene(PLAIN, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base={"min": 40.0}),
+        scene(NAMED, {**OUTER, "max_mm": 61.0}, angles(50.0, 50.0), base={"min": 40.0}),
         {"limits/0/max_mm", "base_radius_mm/min"},
     ),
     "turning": (
@@ -172,7 +167,7 @@ def test_which_limits_alone_would_help(name: str, conflicts: dict[str, Conflict]
 
 # A law between dwells that may not jump in acceleration never reaches the least velocity.
 BELOW = {"velocity": 0.7}
-APART = {"velocity": 0.05, "angle on dwells": 0.05}  # relative
+APART = {"velocity": 0.05}  # relative
 NOT_LEAST = "outer radius and base radius"  # not convex: better cams are known
 
 
@@ -235,18 +230,16 @@ def test_two_limits_far_out_of_reach_are_a_conflict_and_no_failure() -> None:
 
 
 def test_a_largest_radius_beyond_what_is_searched_by_itself() -> None:
-    question = scene(PLAIN, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
+    question = scene(NAMED, angles(3.1e-3, 5e-3), jerk(47.0, 71.7), base={"max": 3.7e5})
     found = [r for r in why(question).relaxations if r.needed is not None]
-    assert {r.field for r in found} >= {
-        "limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"
-    }  # fmt: skip
+    assert {r.field for r in found} == {"limits/0/rise_deg", "base_radius_mm/max"}
     for r in found:
         assert certified(changed(question, r.field, r.needed)), r
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_how_large_a_cam_was_searched_is_stated() -> None:
-    program = (rise(71.7), dwell(23.9), fall(83.3), dwell(181.1))
-    question = scene(program, angles(1e-3, 45.0))
+    question = scene(PLAIN, angles(1e-3, 45.0))
     assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(question).evidence
     larger = changed(question, "base_radius_mm", {"max": 3e6})
     assert certified(larger)
@@ -291,12 +284,12 @@ def test_the_set_in_conflict_is_irreducible(name: str, conflicts: dict[str, Conf
     """By brute force over all of its subsets, in CVXPY."""
     spec, _ = CASES[name]
     numbers = relaxable_numbers(spec)
-    members = {path for n in numbers if str(n) in conflicts[name].limits for path in n.paths}
+    members = [n for n in numbers if str(n) in conflicts[name].limits]
     everything = {path for n in numbers for path in n.paths}
     assert len(members) == len(conflicts[name].limits)
     for size in range(len(members) + 1):
-        for kept in itertools.combinations(sorted(members), size):
-            left = without(spec, everything - set(kept))
+        for kept in itertools.combinations(members, size):
+            left = without(spec, everything - {path for n in kept for path in n.paths})
             assert states(left) == (size < len(members)), kept
 
 
@@ -400,9 +393,9 @@ def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
 
 
 def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(boundary, "ACCURACY", 0.3)  # each trial takes a second
+    monkeypatch.setattr(boundary, "ACCURACY", 0.3)
     radius = {"kind": "profile_radius", "min_mm": 60.4}
-    spec = scene(PLAIN, angles(31.0, 43.0), radius, base={"max": 60.3})
+    spec = scene(GIVEN, angles(31.0, 43.0), radius, base={"max": 60.3})
     reported = why(spec)
     assert reported.limits == ["profile radius ≥ 60.4 mm", "base radius ≤ 60.3 mm"]
     needed = reported.relaxations[0].needed

@@ -25,7 +25,7 @@ DISTANCE = 101.9
 
 # lengths tried first, descents and their steps, how closely: a search that is sure enough here
 LITTLE = {
-    "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 2e-2,
+    "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 5e-2, "FINE": 2e-2,
 }  # fmt: skip
 
 
@@ -83,9 +83,7 @@ def test_as_small_as_a_global_search_finds(sense: str) -> None:
 
 
 def test_as_small_as_a_global_search_over_the_pivot_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        search, "FEW", 8
-    )  # of fewer the best is too far from the end of the pivot's
+    monkeypatch.setattr(search, "FEW", 8)  # of fewer the best is too far from the pivot's end
     distance = {"min": 101.9, "max": 131.7}
     design = sized(angles(), law="cycloidal", distance=distance)
     assert prime(design) == pytest.approx(searched("opposite", (101.9, 131.7)), rel=1e-6)
@@ -105,7 +103,7 @@ def test_a_length_in_mm_holds_it_up() -> None:
     least = {"kind": "profile_radius", "min_mm": 14.3}
     question: dict[str, Any] = {"law": "cycloidal", "distance": {"max": 123.4}, "tolerance": 2e-2}
     found = sized(angles(), least, **question)
-    for arm in (50.3, 60.1, 71.9, 97.7):
+    for arm in (50.3, 97.7):
         assert prime(found) <= prime(sized(angles(), least, arm=arm, **question)) * (1.0 + 1e-3)
     (radius,) = [e for e in found.extremes if e.limit == "profile_radius"]
     assert radius.value is not None

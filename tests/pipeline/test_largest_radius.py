@@ -119,7 +119,10 @@ def test_the_answers_own_base_radius_is_a_maximum_that_it_keeps(name: str, spare
     assert radius(limited) <= least * (1.0 + spare)
 
 
-def test_a_maximum_below_the_bound_is_proven_infeasible_and_what_is_needed_suffices() -> None:
+def test_a_maximum_below_the_bound_is_proven_infeasible_and_what_is_needed_suffices(
+    explain_only: Callable[[str], None],
+) -> None:
+    explain_only("base_radius_mm/max")
     proof = smallest("convex").certificate
     assert proof.lower_bound is not None
     most = 0.98 * proof.lower_bound

@@ -244,13 +244,13 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(
     """Other unknowns from other starts end in the same place, above the bound over all laws."""
     limits = (RADIUS, PRESSURE, FACE, JERK)
     ours = synthesise(question(60.0, *limits, sense=sense, law="spline", tolerance=1e-2))
-    others = [another_program(sense, 32, start) for start in starts]
+    others = [another_program(sense, 24, start) for start in starts]
     assert others == pytest.approx(others[:1] * len(others), rel=1e-6)
     assert ours.certificate.certified
-    # the other's rows hold at 240 points only
+    # the other's rows hold at 144 points only
     assert ours.certificate.lower_bound <= min(others) * (1.0 + 1e-4)
     assert ours.certificate.lower_bound >= 0.98 * min(others)
-    # with 24, 40 and 64 pieces it falls by 1e-3 and by 2e-4 more
+    # with 40 and 64 pieces it falls by 1e-3 and by 2e-4 more
     assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1e-3)
 
 
@@ -310,9 +310,7 @@ def test_the_outer_radius_of_a_given_cam_is_judged() -> None:
     assert tight.status == "infeasible"
 
 
-@pytest.mark.parametrize(
-    ("rotation", "offset"), [("ccw", OFFSET), ("cw", OFFSET), ("ccw", 0.0), ("cw", -2.9)]
-)
+@pytest.mark.parametrize(("rotation", "offset"), [("ccw", OFFSET), ("ccw", 0.0), ("cw", -2.9)])
 def test_every_format_is_written(rotation: str, offset: float) -> None:
     design = synthesise(question(83.3, RADIUS, offset=offset, rotation=rotation))
     assert design.status == "optimal"

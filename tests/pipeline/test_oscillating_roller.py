@@ -91,8 +91,7 @@ def test_given_law_as_small_as_a_global_search_finds(sense: str, distance: float
 
 @pytest.mark.usefixtures("unexplained")
 @pytest.mark.parametrize(
-    ("sense", "end", "factor"),
-    [("opposite", "min", 1.1), ("opposite", "max", 0.93), ("same", "min", 1.1)],
+    ("sense", "end", "factor"), [("opposite", "max", 0.93), ("same", "min", 1.1)]
 )
 def test_centre_distance_at_the_end_of_its_range(sense: str, end: str, factor: float) -> None:
     """Where the free answer lies outside, the best is at the end: as with that distance given."""
@@ -178,9 +177,15 @@ def test_free_law_proven_and_as_small_as_another_program_finds(
     assert min(others) == pytest.approx(prime(design), rel=6e-3)
 
 
+@cache
+def sized(law: str, by: float = 1.0) -> Design:
+    limits = (angles(), jerk(1.9)) if law == "spline" else (angles(),)
+    return synthesise(scene(*limits, distance=DISTANCE * by, law=law, scale=by, tolerance=1e-2))
+
+
 def test_jerk_binds_in_degrees_per_second_cubed() -> None:
     limit = jerk(1.9)
-    design = synthesise(scene(angles(), limit, distance=DISTANCE, tolerance=1e-2))
+    design = sized("spline")
     (extreme,) = [e for e in design.extremes if e.limit == "jerk"]
     assert extreme.unit == "deg/s³"
     assert abs(extreme.value or 0.0) == pytest.approx(limit["max_deg_per_s3"], rel=1e-6)
@@ -258,11 +263,7 @@ def test_a_least_centre_distance_that_binds_is_in_the_bound() -> None:
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 @pytest.mark.parametrize("law", ["cycloidal", "spline"])
 def test_scale_changes_nothing_relative(scale: float, law: str) -> None:
-    def sized(by: float) -> Design:
-        limits = (angles(), jerk(1.9)) if law == "spline" else (angles(),)
-        return synthesise(scene(*limits, distance=DISTANCE * by, law=law, scale=by, tolerance=1e-2))
-
-    one, other = sized(1.0), sized(scale)
+    one, other = sized(law), sized(law, scale)
     assert certified(other)
     assert prime(other) / scale == pytest.approx(prime(one), rel=1e-6)
 
@@ -275,8 +276,7 @@ def test_the_cams_sense_of_rotation_changes_no_size() -> None:
 
 def test_other_objectives_see_the_limit_too() -> None:
     """Least jerk at a given base radius: more of it than without the pressure angle."""
-    small = synthesise(scene(angles(), jerk(1.9), distance=DISTANCE, tolerance=1e-2))
-    radius = small.dimensions["base_radius_mm"] * 1.03
+    radius = sized("spline").dimensions["base_radius_mm"] * 1.1
     question: dict[str, Any] = {
         "distance": DISTANCE, "base_radius_mm": radius, "objective": {"kind": "peak_jerk"},
         "tolerance": 2e-2, "proof": "quick",
@@ -307,7 +307,7 @@ INFEASIBLE: dict[str, tuple[dict[str, Any], set[str], str]] = {
 
 @pytest.mark.usefixtures("coarse_conflicts")
 def test_a_given_law_that_breaks_a_limit_by_itself_is_named() -> None:
-    question = body(angles(), jerk(1.9), distance=DISTANCE)
+    question = body(angles(), jerk(1.9), distance=DISTANCE, law="cycloidal")
     question["program"][0]["law"] = {"kind": "modified_sine"}  # 69.47 h/β³, more than 1.9 · 32
     design = synthesise(DesignSpec.model_validate(question))
     assert design.status == "infeasible"

@@ -150,6 +150,7 @@ def test_points_on_a_given_law_are_checked() -> None:
     assert change.needed == pytest.approx(9.7 - there, rel=2e-4)
 
 
+@pytest.mark.usefixtures("unmended")
 def test_an_analysis_tells_of_windows() -> None:
     window = {"from_deg": 20.0, "to_deg": 40.0, "acceleration_mm_per_s2": {"min": -1e3}}
     cycloidal = {"law": {"kind": "cycloidal"}}
@@ -325,6 +326,7 @@ def swung(**fields: Any) -> DesignSpec:
     return cam(program=program, follower=ARM, limits=[], base_radius_mm=41.2)
 
 
+@pytest.mark.usefixtures("unmended")
 def test_on_arms_windows_and_points_are_in_degrees() -> None:
     x = np.array([31.3, 90.7]) / 169.8
     travel = 24.3 * (x - np.sin(2.0 * pi * x) / (2.0 * pi))

@@ -9,7 +9,7 @@ holds for every place.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf, isnan
 
 import numpy as np
@@ -93,6 +93,7 @@ class _CounterCam:
     cam: Candidate
     name: str
     deadline: float
+    known: dict[float, float] = field(default_factory=dict)  # excess of the rows, by distance
 
     def at(self, distance: float) -> Problem:
         """The problem put to the counter cam alone."""
@@ -127,16 +128,22 @@ class _CounterCam:
     def excess(self, distance: float, samples: list[Samples]) -> float:
         """By how much the worst limit is exceeded, relative."""
         problem = self.at(distance)
+        if distance not in self.known:  # rows hold all along a segment, whatever the samples
+            self.known[distance] = self._excess_of_rows(problem)
+        worst = self.known[distance]
+        with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
+            shape = violation(problem, samples, self.cam.size)
+        value = max(worst, shape + CLEARANCE)
+        return 1.0 if isnan(value) or value == inf else value
+
+    def _excess_of_rows(self, problem: Problem) -> float:
         worst = -1.0
         for segment in problem.segments:
             for row in problem.rows_on(segment, self.cam.value):
                 if row.size:
                     scale = max(map(abs, row.size)) * problem.length
                     worst = max(worst, row_excess(row, segment, self.cam.size) / scale)
-        with np.errstate(divide="ignore", invalid="ignore"):  # with the roller on the axis
-            shape = violation(problem, samples, self.cam.size)
-        value = max(worst, shape + CLEARANCE)
-        return 1.0 if isnan(value) or value == inf else value
+        return worst
 
     def size_excess(self, distance: float) -> float:
         """By how much the counter cam is too large, relative; rises with the distance."""
