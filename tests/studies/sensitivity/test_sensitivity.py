@@ -42,7 +42,7 @@ PARTLY: dict[str, tuple[str, dict[str, float]]] = {
 
 def sought(body: dict[str, Any], tolerance: float = CLOSE) -> Design:
     """To a tolerance that is small beside what the moved limits change."""
-    return synthesise(DesignSpec.model_validate({**body, "tolerance": tolerance}))
+    return synthesise(DesignSpec.model_validate({**body, "proof": "quick", "tolerance": tolerance}))
 
 
 def moved(body: dict[str, Any], field: str, share: float) -> dict[str, Any]:
