@@ -29,3 +29,11 @@ def test_the_gap_is_closed_over_all_laws_and_sizes(family: str, number: int) -> 
     before = stages[last - 1].gap  # None with the pivot free: nothing is known by then
     assert before is None or before > 0.01
     assert stages[last].nodes <= 3
+
+
+def test_a_quick_proof_bounds_all_pivots() -> None:
+    body = {**random_scene("arm, pivot free", 6), "proof": "quick", "tolerance": TOLERANCE}
+    proof = synthesise(DesignSpec.model_validate(body)).certificate
+    assert proof.gap is not None
+    assert proof.gap <= TOLERANCE
+    assert proof.bound_valid_for == "all motion laws with a bounded jerk"
