@@ -138,7 +138,7 @@ def scanned(objective: str, cells: int = 48) -> tuple[float, float, float]:
     Zooms begin at the three best points of the grid that are not neighbours; the best of them is
     made finer, in time as well.
     """
-    step = 15.0
+    step = 30.0
     grid = list(product(np.arange(step, FREE, step), repeat=2))
     grid = [(a, b) for a, b in grid if FREE - a - b >= step]
     table = sorted((least_peak(objective, a, b, 16), a, b) for a, b in grid)

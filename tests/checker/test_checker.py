@@ -229,7 +229,7 @@ def test_hostile_files_cannot_be_read(text: str, capsys: pytest.CaptureFixture[s
      ("constant-velocity", 7)],
 )  # fmt: skip
 def test_every_design_has_a_file_that_says_what_is_not_covered(name: str, proven: int) -> None:
-    document = proof_of(name)
+    document = proof_of(name, proof="quick", tolerance=2e-2)
     assert sum(claim["proven"] for claim in document["claims"]) == proven
     assert all(claim["proven"] or claim["reason"] for claim in document["claims"])
     code, said = verdict(document)

@@ -19,6 +19,16 @@ def budgets_of_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def members_only(coarse_conflicts: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A conflict's members are found by leaving out one number after the other, each a question.
+
+    The values that would suffice are not sought: each takes many questions, and no case looks at
+    them.
+    """
+    monkeypatch.setattr(boundary.Boundary, "seek_value", lambda _: None)
+
+
+@pytest.fixture
 def short_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Conflicts of random specs are sought for half a second; ``make hard`` takes all there is."""
     monkeypatch.setattr(EXPLAIN, lambda *question: explain(*question[:2], clock.now() + 0.5))

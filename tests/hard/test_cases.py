@@ -53,7 +53,7 @@ def test_there_are_enough_of_them() -> None:
     assert len(CASES) >= 60
 
 
-@pytest.mark.usefixtures("coarse_conflicts")
+@pytest.mark.usefixtures("members_only")
 @pytest.mark.parametrize("name", CASES)
 def test_hard_case(name: str) -> None:
     wrong = judge(CASES[name])

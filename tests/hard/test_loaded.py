@@ -18,8 +18,8 @@ QUICK = (
 )  # fmt: skip
 # number and time budget [s]: all of them raised ValueError
 RAISED = [
-    # a density between points of a block that went back; the first two at once
-    (61, 0.6), (190, 0.6), pytest.param(441, 3.0, marks=pytest.mark.slow),
+    # a density between points of a block that went back
+    (61, 0.6), (190, 0.6),
     # a free spring, several objectives, and no cam
     (456, 1.0),
 ]  # fmt: skip

@@ -28,6 +28,8 @@ from synthesis.certify.certificate import certify
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE
+from synthesis.optimise.branching.pivot_node import PivotNode
+from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.control import Control, law_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, formulate
@@ -149,12 +151,15 @@ def family(request: pytest.FixtureRequest) -> Family:
     ]
     objectives: list[Objective] = [specs[0].objectives()[0], *others]
     problem = formulate_problem(specs[0], objectives[0])
-    cams = []
+    cams, near = list[Candidate](), None
     for spec in specs:
         question = formulate_problem(spec, spec.objectives()[0])
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(dimension_search, "STARTS", 3)
-            found = optimise(question, POOL_TOLERANCE).incumbent
+            for node in (TracedNode, PivotNode):  # they prove bounds, which no pool needs
+                patch.setattr(node, "root", lambda _: None)
+            state = optimise(question, POOL_TOLERANCE, warm_start=near)
+        found, near = state.incumbent, state.local_optimum
         assert found is not None
         segments = [s for s in found.problem.segments if s.index in {f.index for f in problem.free}]
         cams.append(replace(found, problem=problem.with_laws(segments)))

@@ -15,6 +15,8 @@ from synthesis.errors import InputError, TimeBudgetExceeded
 from synthesis.units import rad_per_s
 from tests.studies.cams import PRESSURE, Textbook, program, roller, spec
 
+pytestmark = pytest.mark.usefixtures("coarse_conflicts")
+
 
 @cache
 def given() -> Analysis:
@@ -105,6 +107,7 @@ def test_a_cam_that_holds_has_nothing_to_mend() -> None:
         assert one.infinite_deg == []
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_undercut_is_found_where_the_curvature_is_largest(request: pytest.FixtureRequest) -> None:
     question = spec(base_radius_mm=2.6, limits=[], follower=roller(17.9, -4.3))
     found, book = analyse(question), Textbook(question)

@@ -52,6 +52,7 @@ def test_an_analysis_names_both_angles_and_the_depth() -> None:
     assert reported.roller_deg == pytest.approx(math.degrees(close.roller), abs=0.01)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_a_larger_cam_mends_it(request: pytest.FixtureRequest) -> None:
     found = analyse(lobe())
     assert found.remedy is not None

@@ -129,8 +129,8 @@ def least_face_radius(design: Design) -> float:
     return least
 
 
-SEEDS = (0, 6, 21, 34)
-FACES = (1, 2, 3)
+SEEDS = (24, 16, 20)  # the offset free, in a range, given
+FACES = (1, 2)  # either sense
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ def cutter(largest: float) -> dict[str, Any]:
     return {"kind": "cutter_radius", "radius_mm": largest}
 
 
-def planned(spec: DesignSpec, intervals: int = 14) -> tuple[ConicModel, np.ndarray, float]:
+def planned(spec: DesignSpec, intervals: int = 10) -> tuple[ConicModel, np.ndarray, float]:
     """The relaxation, the cam it becomes when raised out of the smooth limits, and its value."""
     question = problem(spec)
     model = formulate(question, [uniform_grid(segment, intervals) for segment in question.free])
@@ -64,7 +64,7 @@ def planned(spec: DesignSpec, intervals: int = 14) -> tuple[ConicModel, np.ndarr
     return model, start, float(np.hypot(*size))
 
 
-def answer(spec: DesignSpec, intervals: int = 14, **how: Any) -> Answer:
+def answer(spec: DesignSpec, intervals: int = 10, **how: Any) -> Answer:
     model, start, relaxed = planned(spec, intervals)
     return Answer(model, start, relaxed, solve_ipopt(model, start, **how))
 
@@ -148,7 +148,6 @@ SCENES: dict[str, DesignSpec] = {
     "knife edge": scene(UNEVEN, angles(45.0, 45.0), jerk(64.0, 63.0), radius(19.0), roller=0.0),
     "undercut alone": scene(UNEVEN, angles(45.0, 45.0), jerk(64.0, 63.0), roller=27.0),
     "hollow flank": scene(UNEVEN, angles(45.0, 45.0), jerk(128.0, 63.0), cutter(57.0), roller=5.0),
-    "large cutter": scene(UNEVEN, angles(45.0, 45.0), jerk(128.0, 63.0), cutter(900.0), roller=5.0),
     "both": scene(
         UNEVEN, angles(45.0, 45.0), jerk(64.0, 63.0), radius(20.0), cutter(150.0), roller=5.0
     ),
@@ -163,7 +162,7 @@ SCENES: dict[str, DesignSpec] = {
 
 
 @cache
-def solved(name: str, intervals: int = 14) -> Answer:
+def solved(name: str, intervals: int = 10) -> Answer:
     return answer(SCENES[name], intervals)
 
 
@@ -202,13 +201,13 @@ def test_other_starts_end_at_the_same_cam(name: str):
 
 def test_the_scene_of_the_method():
     # relaxation 28.38 mm and answer 36.38 mm: between 14 and 15 intervals of cubics
-    fewer, more = solved("symmetric"), solved("symmetric", 15)
+    fewer, more = solved("symmetric", 14), solved("symmetric", 15)
     assert more.relaxed < 28.38 < fewer.relaxed
     assert more.prime < 36.38 < fewer.prime
 
 
 def test_finer_knots_make_it_smaller():
-    primes = [solved("symmetric", intervals).prime for intervals in (8, 15, 30)]
+    primes = [solved("symmetric", intervals).prime for intervals in (8, 15, 20)]
     assert primes[0] > primes[1] > primes[2]
 
 

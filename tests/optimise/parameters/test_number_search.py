@@ -26,6 +26,7 @@ from synthesis.spec.design_spec import DesignSpec
 
 SPLINE = {"law": {"kind": "spline"}}
 TOLERANCE = 3e-3
+PROGRAMS = 3  # at random numbers of each case
 
 
 def move(kind: str, angle: Any, lift: Any) -> dict[str, Any]:
@@ -121,7 +122,7 @@ def points(name: str, count: int, seed: int) -> list[Array]:
 @cache
 def solved(name: str, number: int) -> tuple[Array, float, float, ParametricBound] | None:
     """Random numbers, the best cam there, its bound, and the bound as a function; None: no cam."""
-    u = points(name, 5, seed=17)[number]
+    u = points(name, PROGRAMS, seed=17)[number]
     problem = question(name).worth.problem(u)
     assert problem is not None
     state = optimise(problem, TOLERANCE)
@@ -135,7 +136,7 @@ def solved(name: str, number: int) -> tuple[Array, float, float, ParametricBound
 
 @pytest.mark.parametrize("name", CASES)
 def test_at_its_own_numbers_it_is_the_dual_bound(name: str) -> None:
-    each = [one for k in range(5) if (one := solved(name, k)) is not None]
+    each = [one for k in range(PROGRAMS) if (one := solved(name, k)) is not None]
     assert each
     for u, value, bound, one in each:
         own, _ = bound_over_box([one], u, u, value)
@@ -145,7 +146,7 @@ def test_at_its_own_numbers_it_is_the_dual_bound(name: str) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_at_other_numbers_it_is_below_every_cam(name: str) -> None:
     """In pairs, over points and over boxes around them; near by it is close to their bounds."""
-    each = [one for k in range(5) if (one := solved(name, k)) is not None]
+    each = [one for k in range(PROGRAMS) if (one := solved(name, k)) is not None]
     random = np.random.default_rng(3)
     for _, _, _, one in each:
         for u, value, _, _ in each:
@@ -163,7 +164,7 @@ def test_at_other_numbers_it_is_below_every_cam(name: str) -> None:
 @pytest.mark.parametrize("name", ["lifts", "returns"])
 def test_lifts_enter_linearly(name: str) -> None:
     """Far off it is still near the bounds there, and never above them by more than their errors."""
-    each = [one for k in range(5) if (one := solved(name, k)) is not None]
+    each = [one for k in range(PROGRAMS) if (one := solved(name, k)) is not None]
     for _, _, _, one in each:
         for u, value, bound, _ in each:
             there, _ = bound_over_box([one], u, u, 2.0 * value)
@@ -173,7 +174,7 @@ def test_lifts_enter_linearly(name: str) -> None:
 @pytest.mark.parametrize("name", ["angles", "turn", "peak jerk", "velocity"])
 def test_its_slope_is_that_of_the_optimum(name: str) -> None:
     """A hundredth of the way to other numbers it loses no more than the square of the step."""
-    u, value, bound, one = next(s for k in range(5) if (s := solved(name, k)) is not None)
+    u, value, bound, one = next(s for k in range(PROGRAMS) if (s := solved(name, k)) is not None)
     for other in points(name, 3, seed=23):
         step = 0.01 * (other - u)
         problem = question(name).worth.problem(u + step)
@@ -192,7 +193,8 @@ def test_no_numbers_are_better_than_the_proof_says(name: str) -> None:
     start = placement.polytope.centre()
     assert start is not None
     is_open = name in ("lifts", "returns", "velocity")
-    proof = search.run(start, clock.programs_solved() + (40 if is_open else 120), inf)
+    programs = {"lifts": 40, "returns": 20, "velocity": 40}.get(name, 120)
+    proof = search.run(start, clock.programs_solved() + programs, inf)
     assert proof is not None
     assert proof.lower <= proof.value
     assert "at all angles and lifts that are free" in proof.valid_for
@@ -200,12 +202,13 @@ def test_no_numbers_are_better_than_the_proof_says(name: str) -> None:
     assert proof.closed != is_open, proof
     assert proof.gap <= {"lifts": 2e-2, "returns": 0.15, "velocity": inf}.get(name, 5e-3)
     # cams at random numbers, and at the numbers chosen, moved a little
-    near = [proof.u + 0.02 * (other - proof.u) for other in points(name, 3, seed=5)]
-    for u in (*points(name, 2, seed=29), *near):
-        problem = worth.problem(u)
+    values = [one[1] for k in range(PROGRAMS) if (one := solved(name, k)) is not None]
+    for other in points(name, 2, seed=5):
+        problem = worth.problem(proof.u + 0.02 * (other - proof.u))
         state = None if problem is None else optimise(problem, TOLERANCE)
         if state is not None and state.incumbent is not None:
-            assert state.incumbent.value >= proof.lower * (1.0 - 1e-9)
+            values.append(state.incumbent.value)
+    assert min(values) >= proof.lower * (1.0 - 1e-9)
 
 
 def test_rows_that_depend_on_the_numbers_otherwise_have_no_bound() -> None:
