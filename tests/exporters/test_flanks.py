@@ -169,12 +169,13 @@ def test_the_drawing_shows_every_flank(designs) -> None:
     np.testing.assert_allclose(np.sort(counter, axis=0), np.sort(reported, axis=0), atol=1e-3)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
     body = json.loads(Path("openapi/examples/conjugate.json").read_text())["value"]
     for segment in body["program"]:
         if segment["kind"] != "dwell":
             segment["law"] = {"kind": "modified_sine"}
-    body |= {"tolerance": 0.3, "proof": "quick"}
+    body["tolerance"] = 0.3
     root = drawn("profile", synthesise(DesignSpec.model_validate(body)))
     boxes = text_boxes(root)
     longest = max(box[2] for reported, box in boxes if " profile, radius" in reported)
