@@ -88,7 +88,7 @@ def test_agrees_with_brute_force_where_nothing_is_undercut(seed: int) -> None:
 def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
     rng = np.random.default_rng(77)
     reported = []
-    for _ in range(24):
+    for _ in range(12):
         motion, base = thin_lobed(rng), rng.uniform(0.1, 1.7)
         e = rng.uniform(-2.0, 2.0)
         R = min(8.3, (base + 7.0) * 0.97)
@@ -96,7 +96,7 @@ def test_brute_force_sees_crossing_and_sound_cams_alike() -> None:
             s0 = math.sqrt((base + R) ** 2 - e * e)
             R = min(R, 0.97 * sharpest(motion, e, s0))
         reported.append(agree(motion, e, math.sqrt((base + R) ** 2 - e * e), R))
-    assert 6 <= sum(reported) <= 18
+    assert 3 <= sum(reported) <= 9
 
 
 @pytest.mark.parametrize(

@@ -169,6 +169,7 @@ def test_the_drawing_shows_every_flank(designs) -> None:
     np.testing.assert_allclose(np.sort(counter, axis=0), np.sort(reported, axis=0), atol=1e-3)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_the_legend_of_many_curves_keeps_its_columns_apart() -> None:
     body = json.loads(Path("openapi/examples/conjugate.json").read_text())["value"]
     for segment in body["program"]:

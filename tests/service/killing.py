@@ -1,4 +1,4 @@
-"""The service, a scheduler and workers as processes of their own, to be killed without warning."""
+"""The service as a process of its own, to be killed without warning."""
 
 from __future__ import annotations
 
@@ -20,12 +20,10 @@ if __name__ == "__main__":
     import gc
     gc.disable()  # while modules are imported, of which nothing is let go
     from service.workers import prefork
-    from service.settings import Settings
-    if Settings().scheduler is None:
-        prefork.start_fork_server()
+    prefork.start_fork_server()
     from service.app import create_app
     from service.wire.observe import configure_logs
-    from service.settings import listening_socket
+    from service.settings import Settings, listening_socket
     from service.server import server_config
     from tests.service import fake_core
     import uvicorn
@@ -72,8 +70,8 @@ class Process:
             self.kill()
 
 
-def service(folder: Path, port: int, scheduler: str | None = None, **more: str) -> Process:
-    """The service with the fake core, on its own workers or on a scheduler."""
+def service(folder: Path, port: int, **more: str) -> Process:
+    """The service with the fake core, on its own workers."""
     script = folder / "serve.py"
     script.write_text(SERVE, encoding="utf-8")
     environment = {
@@ -83,8 +81,6 @@ def service(folder: Path, port: int, scheduler: str | None = None, **more: str) 
         "CAMWRIGHT_SWEEP_LEASE_S": "1.5",
         **more,
     }
-    if scheduler is not None:
-        environment["CAMWRIGHT_SCHEDULER"] = scheduler
     return Process(str(script), **environment)
 
 

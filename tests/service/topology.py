@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -71,6 +72,14 @@ class Topology:
             environment["CAMWRIGHT_PORT"] = str(self.api)
         module = {"python": [], "dask": ["-m", "dask"]}[command[0]]
         return Process(*module, *command[1:], **environment)
+
+    def listens(self, service: str) -> bool:
+        """Whether what answers the health check of this service is there."""
+        try:
+            socket.create_connection(("127.0.0.1", self._health[service])).close()
+        except ConnectionRefusedError:
+            return False
+        return True
 
     def healthy(self, service: str, name: str = "") -> bool:
         """Run the health check that Docker would run in this service's container."""

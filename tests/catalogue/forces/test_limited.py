@@ -165,7 +165,11 @@ def test_a_force_that_nothing_can_keep_is_named_in_the_conflict(
     explain_only: Callable[[str], None],
 ) -> None:
     explain_only("limits/2/min_n")
-    design = limited({"kind": "contact_force", "min_n": 1e3})
+    given = [move | {"law": {"kind": "cycloidal"}} for move in BODY["program"][::2]]
+    program = [given[0], BODY["program"][1], given[1], BODY["program"][3]]
+    limits = [*BODY["limits"], {"kind": "contact_force", "min_n": 1e3}]
+    body = BODY | {"program": program, "limits": limits}
+    design = synthesise(DesignSpec.model_validate(body))
     assert design.status == "unsolved"
     named = {change.limit for change in design.conflict.relaxations}
     assert "contact_force_min" in named

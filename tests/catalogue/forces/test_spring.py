@@ -164,6 +164,7 @@ def test_a_follower_that_nothing_else_presses_keeps_a_little_force() -> None:
     )
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_of_several_objectives_a_spring_that_allows_no_cam_is_infeasible() -> None:
     """Such an answer has one proof without a value, not one for each objective."""
     load = {"kind": "slide", "moving_mass_kg": 2.0, "spring": {"rate_n_per_mm": 1.0}}

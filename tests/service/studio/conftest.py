@@ -1,39 +1,41 @@
-"""One browser for all tests of this folder."""
+"""One browser, and one page of it, for all tests of this folder."""
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.service.browsing import FLAGS, closed
-
-if TYPE_CHECKING:  # imported in the functions: collecting tests does without it
-    from playwright.sync_api import Browser
-
-__all__ = ["closed"]
+from tests.service.browsing import FLAGS, Closed
 
 HERE = Path(__file__).parent
-launched: list[Browser] = []
+opened: list[Closed] = []
 running = ExitStack()
 
 
 @pytest.fixture
-def browser() -> Browser:
-    """Launched by the first test that asks for it."""
-    if not launched:
+def closed() -> Iterator[Closed]:
+    """The page. The first test that asks for it launches the browser."""
+    if not opened:
         from playwright.sync_api import sync_playwright
 
         chromium = shutil.which("chromium") or shutil.which("chromium-browser")
         if chromium is None:
             pytest.fail("Chromium is missing: `apt-get install chromium` (.ci/run does).")
         playwright = running.enter_context(sync_playwright())
-        launched.append(playwright.chromium.launch(executable_path=chromium, args=FLAGS))
-        running.callback(launched[0].close)
-    return launched[0]
+        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        running.callback(browser.close)
+        opened.append(Closed(browser.new_page()))
+        opened[0].leave()
+    page = opened[0]
+    page.forget()
+    yield page
+    page.leave()
+    assert page.outside == []
+    assert page.faults == [], page.faults
 
 
 @pytest.hookimpl(trylast=True)
@@ -41,4 +43,4 @@ def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> 
     """Close it after the last test of the folder: its event loop would be in others' way."""
     if nextitem is None or HERE not in nextitem.path.parents:
         running.close()
-        launched.clear()
+        opened.clear()

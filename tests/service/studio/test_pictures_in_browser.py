@@ -13,7 +13,7 @@ from tests.service.browsing import Closed, expect, picture
 from tests.service.conftest import Running
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Page
 
 pytestmark = pytest.mark.browser
 KIND = "conjugate-arms"
@@ -84,17 +84,17 @@ def test_the_animation_runs_and_the_keys_work(
 
 
 def test_whoever_wants_less_motion_gets_it(
-    browser: Browser, real_service: Running, design: dict
+    closed: Closed, real_service: Running, design: dict
 ) -> None:
+    page = closed.page
     for wish, plays in (("reduce", False), ("no-preference", True)):
-        page = browser.new_page(reduced_motion=wish)
+        page.emulate_media(reduced_motion=wish)
         page.goto(f"{real_service.url}{design['links']['animation.html']}")
         expect(page.locator("#play")).to_have_text("Pause" if plays else "Play")
         page.goto(f"{real_service.url}{design['links']['animation.svg']}")
         running = page.evaluate("document.getAnimations().length")
         assert (running >= 8) == plays
         assert (running == 0) != plays
-        page.close()
 
 
 def test_the_drawing_moves_by_itself(closed: Closed, real_service: Running, design: dict) -> None:
@@ -111,19 +111,15 @@ def test_the_drawing_moves_by_itself(closed: Closed, real_service: Running, desi
     assert turned[:2] == pytest.approx([0.0, 1.0], abs=1e-6)  # a quarter of 8 s, ccw with y upwards
 
 
-@pytest.mark.parametrize("paper", ["A4", "Letter"])
-def test_the_report_prints(
-    browser: Browser, real_service: Running, design: dict, paper: str
-) -> None:
-    page = browser.new_page()
+def test_the_report_prints(closed: Closed, real_service: Running, design: dict) -> None:
+    page = closed.page
     page.goto(f"{real_service.url}{design['links']['report.html']}")
     expect(page.get_by_role("heading", level=1)).to_have_text("<b>lever</b>")
     sizes = page.locator("img").evaluate_all("all => all.map(e => [e.naturalWidth, e.complete])")
     assert len(sizes) == 3
     assert all(width > 300 and complete for width, complete in sizes)
-    content = page.pdf(format=paper)
-    width, height = {"A4": (595, 842), "Letter": (612, 792)}[paper]
-    boxes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", content)
-    assert 4 <= len(boxes) <= 9
-    assert all(abs(float(w) - width) < 1.5 and abs(float(h) - height) < 1.5 for w, h in boxes)
-    page.close()
+    for paper, width, height in (("A4", 595, 842), ("Letter", 612, 792)):
+        content = page.pdf(format=paper)
+        boxes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", content)
+        assert 4 <= len(boxes) <= 9
+        assert all(abs(float(w) - width) < 1.5 and abs(float(h) - height) < 1.5 for w, h in boxes)

@@ -1,4 +1,4 @@
-"""kill -9 of the service, of its workers, of a scheduler: no item lost, none in the store twice."""
+"""kill -9 of the service and of its workers: no item lost, none in the store twice."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import httpx2
 
 from tests.service.conftest import Running, wait_until, wait_until_idle
 from tests.service.fake_core import Gate
-from tests.service.killing import Process, answering, children, free_port, service
+from tests.service.killing import answering, children, free_port, service
 from tests.service.specs import spec
 from tests.service.sweeps.test_sweeps import counted, items_at, over, posted, sweep_of
 
@@ -30,10 +30,10 @@ def done(client: httpx2.Client, where: str) -> int:
 
 
 def until(reached: Callable[[], bool]) -> None:
-    for _ in range(3000):
+    for _ in range(1200):
         if reached():
             return
-        time.sleep(0.1)
+        time.sleep(0.25)  # to ask takes a hundredth of a second
     raise AssertionError("it does not come to that")
 
 
@@ -78,39 +78,6 @@ def test_the_service_and_its_workers_killed(tmp_path: Path) -> None:
 
 def alive(process: int) -> bool:
     return Path(f"/proc/{process}").exists()
-
-
-def test_a_scheduler_elsewhere_and_its_workers_killed(tmp_path: Path) -> None:
-    """What a supervisor would do is done here: whatever was killed is started again."""
-    at, port, items = f"tcp://127.0.0.1:{free_port()}", free_port(), 200
-    gate = Gate(tmp_path / "gate")
-    dask = ("-m", "distributed.cli.dask_scheduler"), ("-m", "distributed.cli.dask_worker")
-    scheduler = Process(*dask[0], "--host", at, "--no-dashboard")
-    alone = ("--nthreads", "1", "--no-dashboard", "--no-nanny", "--death-timeout", "60")
-    folders = [tmp_path / f"worker-{i}" for i in range(2)]
-    workers = [
-        Process(*dask[1], at, *alone, "--local-directory", str(folder)) for folder in folders
-    ]
-    running = service(tmp_path, port, at)
-    with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=180.0) as client:
-        try:
-            answering(client)
-            where = posted(client, slow(items, gate))
-            until(lambda: done(client, where) >= 10)
-            for killed in (workers[:1], [scheduler, *workers]):
-                kept = done(client, where)
-                for process in killed:
-                    process.kill()
-                time.sleep(0.3)
-                for process in killed:
-                    process.start()
-                until(lambda kept=kept: done(client, where) > kept)
-            assert client.get(where).json()["state"] == "running"
-            gate.open()
-            every_item_once(client, where, items, tmp_path)
-        finally:
-            for process in (running, *workers, scheduler):
-                process.stop()
 
 
 def test_items_that_kill_their_worker_are_blamed_alone(service: Running) -> None:
