@@ -228,12 +228,9 @@ class RootNode(Node):
             if not state.needs_local_search:
                 return state, ()
             state = local_search(replace(state, margin=0.0))
-        dimension = problem.machine.follower.fixable_dimension()
-        if (
-            state.is_good_enough
-            or state.time_left <= 0.0
-            or (dimension is not None and dimension.needed)
-        ):
+        pinning = problem.machine.follower.fixable_dimension()
+        over = state.is_good_enough or state.time_left <= 0.0
+        if over or (pinning is not None and pinning.needed):
             return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()

@@ -135,11 +135,8 @@ class Boundary:
     @property
     def _fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        excess, finest = (
-            self.excesses.get(self.number.tightest, 1.0),
-            FINEST[self.oracle.spec.proof],
-        )
-        return min(max(self.accuracy * excess, finest, self.oracle.open_gap), FINE)
+        excess, proof = self.excesses.get(self.number.tightest, 1.0), self.oracle.spec.proof
+        return min(max(self.accuracy * excess, FINEST[proof], self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -267,8 +264,7 @@ class Boundary:
             if trial.certified:
                 return True
             if trial.excess is None and strips < STRIPS:
-                # Next to the least value neither a cam nor a proof may be found: beyond it.
-                way, strips = BEYOND_STRIP * way, strips + 1
+                way, strips = BEYOND_STRIP * way, strips + 1  # next to the least value: beyond it
                 continue
             if trial.excess is None or trial.excess > FALLING * excess:
                 return False
