@@ -15,7 +15,7 @@ from service import pages
 from service.contract.documentation import OPENAPI_URL, TITLE, describe
 from service.resources.jobs import Jobs
 from service.resources.records import RESOURCES
-from service.routes import catalogue, designs, operation, resource_routes, sweeps
+from service.routes import catalogue, designs, operation, resource_routes, sweep_proofs, sweeps
 from service.settings import Settings
 from service.state import State
 from service.storage.store import Store
@@ -26,7 +26,7 @@ from service.wire.observe import Metrics, Observe
 from service.workers.engine import Engine, running_engine
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
-ROUTES = (designs, sweeps, catalogue, operation)
+ROUTES = (designs, sweeps, sweep_proofs, catalogue, operation)
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
     "X-Request-ID",

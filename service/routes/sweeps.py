@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import zlib
 from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 from typing import Annotated
@@ -19,14 +18,12 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.resources.records import DESIGNS, write_design
 from service.routes.resource_routes import (
     PNG,
     SVG,
     WORKER_STATUSES,
     Cursor,
     Key,
-    KnownTag,
     check_key,
     content_of,
     download_headers,
@@ -41,17 +38,14 @@ from service.sweeps.store import UNDER_WAY
 from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
-from service.workers.tasks import PROOF
-from synthesis.exporters.bundle import MEDIA_TYPE, archive
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.raster import rasterise
-from synthesis.exporters.options import Colours, Options, PixelColours, PixelWidth
+from synthesis.exporters.options import Colours, PixelColours, PixelWidth
 from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
 MAX_FRONT = 2000  # items of a front in one answer: about 1 MB
 MAX_DRAWN = 4  # quantities of a drawing: six panels, one for each pair
-MAX_PROOFS = 50  # of one archive: each takes as long as its design
 QUANTITIES = 8  # that one front may be of
 
 
@@ -268,48 +262,6 @@ _add_table(
     "parquet", "application/vnd.apache.parquet", views.parquet_table, "Finished items as Parquet",
     "The same table for data frames; axes of numbers and quantities are doubles.", 501,
 )  # fmt: skip
-
-
-@router.get(
-    "/{sweep_id}/proofs.zip",
-    response_class=Response,
-    responses={
-        **file_response(description="The archive.", content=content_of(MEDIA_TYPE)),
-        **problems(404, 409, 422, *WORKER_STATUSES),
-    },
-    summary="Proofs of chosen items",
-)
-async def get_sweep_proofs_zip(
-    request: Request,
-    sweep: RequestedSweep,
-    parts: Parts,
-    item: Annotated[
-        list[int],
-        Query(min_length=1, max_length=MAX_PROOFS, description="Item by number; may be repeated."),
-    ],
-    if_none_match: KnownTag = None,
-) -> Response:
-    """A ZIP archive with the file `proof.json` of each item's design, named by its number.
-
-    `python3 checker/check.py proofs.zip` checks all of them. Each takes as long as its design.
-    """
-    chosen = sorted(set(item))
-    rows = {number: await find_item(sweep, number, parts) for number in chosen}
-    for number, row in rows.items():
-        if row.design_id is None:
-            raise ProblemType.NOT_DONE(f"Item {number} of sweep {sweep.id} failed: no design.")
-    tag = tag_of(sweep.id, "proofs", repr(chosen), zlib.ZLIB_RUNTIME_VERSION)
-    known = not_modified(request, tag)
-    if known is not None:
-        return known
-    designs = parts.jobs[DESIGNS.path]
-    files = []
-    for number, row in rows.items():
-        _, design = await designs.find_done(row.design_id or "")
-        made = await in_worker(parts, partial(write_design, PROOF, design, Options()))
-        files.append((f"item-{number}.proof.json", made.data))
-    headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}
-    return Response(archive(files), headers=headers | IN_PARTS, media_type=MEDIA_TYPE)
 
 
 def _axes(

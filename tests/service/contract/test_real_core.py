@@ -121,7 +121,7 @@ def test_every_file(client: httpx2.Client, links: dict[str, str]) -> None:
         for part in ("profile", "motion", "solid")
         for each in formats[part]
     } | {each["name"]: each for each in formats["pictures"]}
-    assert set(links) == {"self", *described}
+    assert set(links) == {"self", "proof.json", *described}
     for name, each in described.items():
         answer = client.get(links[name])
         assert answer.status_code == 200
@@ -156,7 +156,7 @@ def test_reports(client: httpx2.Client, links: dict[str, str]) -> None:
     csv = client.get(links["profile.csv"]).content
     assert hashlib.sha256(csv).hexdigest() in plain.text
     nothing = post(client, examples()["infeasible-on-purpose"]["value"]).json()
-    assert set(nothing["links"]) == {"self", "report.html"}
+    assert set(nothing["links"]) == {"self", "report.html", "proof.json"}
     reported = client.get(nothing["links"]["report.html"])
     assert reported.status_code == 200
     assert "Why nothing fits" in reported.text
