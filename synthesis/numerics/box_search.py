@@ -66,13 +66,17 @@ class BoxSearch(ABC, Generic[B]):
     def split(self, boxes: B, keep: Mask) -> B:
         """The next level: the boxes to ``keep``, (n,) or (functions, n), cut into parts."""
 
+    def is_late(self) -> bool:
+        """Whether the time for the search is over; asked after each level."""
+        return False
+
     def leave(self, upper: Array, which: Mask) -> None:
         """Take in the bounds of boxes that are not looked at again."""
         most = np.where(which, upper, -np.inf).max(axis=-1, initial=-np.inf)
         self.proven = np.maximum(self.proven, most)
 
     def run(self, boxes: B, budget: Budget) -> bool:
-        """Search until no box is open; False if the budget ended the search before that."""
+        """Search until no box is open; False if budget or time ended the search before that."""
         used = 0
         for level in range(1, budget.levels + 1):
             upper = self.bound(boxes)
@@ -82,7 +86,8 @@ class BoxSearch(ABC, Generic[B]):
             if count == 0:
                 return True
             used += upper.shape[-1] if budget.total else 0
-            if level == budget.levels or used + self.children * count > budget.boxes:
+            spent = used + self.children * count > budget.boxes or self.is_late()
+            if level == budget.levels or spent:
                 self.leave(np.where(np.isnan(upper), np.inf, upper), keep)
                 return False
             boxes = self.split(boxes, keep)

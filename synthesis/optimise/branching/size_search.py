@@ -63,6 +63,9 @@ class SizeSearch(BoxSearch[Array]):
         """The value that is to be proven."""
         return -self.target
 
+    def is_late(self) -> bool:
+        return self.state.time_left <= 0.0
+
     @property
     def target(self) -> float:
         """The value below which no cam is to be left [problem units]."""

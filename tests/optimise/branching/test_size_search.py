@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
+from synthesis.numerics.box_search import Budget
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.branching.size_search import SizeSearch
+from synthesis.optimise.branching.size_search import BOXES, LEVELS, SizeSearch
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import formulate_problem
 
@@ -182,3 +184,18 @@ def test_a_search_that_ends_early_proves_no_more_than_its_boxes(
     gap = design.certificate.gap
     assert gap is not None
     assert gap > 0.05
+
+
+def test_a_search_whose_time_is_over_ends_after_its_first_level() -> None:
+    spec = DesignSpec.model_validate(scene(SEEDS[0]))
+    state = optimise(formulate_problem(spec, spec.objectives()[0]), 0.5)
+    assert state.incumbent is not None
+    size = np.array(state.incumbent.size)
+    boxes = np.stack([size - 0.5 * abs(size), size + 0.5 * abs(size)], axis=1)[:, :, None]
+    ended = SizeSearch(replace(state, deadline=0.0, tolerance=1e-9))
+    assert not ended.run(boxes, Budget(LEVELS, BOXES))
+    assert ended.count == 1
+    assert np.all(ended.proven >= -np.inf)
+    going = SizeSearch(replace(state, tolerance=1e-9))
+    going.run(boxes, Budget(LEVELS, 20))
+    assert going.count > 1
