@@ -109,7 +109,8 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     )
     holds = "Every limit holds at every cam angle."
     note = holds if certificate.certified else "Not every limit holds: see above."
-    yield _section("Certificate", proofs + _note(note) + CHECK)
+    check = CHECK if design.report.stages else ""  # nothing was solved: an analysis has no proof
+    yield _section("Certificate", proofs + _note(note) + check)
     price = design.smoothness_cost
     if price is not None:
         costs = {"value": price.value, "with C2 laws": price.c2_value, "price": price.price,

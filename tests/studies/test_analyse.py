@@ -12,6 +12,8 @@ import pytest
 from synthesis import DesignSpec, analyse
 from synthesis.design.analysis import Analysis, CurveSummary
 from synthesis.errors import InputError, TimeBudgetExceeded
+from synthesis.exporters import PICTURES, PictureOptions
+from synthesis.studies.analyse import as_design
 from synthesis.units import rad_per_s
 from tests.studies.cams import PRESSURE, Textbook, program, roller, spec
 
@@ -298,3 +300,9 @@ def test_undercut_under_a_flat_face_is_measured_on_the_face() -> None:
     assert size.base_radius_change_mm == pytest.approx(-least, rel=1e-6)
     larger = DesignSpec.model_validate(body | {"base_radius_mm": base - least + 0.01})
     assert analyse(larger).undercut is None
+
+
+def test_the_report_of_an_analysis_links_to_no_proof() -> None:
+    page = PICTURES["report.html"].write(as_design(given()), PictureOptions())
+    assert b"Certificate" in page
+    assert b"proof.json" not in page

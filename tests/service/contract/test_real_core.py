@@ -152,6 +152,7 @@ def test_reports(client: httpx2.Client, links: dict[str, str]) -> None:
     costs = client.get(f"{links['report.html']}?sensitivities=true")
     assert "What each limit costs" in costs.text
     assert "What each limit costs" not in plain.text
+    assert "<a href=proof.json>" in plain.text
     assert plain.headers["etag"] != costs.headers["etag"]
     csv = client.get(links["profile.csv"]).content
     assert hashlib.sha256(csv).hexdigest() in plain.text
