@@ -43,7 +43,7 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "outer_radius": "max_mm", "face_width": "width_mm left_mm right_mm",
-    "base_radius": "", "peak_acceleration": "", "peak_jerk": ""}
+    "base_radius": "", "peak_acceleration": "", "peak_jerk": "", "peak_pressure_angle": ""}
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
     "polynomial_4_5_6_7": (4, 35, -84, 70, -20),
@@ -660,11 +660,15 @@ def excluded(asked, place, claim):
         aims, value = asked["objective"], get(claim, "at_least")
         demand(place == "objective/0" and value >= 0, "later objectives are not covered")
         aim = kind_of(aims[0] if isinstance(aims, list) else aims,
-                      "base_radius", "peak_acceleration", "peak_jerk")
+                      "base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle")
         text = f"no cam of this question has a {aim} below {decimal(value)}"
         if aim == "base_radius":
             radius = value + question.gap
             question.radii[1] = min(radius, question.radii[1] or radius)
+        elif aim == "peak_pressure_angle":
+            demand(question.roller, "it has no pressure angle")
+            question.limits["objective"] = {"kind": aim[5:], "rise_deg": value, "return_deg": value,
+                                            "dwell_deg": None}
         else:
             question.limits["objective"] = {"kind": aim[5:], FIELDS[aim[5:]]: value}
     exclude(question, get(claim, "multipliers", dict))

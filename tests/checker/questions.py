@@ -53,5 +53,9 @@ def question(chance: random.Random) -> dict[str, Any]:
     if chance.random() < 0.3:
         body["base_radius_mm"] = {"min": 0.1 * lift, "max": chance.choice((0.8, 2.0, 20.0)) * lift}
     kind = chance.choice(("base_radius",) * 4 + ("peak_jerk", "peak_acceleration"))
+    if body["follower"]["kind"] == "translating_roller" and chance.random() < 0.15:
+        kind = "peak_pressure_angle"  # without a limit on it, and in a range of sizes
+        body["limits"] = [each for each in limits if each["kind"] != "pressure_angle"]
+        body["base_radius_mm"] = {"min": 0.5 * lift, "max": chance.uniform(1.0, 4.0) * lift}
     return {**body, "objective": {"kind": kind}, "proof": "quick", "tolerance": 0.005,
             "time_budget_s": 10.0}  # fmt: skip

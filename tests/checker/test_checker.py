@@ -234,3 +234,16 @@ def test_every_design_has_a_file_that_says_what_is_not_covered(name: str, proven
     assert all(claim["proven"] or claim["reason"] for claim in document["claims"])
     code, said = verdict(document)
     assert (code, said.splitlines()[-1].split()[0]) == (0, str(proven)), said
+
+
+def test_a_peak_pressure_angle_cannot_be_raised() -> None:
+    limits = [{"kind": "jerk", "max_mm_per_s3": 2.0e6}]
+    changes = {"limits": limits, "objective": {"kind": "peak_pressure_angle"}, "tolerance": 5e-3}
+    document = proof_of("example-13-6-sized", base_radius_mm={"min": 20.0, "max": 45.0}, **changes)
+    assert verdict(document)[0] == 0
+    claim = claims(document)["objective/0"]
+    assert claim["proven"]
+    assert "note" not in claim
+    assert contradiction(document) == ""
+    claim["at_least"] *= 1.01  # above the cam of the file
+    assert verdict(document)[0] == 1

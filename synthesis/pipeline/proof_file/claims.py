@@ -13,6 +13,8 @@ from dataclasses import replace
 from math import floor, inf, isfinite, log10
 from typing import Any
 
+from synthesis.catalogue.limits.pressure_angle import PressureAngle
+from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
 from synthesis.design.design import Design, Effort
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
@@ -91,11 +93,14 @@ def _of_all_cams(body: Json, place: str, design: Design) -> Json:
 
 def _attempts(place: str, design: Design) -> Iterator[Json]:
     """Claims about all cams that may hold, the best first."""
-    answer = design.certificate.lower_bound
+    answer, spec = design.certificate.lower_bound, design.spec
     if place == INFEASIBLE:
-        yield from ({"multipliers": each} for each, _ in _witnesses(design))
-    witnesses = list(_witnesses(design)) if place == OBJECTIVE else []
+        yield from ({"multipliers": each} for each, _ in _witnesses(spec, infeasible=True))
+    of_angle = isinstance(spec.objectives()[0], PeakPressureAngle)
+    witnesses = list(_witnesses(spec)) if place == OBJECTIVE and not of_angle else []
     for loss in LOSSES:
+        if place == OBJECTIVE and of_angle and answer:
+            witnesses = [*_witnesses_of_angle(spec, _rounded_down(answer * (1.0 - 0.5 * loss)))]
         for found, bound in witnesses:
             if bound <= 0.0:
                 continue
@@ -128,9 +133,22 @@ def _chosen(design: Design) -> list[Json]:
     ]  # fmt: skip
 
 
-def _witnesses(design: Design) -> Iterator[Witness]:
-    """Multipliers of programs whose rows are those of the question."""
-    spec = design.spec
+def _witnesses_of_angle(spec: DesignSpec, least: float) -> Iterator[Witness]:
+    """Multipliers that no cam has a peak pressure angle as small: with it as a limit none fits."""
+    limit, name = PressureAngle(rise_deg=least, return_deg=least), f"limits/{len(spec.limits)}"
+    changes = {"limits": [*spec.limits, limit], "objective": BaseRadius()}
+    for found, _ in _witnesses(spec.model_copy(update=changes)):
+        for part in found["segments"]:
+            for row in part["rows"]:
+                row["limit"] = "objective" if row["limit"] == name else row["limit"]
+        yield found, least
+
+
+def _witnesses(spec: DesignSpec, *, infeasible: bool = False) -> Iterator[Witness]:
+    """Multipliers of programs whose rows are those of the question.
+
+    ``infeasible``: whether it is said to have no cam, so that other programs may show that.
+    """
     if spec.free_parameters.parameters:
         return  # a bound over all numbers has other multipliers
     attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
@@ -146,7 +164,7 @@ def _witnesses(design: Design) -> Iterator[Witness]:
         (on_wire,) = in_wire_units(attempt.question, attempt.question.scaled, known)
         for found in multipliers(model, solution, spec, length):
             yield found, on_wire.lower
-    if design.status != "infeasible":
+    if not infeasible:
         return
     # 2. Where there is no cam: a given law that breaks a limit; the program for the share of a
     #    limit that every law needs; or that for the least excess of all others.
