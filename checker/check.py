@@ -22,7 +22,7 @@ from itertools import product, zip_longest
 from math import comb, factorial, isqrt
 from zipfile import ZipFile
 
-MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 25, 60  # of the file; of a number
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 1_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
 MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
