@@ -22,7 +22,7 @@ from itertools import product, zip_longest
 from math import comb, factorial, isqrt
 from zipfile import ZipFile
 
-MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 4_000_000, 25, 60  # of the file; of a number
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 1_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
 MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
@@ -35,6 +35,7 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
                 "objective tolerance proof time_budget_s report_smoothness_cost",
     "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm velocity_mm_per_s",
+    "chosen": "angle_deg lift_mm",  # of a segment of the cam
     "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
     "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
     "named law": "inflection",
@@ -123,6 +124,7 @@ def range_of(value):
 def choose(asked, chosen):
     """A number as it is given, or that of the cam if the question leaves a range."""
     if not isinstance(asked, dict) or chosen is None:
+        demand(chosen in (None, asked), "a number of the cam is not that asked for")
         return asked
     low, high = range_of(asked)
     good = isinstance(chosen, Fraction) and low is not None and high is not None
@@ -133,8 +135,9 @@ def choose(asked, chosen):
 class Segment:
     def __init__(self, index, body, rate, chosen):
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
-        body = {**body, **{name: choose(body[name], chosen.get(name))
-                           for name in ("angle_deg", "lift_mm") if name in body}}
+        kind_of({**chosen, "kind": "chosen"}, "chosen")
+        body = {**body, **{name: choose(body.get(name), chosen.get(name))
+                           for name in ("angle_deg", "lift_mm")}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
         if kind in ("rise", "return"):
@@ -163,7 +166,7 @@ class Question:
         good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
         demand(good, "there are too many segments or limits", 2)
         demand(len(chosen) in (0, len(program)), "the cam has not as many segments", 2)
-        self.program = [Segment(i, s, rate, dict(chosen[i]) if chosen else {})
+        self.program = [Segment(i, s, rate, chosen[i] if chosen else {})
                         for i, s in enumerate(program)]
         turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
         demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
+from zipfile import ZIP_BZIP2, ZipFile
 
 import pytest
 
@@ -100,9 +100,20 @@ def test_an_archive_is_checked_as_a_whole(proofs: Any, impossible: Any, tmp_path
     assert run(json.dumps(broken).encode(), *sound)[0] == 1
     assert run(*sound, b"{")[0] == 2
     assert run()[0] == 2
-    (tmp_path / "proofs.zip").write_bytes(b"PK")
-    command = [sys.executable, str(checker_path()), "proofs.zip"]
-    assert subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode == 2
+
+
+def test_what_is_no_archive_of_proofs_cannot_be_read(tmp_path: Path) -> None:
+    (tmp_path / "no.zip").write_bytes(b"PK")
+    with ZipFile(tmp_path / "ends.zip", "w") as archive:
+        archive.writestr("early.json", "{}")
+        archive.filelist[0].compress_size = archive.filelist[0].file_size = 10_000
+    with ZipFile(tmp_path / "bomb.zip", "w", ZIP_BZIP2) as archive:  # of 2 kB, or of a terabyte
+        archive.writestr("a.json", "{}")
+    for name in ("no.zip", "ends.zip", "bomb.zip", "\udcff.json"):
+        command = [sys.executable, "-I", "-S", str(checker_path()), name]
+        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (found.returncode, found.stderr) == (2, ""), name
+        assert "cannot be read" in found.stdout
 
 
 @pytest.mark.parametrize("name", MUTANTS)

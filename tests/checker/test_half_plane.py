@@ -64,10 +64,14 @@ def quintic(chance: random.Random, v: float, a: float) -> np.polynomial.Polynomi
     return np.polynomial.Polynomial(own) + free * more
 
 
+def is_free(segment: Any) -> bool:
+    return segment.get("law", {}).get("kind") == "spline"
+
+
 def multipliers(chance: random.Random, asked: Any, order: int) -> Any:
     parts = []
     for index, segment in enumerate(asked["program"]):
-        free, rows = segment["kind"] in ("rise", "return"), []
+        free, rows = is_free(segment), []
         may = free and not segment["law"]["overshoot"]
         places = [(f"limits/{k}", limit["kind"]) for k, limit in enumerate(asked["limits"])]
         for place, kind in [*places, ("forward", "forward")]:
@@ -99,7 +103,7 @@ def row(asked: Any, limit: Any, side: int, sense: str, s: Any, z: Any) -> float:
     return float(side * s[1] - C * limit["right_mm" if side > 0 else "left_mm"])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(7))
 def test_multiplied_rows_are_what_they_say_of_any_law(seed: int) -> None:
     chance = random.Random(seed)
     order = 2 if seed == 5 else 3
@@ -109,6 +113,9 @@ def test_multiplied_rows_are_what_they_say_of_any_law(seed: int) -> None:
     middle = [{"kind": "dwell", "angle_deg": 30.0}] if seed < 4 else []
     if seed == 4:
         middle = [{"kind": "constant_velocity", "angle_deg": 10.0, "lift_mm": 2.0}]
+    elif seed == 6:  # a given law whose acceleration is 6 h/d² at its start and −6 h/d² at its end
+        law = {"kind": "cubic_2_3"}
+        middle = [{"kind": "rise", "angle_deg": 30.0, "lift_mm": 4.0, "law": law}]
     asked = question(ROLLER if roller else FACE, kinds, middle)
     witness = multipliers(chance, asked, order)
     # the checker's constant, without what the cap takes: a limit of 0 has no share
@@ -121,15 +128,18 @@ def test_multiplied_rows_are_what_they_say_of_any_law(seed: int) -> None:
     constant, size = judge.half_plane(judge.Question(body["question"]), body["witness"])
     # laws that meet their neighbours, and any size
     speed = 2.0 / 10.0 if seed == 4 else 0.0  # mm per degree
+    bend = 6.0 * 4.0 / 30.0**2 if seed == 6 else 0.0  # mm per degree²
     z = np.array([0.07, 31.0]) if roller else np.array([C * C * 25.0, 0.0])
     left, right, level = float(constant) + float(np.dot(np.array(size, dtype=float), z)), 0.0, 0.0
     for part, segment in zip(witness["segments"], asked["program"], strict=True):
-        d, free = segment["angle_deg"], segment["kind"] in ("rise", "return")
+        d, free = segment["angle_deg"], is_free(segment)
         h = (segment.get("lift_mm") or 0.0) * (-1.0 if segment["kind"] == "return" else 1.0)
         g = np.polynomial.Polynomial([0.0, 1.0])
         if free:
-            g = quintic(chance, speed * d / h, 0.0)
-        if segment["kind"] == "return":  # the mirror image in time
+            g = quintic(chance, speed * d / h, bend * d**2 / h)
+        elif "law" in segment:
+            g = np.polynomial.Polynomial([0.0, 0.0, 3.0, -2.0])
+        if free and h < 0.0:  # the mirror image in time
             g = 1.0 - g(np.polynomial.Polynomial([1.0, -1.0]))
         sense = "rise" if h > 0.0 else "return" if h < 0.0 else "dwell"
 

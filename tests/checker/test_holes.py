@@ -78,6 +78,12 @@ def bound(value: float, *rows: Json, segment: int = 0, ends: Any = (-0.1, 0, 0))
     return {"at_least": value, "multipliers": {"order": 3, "segments": [part]}}
 
 
+def chosen(found: Json, *numbers: Json) -> Json:
+    """The same with numbers of the cam, segment by segment."""
+    found["cam"]["program"] = [*numbers]
+    return found
+
+
 def with_claim(found: Json, index: int, **fields: Any) -> Json:
     found["claims"][index].update(fields)
     return found
@@ -123,6 +129,10 @@ HOLES: dict[str, tuple[Json, str]] = {
     "a step that is small next to the steeper neighbour": (
         document("motion", STEEP, [SMOOTH, SMOOTH, BENT, None, SMOOTH, None]),
         "derivative 1 jumps"),
+    "a corner of a lift that is smaller than enclosures are wide": (
+        document("limits/0", [{**each, **({"lift_mm": 1e-40} if "lift_mm" in each else {})}
+                              for each in ROUND], [LINE, None] * 2,
+                 {"kind": "acceleration", "max_mm_per_s2": 1e-9}), "derivative 0 jumps"),
     "a corner beside a very narrow piece": (
         document("no_undercut", ROUND, [NARROW, None] * 2), "derivative 1 jumps"),
     "a pressure angle of 0": (
@@ -153,6 +163,17 @@ HOLES: dict[str, tuple[Json, str]] = {
                  [None, SMOOTH], VELOCITY), "cannot be read"),
     "a law with an unknown field": (
         document("limits/0", moves(cubic=1), [SMOOTH] * 2, VELOCITY), "cubic"),
+    "a range with a unit": (
+        document("size", moves(), [SMOOTH] * 2,
+                 base_radius_mm={"min": 0, "max": 110, "unit": "inch"}), "range"),
+    "a number of the cam that is not that of the question": (
+        chosen(document("limits/0", moves(), [SMOOTH] * 2, VELOCITY), {"angle_deg": 90}, {}),
+        "asked for"),
+    "a chosen number of another kind": (
+        chosen(document("limits/0", moves(), [SMOOTH] * 2, VELOCITY), {"rise_mm": 5}, {}),
+        "rise_mm"),
+    "an offset that is no number": (
+        document("size", moves(), [SMOOTH] * 2, size=(False, 100)), "no number"),
     "lifts that do not close": (
         document("infeasible", [move("rise", 180, 18), move("return", 180, 17)], None, SLOW, JERK,
                  witness=bound(0, MEAN)), "do not sum to 0"),

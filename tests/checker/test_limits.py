@@ -202,4 +202,6 @@ def test_numbers_that_the_question_leaves_free_lie_in_their_ranges(roller: Json)
     assert not holds({"angle_deg": 70.0}, {})  # not chosen
     assert not holds({"angle_deg": 60.0}, {"angle_deg": 30.0})  # too steep for the jerk limit
     rise["angle_deg"] = 70.0
-    assert holds({"angle_deg": 60.0}, {"angle_deg": 20.0})  # given: nothing is to be chosen
+    assert holds({}, {"angle_deg": 20.0})  # given: nothing is to be chosen
+    assert holds({"angle_deg": 70.0}, {"angle_deg": 20.0})
+    assert not holds({"angle_deg": 60.0}, {"angle_deg": 20.0})  # not that of the question

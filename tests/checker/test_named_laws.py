@@ -10,6 +10,7 @@ from synthesis.catalogue.laws.rest_to_rest import Polynomial, Scca
 from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.run import verdict
 from tests.checker.test_checker import proof_of
+from tests.checker.test_holes import JERK, VELOCITY, document, move, moves
 
 LAWS = [(family, kind) for family in (Polynomial, Scca) for kind in family.entries]
 COVERED = [each for each in LAWS if each[1] != "trapezoidal_acceleration"]
@@ -50,3 +51,30 @@ def test_another_law_than_that_of_the_answer_is_another_question() -> None:
     assert verdict(document)[0] == 0
     document["question"]["program"][0]["law"]["kind"] = "modified_sine"
     assert verdict(document)[0] == 1
+
+
+def test_a_jump_inside_a_given_law_is_a_jump() -> None:
+    """A spline that takes over the third derivative of a law, which jumps inside the law."""
+    taken = checker().given("cv50_half_sine", 3, Fraction(0))[0]
+    back = float(-taken / 270)  # the third derivative at both ends is 270 times as large
+    fall = {"degree": 5, "knots": [0, 1 / 3, 2 / 3, 1],
+            "coefficients": [0, 0, 0, back, 1 - back, 1, 1, 1]}  # fmt: skip
+    law = {"kind": "cv50_half_sine", "inflection": 0.5}
+    program = [{**move("rise", 180, 10), "law": law},
+               move("return", 180, 10, smoothness=3, overshoot=True)]  # fmt: skip
+    for continuity, code in ((None, 0), (2, 0), (3, 1)):
+        found = document("motion", program, [None, fall], continuity=continuity)
+        assert verdict(found)[0] == code, continuity
+    jerk = document("limits/0", program, [None, fall], JERK)
+    assert verdict(jerk)[0] == 0
+
+
+def test_places_on_given_laws_are_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = {"kind": "cv50_modified_trapezoid", "inflection": 0.5}
+    program = [{**each, "law": law} for each in moves()]
+    row = {"limit": "limits/0", "side": 1, "multipliers": [[1e-50, 1]]}
+    witness = {"multipliers": {"order": 3, "segments": [{"segment": 0, "rows": [row], "ends": []}]}}
+    found = document("infeasible", program, None, VELOCITY, witness=witness)
+    assert verdict(found)[0] == 1
+    monkeypatch.setitem(checker().MOST, "coefficients", checker().spent["coefficients"] - 1)
+    assert verdict(found)[0] == 2
