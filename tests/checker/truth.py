@@ -56,7 +56,7 @@ def better_cam(question: Json, place: str, claim: Json) -> str:
         design = synthesise(DesignSpec.model_validate({**question, "time_budget_s": 3.0}))
     except (ValidationError, CamwrightError):
         return ""  # no question that can be asked
-    if not design.motion:
+    if not design.motion or design.status == "infeasible":  # as given laws that break a limit
         return ""
     if place == "infeasible":
         return f"the question has a cam with {design.objectives}"
