@@ -25,6 +25,7 @@ POLYGON = {"degree": 1, "knots": [0, 0.1, 0.9, 1], "coefficients": [0, 0, 1, 1]}
 BENT = {**SMOOTH, "coefficients": [0, 1e-4, 0.1, 1, 1, 1]}
 NARROW = {"degree": 3, "knots": [0, 1e-14, 0.99999999999999, 1],  # nearly a line
           "coefficients": [0, 1e-14 / 3, 1 / 3, 2 / 3, 1 - 1e-14 / 3, 1]}  # fmt: skip
+SINE = {"kind": "cycloidal", "inflection": 0.5}
 LINE = {"degree": 3, "knots": [0, 1], "coefficients": [0, 1 / 3, 2 / 3, 1]}
 
 
@@ -133,6 +134,10 @@ HOLES: dict[str, tuple[Json, str]] = {
         document("limits/0", [{**each, **({"lift_mm": 1e-40} if "lift_mm" in each else {})}
                               for each in ROUND], [LINE, None] * 2,
                  {"kind": "acceleration", "max_mm_per_s2": 1e-9}), "derivative 0 jumps"),
+    "a corner beside a named law that is known less well than it is high": (
+        document("limits/0", [{**move("rise", 1e-25, 10), "law": SINE}, *moves()[1:], dwell(180)],
+                 [None, {**LINE, "coefficients": [0, 1 / 3, 1, 1]}, None],
+                 {"kind": "acceleration", "max_mm_per_s2": 1e60}), "derivative 1 jumps"),
     "a corner beside a very narrow piece": (
         document("no_undercut", ROUND, [NARROW, None] * 2), "derivative 1 jumps"),
     "a pressure angle of 0": (
