@@ -258,3 +258,11 @@ def test_a_peak_pressure_angle_cannot_be_raised() -> None:
     assert contradiction(document) == ""
     claim["at_least"] *= 1.01  # above the cam of the file
     assert verdict(document)[0] == 1
+
+
+def test_that_no_cam_fits_does_not_depend_on_the_objective() -> None:
+    limits = [{"kind": "jerk", "max_mm_per_s3": 2.0e5}]
+    changes = {"limits": limits, "objective": {"kind": "peak_pressure_angle"}}
+    document = proof_of("example-13-6-sized", base_radius_mm={"min": 20.0, "max": 45.0}, **changes)
+    assert claims(document)["infeasible"]["proven"]
+    assert verdict(document)[0] == 0

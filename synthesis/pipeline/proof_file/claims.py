@@ -94,9 +94,10 @@ def _of_all_cams(body: Json, place: str, design: Design) -> Json:
 def _attempts(place: str, design: Design) -> Iterator[Json]:
     """Claims about all cams that may hold, the best first."""
     answer, spec = design.certificate.lower_bound, design.spec
-    if place == INFEASIBLE:
-        yield from ({"multipliers": each} for each, _ in _witnesses(spec, infeasible=True))
     of_angle = isinstance(spec.objectives()[0], PeakPressureAngle)
+    if place == INFEASIBLE:  # whatever the objective
+        plain = spec.model_copy(update={"objective": BaseRadius()}) if of_angle else spec
+        yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
     witnesses = list(_witnesses(spec)) if place == OBJECTIVE and not of_angle else []
     for loss in LOSSES:
         if place == OBJECTIVE and of_angle and answer:
