@@ -59,9 +59,10 @@ class Trial:
         known = next((each.least_excess for each in self.attempt.searches[-1:]), None)
         if known is not None or self.certified or not self.attempt.searches:
             return known
-        mean, gentlest = mean_velocity_excess(self.attempt), gentlest_law(self.attempt)
+        mean = mean_velocity_excess(self.attempt)
         if mean is not None:
             return mean
+        gentlest = gentlest_law(self.attempt)
         return None if gentlest is None or gentlest.fits else gentlest.share - 1.0
 
     @property

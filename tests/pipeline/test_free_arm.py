@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -24,17 +23,11 @@ RANGE = {"min": 40.7, "max": 161.3}
 DISTANCE = 101.9
 
 # lengths tried first, descents and their steps, how closely: a search that is sure enough here
-LITTLE = {
+SEARCH = {
     "FEW": 4, "MANY": 9, "STARTS": 1, "MAX_STEPS": 8, "POLISHED": 1, "ROUGHLY": 5e-2, "FINE": 2e-2,
 }  # fmt: skip
 
-
-@pytest.fixture(scope="module", autouse=True)
-def little_is_tried() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in LITTLE.items():
-            patch.setattr(search, name, value)
-        yield
+pytestmark = pytest.mark.usefixtures("coarse_search")
 
 
 def spec(*limits: dict[str, Any], arm: Any = RANGE, **more: Any) -> DesignSpec:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from math import pi, sqrt
 from typing import Any
 
@@ -22,15 +21,9 @@ RPM = OMEGA * 30.0 / pi
 FREE = {"min": 25.0, "max": 260.0}
 
 # starts and steps of descents, how many are polished: a search that is sure enough here
-LITTLE = {"STARTS": 1, "MAX_STEPS": 8, "LAST_MAX_STEPS": 4, "POLISHED": 1, "DESCENTS": 1}
+SEARCH = {"STARTS": 1, "MAX_STEPS": 8, "LAST_MAX_STEPS": 4, "POLISHED": 1, "DESCENTS": 1}
 
-
-@pytest.fixture(scope="module", autouse=True)
-def little_is_tried() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in LITTLE.items():
-            patch.setattr(search, name, value)
-        yield
+pytestmark = pytest.mark.usefixtures("coarse_search")
 
 
 def rise(angle: Any, lift: Any, **more: Any) -> dict[str, Any]:

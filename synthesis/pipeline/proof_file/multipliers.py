@@ -113,7 +113,7 @@ def broken_by_given_law(problem: Problem, spec: DesignSpec) -> Iterator[dict[str
             if any(row.size) or row.interval is not None:
                 continue
             worst, place = maximise(segment.placed(), row.coefficients)
-            name = _limit_of(row, spec)
+            name, _ = _limit_of(row, spec)
             if worst > row.upper and name:
                 side = -1 if row.coefficients[max(row.orders)] < 0.0 else 1
                 table = np.array([[_share_at(segment, place), 1.0]])
@@ -126,15 +126,15 @@ def _share_at(segment: PlacedSegment, place: float) -> float:
     return min(max((place - segment.start) / segment.angle, 0.0), 1.0)
 
 
-def _limit_of(row: LinearInequality, spec: DesignSpec) -> str:
-    """The name that a proof file gives to the limit of a row; empty where it has none."""
+def _limit_of(row: LinearInequality, spec: DesignSpec) -> tuple[str, str]:
+    """The name in a proof file of the limit of a row, and its kind; "" where it has none."""
     source = SOURCES.get(row.source, row.source)
     names = {f"limits/{k}": str(limit.kind) for k, limit in enumerate(spec.limits)}
     names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
     if source.startswith("peak_"):  # what is minimised counts as a limit
         source = source.removeprefix("peak_")
         names = {"objective": source}
-    return next((name for name, kind in names.items() if source.startswith(kind)), "")
+    return next((each for each in names.items() if source.startswith(each[1])), ("", ""))
 
 
 def _groups(
@@ -178,14 +178,9 @@ def _row(
     """The limit and side of a block's rows, and the factor on their multipliers."""
     assert block.origin is not None
     segment, row = block.origin.segment, block.origin.row
-    name = _limit_of(row, spec)
+    name, kind = _limit_of(row, spec)
     if not name:
         return None
-    kind = "profile_radius"
-    if name == "objective":
-        kind = row.source.removeprefix("peak_")
-    elif name != "no_undercut":
-        kind = spec.limits[int(name.removeprefix("limits/"))].kind
     if block.segment is not None:
         # as large a share of the derivative that the checker's row has with the factor ±1
         order = {"acceleration": 2, "profile_radius": 2}.get(kind, 1)
