@@ -1,15 +1,17 @@
 """The checker's own named laws: those of the catalogue, enclosed; what they break is refused."""
 
+import json
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 import pytest
 
+from synthesis import DesignSpec
 from synthesis.catalogue.laws.rest_to_rest import Polynomial, Scca
 from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.run import verdict
-from tests.checker.test_checker import proof_of
+from tests.checker.test_checker import EXAMPLES, proof_of
 from tests.checker.test_holes import JERK, VELOCITY, document, move, moves
 
 LAWS = [(family, kind) for family in (Polynomial, Scca) for kind in family.entries]
@@ -78,3 +80,38 @@ def test_places_on_given_laws_are_work(monkeypatch: pytest.MonkeyPatch) -> None:
     assert verdict(found)[0] == 1
     monkeypatch.setitem(checker().MOST, "coefficients", checker().spent["coefficients"] - 1)
     assert verdict(found)[0] == 2
+
+
+def test_what_a_series_leaves_out_is_in_its_remainder() -> None:
+    judge = checker()
+    for order in range(5):  # at u = 1, where the terms are largest
+        low, high = judge.total(*judge.sine(order))
+        least, most = judge.total(*judge.sine(order, 60))
+        assert low < least <= most < high
+
+
+def test_a_wider_enclosure_of_a_law_beside_a_free_one_weakens_the_half_plane(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    program = [
+        {"kind": "rise", "angle_deg": 90.0, "lift_mm": 20.0},
+        {"kind": "return", "angle_deg": 90.0, "lift_mm": 20.0, "law": {"kind": "cubic_2_3"}},
+        {"kind": "dwell", "angle_deg": 180.0},
+    ]
+    body = json.loads((EXAMPLES / "example-13-6-sized.json").read_text("utf-8"))["value"]
+    asked = DesignSpec.model_validate({**body, "program": program}).model_dump_json()
+    judge = checker()
+    judge.spent.clear()
+    question = judge.Question(judge.read(asked.encode()))
+    ends = {"segment": 0, "rows": [], "ends": [0, 0, 1]}  # a multiple of the free law's g''(1)
+    witness = judge.read(json.dumps({"order": 3, "segments": [ends]}).encode())
+    constant, _ = judge.half_plane(question, witness)
+    given = judge.given
+
+    def wider(law: str, order: int, x: Any) -> tuple[Any, Any]:
+        low, high = given(law, order, x)
+        return (low - 1, high + 1) if law == "cubic_2_3" else (low, high)
+
+    monkeypatch.setattr(judge, "given", wider)
+    weaker, _ = judge.half_plane(question, witness)
+    assert weaker < constant
