@@ -15,6 +15,7 @@ that the profile is simple. ``second/`` is a second judge in ball arithmetic.
 from synthesis.certify.certificate import certify
 from synthesis.certify.force_report import report_forces
 from synthesis.certify.motion_checks import certify_size
+from synthesis.certify.motion_summary import summarise_motion
 from synthesis.certify.objectives import measure_objective
 from synthesis.certify.self_intersection import SELF_CROSSING
 from synthesis.numerics.enclosure import Enclosure
@@ -26,4 +27,5 @@ __all__ = [
     "certify_size",
     "measure_objective",
     "report_forces",
+    "summarise_motion",
 ]

@@ -11,7 +11,14 @@ from typing import TypeVar
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.objectives import Objective
-from synthesis.certify import certify, certify_size, measure_objective, report_forces
+from synthesis.certify import (
+    certify,
+    certify_size,
+    measure_objective,
+    report_forces,
+    summarise_motion,
+)
+from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.design.design import (
     Certificate,
     Conflict,
@@ -292,6 +299,9 @@ def design(
         if cam is None
         else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
         extremes=list(extremes),
+        motion_summary=None
+        if cam is None
+        else summarise_motion(PiecewiseMotion(cam.motion), spec.machine()),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
             certified=certified, other_objectives=list(objective_proofs[1:]), **first.model_dump()

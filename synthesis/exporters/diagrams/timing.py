@@ -66,9 +66,10 @@ def _spans(start: float, angle: float) -> list[tuple[float, float]]:
 
 def _heading(cams: CamSet) -> list[str]:
     count, name = len(cams.cams), cams.name.strip() or "Cam set"
+    status = labelled_status(cams.status, cams.severity)
     text = (
         f"{count} cam{'s' if count > 1 else ''} on one shaft · turns {TURNS[cams.rotation]} at "
-        f"{svg.figure(cams.speed_rpm, 6)} rpm · {labelled_status(cams.status, cams.severity)} · {cams.id[:8]}"
+        f"{svg.figure(cams.speed_rpm, 6)} rpm · {status} · {cams.id[:8]}"
     )
     return two_lines(name, text, RIGHT, WIDTH - RIGHT, 1.0)
 

@@ -21,6 +21,7 @@ from synthesis.pipeline.advice import (
     period_ratio,
     pressure_angle,
     roller_speed,
+    rough_motion,
     sharp_nose,
     unit_suspicion,
 )
@@ -33,6 +34,7 @@ RULES: Final[tuple[Rule, ...]] = (
     hub.RULE,
     sharp_nose.RULE,
     jumps.RULE,
+    rough_motion.RULE,
     pressure_angle.RULE,
     roller_speed.RULE,
     lift_to_base_radius.RULE,

@@ -30,8 +30,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
             "guide the follower both ways: a groove, conjugate cams.",
         )  # fmt: skip
         return
-    jumps = subject.extreme("acceleration_jump") or subject.extreme("velocity_jump")
-    if load.friction is not None and forces.flanks[0].largest_n is None and jumps is None:
+    infinite = subject.summary.acceleration.rms is None
+    if load.friction is not None and forces.flanks[0].largest_n is None and not infinite:
         yield Finding(
             "stop",
             "load/friction",

@@ -9,10 +9,7 @@ from typing import Final
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
-HUB_PER_SHAFT, HUB_MORE = (
-    1.75,
-    6.35,
-)  # hub diameter of cast iron: 1 3/4 shaft diameters + 1/4 in [mm]
+HUB_PER_SHAFT, HUB_MORE = 1.75, 6.35  # hub of cast iron: 1 3/4 shaft diameters + 1/4 in [mm]
 SHEAR_MPA: Final = 40.0  # allowed in a shaft with a keyway: 6000 psi of the ASME code
 LEAST, SMALL = 0.2, 1.0 / 3.0  # base radius over stroke, where nothing is known of the shaft
 

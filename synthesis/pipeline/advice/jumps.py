@@ -14,25 +14,25 @@ BLOW, TAP = 0.1, 0.01  # m/s: what falls 0.5 mm, and 5 µm, hits with
 def _find(subject: Subject) -> Iterator[Finding]:
     if subject.spec.continuity is not None:
         return
-    velocity = subject.jump_in_metres("velocity_jump", 1)
+    velocity = subject.summary.velocity.largest_jump
+    acceleration = subject.summary.acceleration.largest_jump
     severity: Severity
     if velocity is not None:
-        size, angle = velocity
+        size = subject.in_metres(abs(velocity.value))
         severity = "stop" if size > BLOW else "caution" if size > TAP else "note"
         yield Finding(
-            severity, "program",
-            f"The velocity jumps by {number(size)} m/s at {number(angle)}°: the acceleration is "
-            "infinite there, and the follower is hit.",
-            "Take a law that begins and ends at rest, or let the program have it chosen "
+            severity, f"program/{velocity.segment}",
+            f"The velocity jumps by {number(size)} m/s at {number(velocity.angle_deg)}°: the "
+            "acceleration is infinite there, and the follower is hit.",
+            "Take a law that begins and ends at rest, or let the program choose it "
             '(law {"kind": "spline"}).',
         )  # fmt: skip
-    acceleration = subject.jump_in_metres("acceleration_jump", 2)
     if acceleration is not None:
-        size, angle = acceleration
+        size = subject.in_metres(abs(acceleration.value))
         yield Finding(
-            "caution" if size > CRAWL else "note", "program",
-            f"The acceleration jumps by {number(size)} m/s² at {number(angle)}°: the jerk is "
-            "infinite there, and the train rings.",
+            "caution" if size > CRAWL else "note", f"program/{acceleration.segment}",
+            f"The acceleration jumps by {number(size)} m/s² at "
+            f"{number(acceleration.angle_deg)}°: the jerk is infinite there, and the train rings.",
             "Take a law without jumps (cycloidal, modified sine, polynomial 3-4-5), or ask for "
             "continuity 2.",
         )  # fmt: skip

@@ -8,6 +8,7 @@ from typing import Final
 from synthesis.catalogue.limits.motion import ResidualVibration
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
+from synthesis.units import rad_per_s
 
 LEAST: Final = 3.0  # time of a move over the natural period
 
@@ -17,7 +18,7 @@ def _find(subject: Subject) -> Iterator[Finding]:
     for limit in subject.limits("residual_vibration"):
         assert isinstance(limit, ResidualVibration)
         shortest = min(moves, key=lambda segment: segment.angle)
-        ratio = shortest.angle * subject.time_per_rad * limit.natural_frequency_hz
+        ratio = shortest.angle / rad_per_s(subject.spec.speed_rpm) * limit.natural_frequency_hz
         if ratio < LEAST:
             yield Finding(
                 "note", "limits/residual_vibration/natural_frequency_hz",

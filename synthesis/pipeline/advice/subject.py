@@ -21,9 +21,10 @@ from synthesis.catalogue.forces.reduced import MILLI
 from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.motion import Sense
 from synthesis.design.design import Design, Extreme
+from synthesis.design.summary import MotionSummary
 from synthesis.numerics.piecewise import Array, Mask
 from synthesis.spec.design_spec import DesignSpec
-from synthesis.units import DEGREE, FULL_TURN, rad_per_s
+from synthesis.units import DEGREE, FULL_TURN
 
 BESIDE: Final = 1e-9  # of a piece: how far inside its ends it is sampled
 GRID: Final = np.arange(0.5, 360.0) * DEGREE  # rad: cam angles that are sampled besides
@@ -130,21 +131,16 @@ class Subject:
         spin = flank.side * np.sqrt(square) / flank.roller - 1.0 + (gx * hy - gy * hx)
         return float(np.max(np.abs(spin))) * self.spec.speed_rpm
 
-    @cached_property
-    def time_per_rad(self) -> float:
-        """Time in which the cam turns by one radian [s]."""
-        return 1.0 / rad_per_s(self.spec.speed_rpm)
+    @property
+    def summary(self) -> MotionSummary:
+        """Peaks, coefficients and jumps of the motion; there is a cam."""
+        found = self.design.motion_summary
+        assert found is not None
+        return found
 
-    def in_metres(self, value: float, order: int) -> float:
-        """s^(order) per radian as a time derivative in metres: m/s, m/s², …"""
-        return float(value * MILLI / self.time_per_rad**order)
-
-    def jump_in_metres(self, name: str, order: int) -> tuple[float, float] | None:
-        """Largest jump of a derivative in m/s^order and its cam angle [deg]; None: no jump."""
-        found = self.extreme(name)
-        if found is None or found.value is None:
-            return None
-        return found.value * self.spec.follower.travel.per_unit * MILLI, found.angle_deg
+    def in_metres(self, value: float) -> float:
+        """A rate on the wire, in mm or degrees of an arm, as one along the path in metres."""
+        return value * self.spec.follower.travel.per_unit * MILLI
 
     def degrees_at(self, index: int) -> float:
         """Cam angle of a sample [deg]."""

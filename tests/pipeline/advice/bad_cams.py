@@ -78,6 +78,11 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
     "constant velocity at 120 rpm": (
         "jumps", "stop", cam(70.0, speed_rpm=120.0, program=program(law="constant_velocity")),
     ),
+    "a motion that nothing but size limits": (
+        "rough_motion", "caution",
+        cam(None, program=program(law="spline"), limits=[
+            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick"),
+    ),
     "float": ("contact_force", "stop", cam(70.0, speed_rpm=400.0, load=slide(8.0))),
     "hardly no float": (
         "contact_force", "note", cam(70.0, speed_rpm=300.0, load=slide(2.0, 5.0, 37.0)),

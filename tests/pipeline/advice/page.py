@@ -9,9 +9,9 @@ from synthesis.pipeline.advice import RULES
 TARGET = Path(__file__).resolve().parents[3] / "docs" / "warnings.md"
 HEAD = """# Warnings
 
-A certified cam keeps every limit that was asked for, and yet nobody may want to build it. Every design, cam set and
-report has `warnings`: what an engineer would say of the cam by the rules of the field, the most severe first, and
-beside `status` the `severity` of the worst.
+A certified cam keeps every limit that was asked for, and yet nobody may want to build it. Every
+design has `warnings`: what an engineer would say of the cam by the rules of the field, the most
+severe first, and beside `status` the `severity` of the worst.
 
 | severity | meaning |
 |---|---|
@@ -19,16 +19,17 @@ beside `status` the `severity` of the worst.
 | `caution` | few would build it |
 | `stop` | it cannot work; reports, terminal and studio write STOP beside the status |
 
-A warning has a `code` (the rule), `severity`, the `field` of the spec where it is mended, a `sentence` with the values,
-a `remedy` and the `source` of the rule. A rule is silent where the spec sets on purpose what it would warn of. Warnings
-change neither the cam nor its status: they speak of what the limits do not say. Peaks are sampled at every degree and at
-both sides of every piece of the motion; what the certificate encloses is taken from there.
+A warning has a `code` (the rule), `severity`, the `field` of the spec where it is mended, a
+`sentence` with the values, a `remedy` and the `source` of the rule. A rule is silent where the spec
+sets on purpose what it would warn of. Warnings change neither the cam nor its status: they speak of
+what the limits do not say. Pressure angles and roller speeds are sampled at every degree and at
+both sides of every end of a piece of the motion; all else is taken from what was enclosed.
 
 """
 FOOT = """
-This page is written by `python -m tests.pipeline.advice.page`; a test holds it to the rules. A new rule is a file in
-`synthesis/pipeline/advice` and a line in its `RULES`. How often they speak on everyday cams: `python -m
-tests.hard.everyday`.
+This page is written by `python -m tests.pipeline.advice.page`; a test holds it to the rules. A new
+rule is a file in `synthesis/pipeline/advice` and a line in its `RULES`. How often they speak on
+everyday cams: `python -m tests.hard.everyday`.
 """
 
 
