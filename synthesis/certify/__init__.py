@@ -12,6 +12,7 @@ what every motion must satisfy, ``self_intersection.py`` and ``roller_interferen
 that the profile is simple. ``second/`` is a second judge in ball arithmetic.
 """
 
+from synthesis.certify.cam_geometry import summarise_geometry
 from synthesis.certify.certificate import certify
 from synthesis.certify.force_report import report_forces
 from synthesis.certify.motion_checks import certify_size
@@ -27,5 +28,6 @@ __all__ = [
     "certify_size",
     "measure_objective",
     "report_forces",
+    "summarise_geometry",
     "summarise_motion",
 ]

@@ -15,6 +15,7 @@ from synthesis.catalogue.laws.figures import ORDERS, LawFigures, figures
 from synthesis.catalogue.limits.base import Machine
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.quantities import MeasuredCam
 from synthesis.design.summary import (
     Coefficients,
     DerivativeSummary,
@@ -38,9 +39,9 @@ REFERENCES: Final = {
 OTHERWISE: Final = "polynomial_5"
 
 
-def summarise_motion(motion: PiecewiseMotion, machine: Machine) -> MotionSummary:
+def summarise_motion(cam: MeasuredCam) -> MotionSummary:
     """Peaks with sign and place, coefficients and jumps of every move and of the whole turn."""
-    return _Motion.of(motion, machine).summary()
+    return _Motion.of(cam.motion, cam.machine).summary()
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class _Motion:
         high, low = ends if unit > 0.0 else ends[::-1]
 
         def peak(value: float, x: float) -> PeakValue:
-            angle = _degrees(segment.start + segment.angle * x)
+            angle = degrees(segment.start + segment.angle * x)
             return PeakValue(value=unit * value + 0.0, angle_deg=angle, segment=segment.index)
 
         rms = abs(unit) * math.sqrt(own.mean_squares[order - 1])
@@ -141,7 +142,7 @@ class _Motion:
             after = int(self.motion.next_piece[junction])
             biggest = PeakValue(
                 value=float(jumps.sizes[k]) * self.machine.wire_factor(order),
-                angle_deg=_degrees(float(self.motion.curve.breaks[after])),
+                angle_deg=degrees(float(self.motion.curve.breaks[after])),
                 segment=int(self.motion.segment_of_piece[after]),
             )
         return DerivativeSummary(
@@ -205,5 +206,6 @@ def _coefficients(own: LawFigures, finite: Sequence[bool] = (True,) * 3) -> Coef
     )
 
 
-def _degrees(angle: float) -> float:
+def degrees(angle: float) -> float:
+    """A cam angle of the turn [rad] in degrees, from 0 to below 360."""
     return round(angle / DEGREE, ANGLE_DIGITS) % 360.0

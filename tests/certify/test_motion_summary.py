@@ -5,8 +5,6 @@ import math
 import pytest
 
 import synthesis as c
-from synthesis.certify import summarise_motion
-from synthesis.certify.piecewise_motion import PiecewiseMotion
 from synthesis.design.summary import MotionSummary
 
 RPM, LIFT, RISE, RETURN = 200.0, 45.0, 120.0, 100.0
@@ -33,8 +31,9 @@ def summary(
             **fields,
         }
     )
-    motion = c.synthesise(spec).curve
-    return summarise_motion(PiecewiseMotion(motion), spec.machine())
+    found = c.synthesise(spec).motion_summary
+    assert found is not None
+    return found
 
 
 # Closed forms (VDI 2143-1; Norton, Cam Design and Manufacturing Handbook): peaks where the next
