@@ -11,7 +11,7 @@ from synthesis.pipeline.advice.subject import Subject
 
 HUB_PER_SHAFT, HUB_MORE = 1.75, 6.35  # hub of cast iron: 1 3/4 shaft diameters + 1/4 in [mm]
 SHEAR_MPA: Final = 40.0  # allowed in a shaft with a keyway: 6000 psi of the ASME code
-LEAST, SMALL = 0.2, 1.0 / 3.0  # base radius over stroke, where nothing is known of the shaft
+THIN, THINNER = 0.2, 0.1  # shaft that the base circle leaves room for, over stroke
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
@@ -38,13 +38,14 @@ def _find(subject: Subject) -> Iterator[Finding]:
             f"Ask for a base radius of at least {number(0.5 * hub)} mm (in steel slightly "
             "less), or make cam and shaft in one piece.",
         )  # fmt: skip
-    elif radius < SMALL * stroke:
+    elif (room := max((2.0 * radius - HUB_MORE) / HUB_PER_SHAFT, 0.0)) < THIN * stroke:
+        shaft_left = f"a shaft of {number(room)} mm diameter" if room > 0.0 else "no shaft"
         yield Finding(
-            "stop" if radius < LEAST * stroke else "caution", field,
-            f"The base radius of {number(radius)} mm is {number(radius / stroke)} of the stroke of "
-            f"{number(stroke)} mm: hardly a shaft fits, and the cam is a long nose on it.",
-            "Ask for a base radius that leaves room for the shaft and its hub: "
-            'base_radius_mm {"min": …}, 0.875 shaft diameters and 3 mm more.',
+            "stop" if room < THINNER * stroke else "caution", field,
+            f"The base radius of {number(radius)} mm leaves room for {shaft_left}, against a "
+            f"stroke of {number(stroke)} mm.",
+            "Ask for a base radius that suits the shaft: at least 0.875 shaft diameters plus "
+            '3.2 mm, as base_radius_mm {"min": …}.',
         )  # fmt: skip
 
 
@@ -62,15 +63,15 @@ def _shaft(subject: Subject) -> tuple[float, str]:
 
 RULE = Rule(
     code="hub",
-    thresholds="stop: the base circle inside the shaft, or a base radius below a fifth of the "
-    "stroke; caution: a base circle below the hub's 1.75 shaft diameters plus 1/4 in, or a base "
-    "radius below a third of the stroke. A shaft that is not given is the thinnest that carries "
-    "the largest torque at 40 N/mm².",
+    thresholds="stop: the base circle inside the shaft; caution: a base circle below the hub's "
+    "1.75 shaft diameters plus 1/4 in. A shaft that is not given is the thinnest that carries the "
+    "largest torque at 40 N/mm². And by itself: caution where the shaft for which this rule leaves "
+    "room is thinner than a fifth of the stroke, stop: than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
     "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway.",
-    checked="The page of 6.4.4 opened; the code's text not. The shares of the stroke are this "
-    "program's, for want of a rule.",
+    checked="The page of 6.4.4 opened; the code's text not. A fifth and a tenth of the "
+    "stroke are this program's, for want of a rule.",
     silenced_by="a base radius that is given, or has a least value (all but the base circle inside "
     "the shaft)",
     find=_find,

@@ -12,7 +12,9 @@ USUAL: Final = 1.0  # stroke over base radius
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
-    if not subject.is_touched_from_outside or subject.base_radius_is_set:
+    # Under a flat face on a slide the pressure angle is always that of its tilt.
+    faced = subject.spec.follower.always_convex
+    if faced or not subject.is_touched_from_outside or subject.base_radius_is_set:
         return
     ratio = subject.stroke / subject.base_radius
     if ratio > USUAL and not subject.limited("pressure_angle"):
@@ -27,7 +29,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
 
 RULE = Rule(
     code="lift_to_base_radius",
-    thresholds="note: stroke above one base radius without a limit of the pressure angle.",
+    thresholds="note: of rollers, the stroke above one base radius without a limit of the "
+    "pressure angle.",
     reason="Flanks of such a cam are steep; whether too steep, the pressure angle says.",
     source="Rule of this program.",
     checked="No source was found.",

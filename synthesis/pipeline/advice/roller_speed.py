@@ -11,17 +11,21 @@ FAST, TOO_FAST = 1e5, 2.5e5  # mm/min: outer diameter times speed of a track rol
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
-    rollers = [flank for flank in subject.spec.follower.flanks if flank.roller > 0.0]
-    if not rollers:
+    turning = [
+        (2.0 * flank.roller, found.roller_speed_rpm)
+        for flank, found in subject.flanks
+        if found.roller_speed_rpm is not None
+    ]
+    products = [(diameter * abs(peak.value), diameter, peak) for diameter, peak in turning]
+    if not products:
         return
-    worst = max(rollers, key=lambda flank: flank.roller * subject.rolling_rpm(flank))
-    speed, diameter = subject.rolling_rpm(worst), 2.0 * worst.roller
-    if diameter * speed > FAST:
-        fast = diameter * speed > TOO_FAST
+    product, diameter, peak = max(products, key=lambda one: one[0])
+    if product > FAST:
+        fast = product > TOO_FAST
         yield Finding(
             "caution" if fast else "note", "follower/roller_radius_mm",
             f"The roller of {number(diameter)} mm diameter turns on its pin at up to "
-            f"{number(speed)} rpm: diameter times speed is {number(diameter * speed)} mm/min, and "
+            f"{number(abs(peak.value))} rpm: diameter times speed is {number(product)} mm/min, and "
             f"catalogues end between {number(FAST)} and {number(TOO_FAST)}.",
             "Compare with the limiting speed of your roller. A larger roller turns more slowly; "
             "a smaller cam or a lower speed helps too.",

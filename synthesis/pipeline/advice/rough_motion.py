@@ -9,6 +9,7 @@ from synthesis.pipeline.advice.rule import CRAWL, Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
 MOST_ACCELERATION, MOST_JERK = 2.0, 4.0  # times the reference law's
+SUDDEN = 10.0  # times its jerk: the acceleration comes up within 1 % of the move, as if it jumped
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
@@ -26,12 +27,12 @@ def _find(subject: Subject) -> Iterator[Finding]:
         return
     peaks = worst.acceleration.largest.value, worst.acceleration.smallest.value
     peak = max(subject.in_metres(abs(value)) for value in peaks)
-    crawls = peak <= CRAWL
+    calm = peak <= CRAWL or (limited and jerk <= SUDDEN)
     usual = worst.reference.law.replace("_", " ")
     what = f"the peak acceleration is {number(acceleration)} times, the peak jerk {number(jerk)}"
     unit = subject.spec.follower.travel.unit
     yield Finding(
-        "note" if crawls else "caution", "limits",
+        "note" if calm else "caution", "limits",
         f"On segment {worst.segment} {what} times that of the {usual}, which is usual there: "
         f"{number(peak)} m/s² in place of {number(peak / acceleration)}.",
         f"Limit the jerk (limit jerk, max_{unit}_per_s3), or make rms_jerk a second objective.",
@@ -57,7 +58,8 @@ RULE = Rule(
     code="rough_motion",
     thresholds="caution: on a move whose law is chosen, the peak acceleration above 2 times, or "
     "the peak jerk above 4 times that of the reference law (`motion_summary`); note: the same "
-    "where the acceleration stays below 0.98 m/s², a crawl.",
+    "where the acceleration stays below 0.98 m/s², a crawl, and of a jerk up to 10 times where "
+    "the acceleration is limited.",
     reason="With nothing said of acceleration and jerk the smallest cam has a law that bends as "
     "sharply as it may; forces and vibration grow with both.",
     source="VDI 2143-1: preferred laws by the kinds of their ends, and their coefficients.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isclose
 from typing import Final
 
 from synthesis.pipeline.advice.rule import Finding, Rule, number
@@ -10,6 +11,7 @@ from synthesis.pipeline.advice.subject import Subject
 
 POINTED: Final = 0.01  # of the roller radius, under a face of the base radius: a point, no surface
 SHARP: Final = 1.25  # pitch radius over roller radius: the profile's is a quarter of the roller's
+SAME: Final = 1e-6  # relative: the base circle's radius, but for rounding
 ADVISED: Final = 2.0  # pitch radius over roller radius: the lower end of the field's 2 to 3
 
 
@@ -36,8 +38,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
                 + (f" under a roller of {number(roller)} mm." if roller > 0.0 else "."),
                 remedy,
             )  # fmt: skip
-        elif roller > 0.0 and radius + roller < ADVISED * roller:
-            sharp = radius + roller < SHARP * roller
+        elif radius < (ADVISED - 1.0) * roller and not _is_circle(radius, subject):
+            sharp = radius < (SHARP - 1.0) * roller
             yield Finding(
                 "caution" if sharp else "note", field,
                 f"The pitch curve bends {where} with {number(radius + roller)} mm, "
@@ -45,6 +47,11 @@ def _find(subject: Subject) -> Iterator[Finding]:
                 f"radius there is {number(radius)} mm.",
                 remedy,
             )  # fmt: skip
+
+
+def _is_circle(radius: float, subject: Subject) -> bool:
+    """Whether it is the base circle that has this radius: then the rule hub judges it."""
+    return isclose(radius, subject.base_radius, rel_tol=SAME)
 
 
 RULE = Rule(

@@ -21,7 +21,7 @@ from synthesis.catalogue.forces.reduced import MILLI
 from synthesis.catalogue.limits import Limit
 from synthesis.catalogue.motion import Sense
 from synthesis.design.design import Design, Extreme
-from synthesis.design.summary import MotionSummary
+from synthesis.design.summary import FlankGeometry, MotionSummary
 from synthesis.numerics.piecewise import Array, Mask
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE, FULL_TURN
@@ -121,16 +121,6 @@ class Subject:
         ]
         return np.asarray(np.max(each, axis=0)) / DEGREE
 
-    def rolling_rpm(self, flank: Flank) -> float:
-        """Largest speed of a roller on its pin, rolling without slip."""
-        # As in ``forces.reduced.history``: its centre moves at W per radian, so that it turns by
-        # W/Rr there; the cam turns by one, and on an arm the pin with the arm.
-        rates, size = [*self.s, np.zeros_like(self.theta)], tuple(self.design.size)
-        _, square = flank.trace.curvature_terms(rates, size)
-        (gx, gy), (hx, hy) = flank.trace.drive_direction(rates, size)
-        spin = flank.side * np.sqrt(square) / flank.roller - 1.0 + (gx * hy - gy * hx)
-        return float(np.max(np.abs(spin))) * self.spec.speed_rpm
-
     @property
     def summary(self) -> MotionSummary:
         """Peaks, coefficients and jumps of the motion; there is a cam."""
@@ -141,6 +131,13 @@ class Subject:
     def in_metres(self, value: float) -> float:
         """A rate on the wire, in mm or degrees of an arm, as one along the path in metres."""
         return value * self.spec.follower.travel.per_unit * MILLI
+
+    @property
+    def flanks(self) -> Iterator[tuple[Flank, FlankGeometry]]:
+        """The working curves of the cam, and what was measured of each."""
+        geometry = self.design.geometry
+        assert geometry is not None
+        return zip(self.spec.follower.flanks, geometry.flanks, strict=True)
 
     def degrees_at(self, index: int) -> float:
         """Cam angle of a sample [deg]."""

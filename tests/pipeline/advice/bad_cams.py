@@ -61,7 +61,10 @@ GOOD = cam(base=70.0)
 """Nothing to be said of it."""
 
 FIRST: Mapping[str, tuple[str, str, Spec]] = {
-    "the pusher": ("hub", "stop", pusher()),
+    "the pusher": ("sharp_nose", "stop", pusher()),
+    "a hub without room": ("hub", "stop", cam(None, program=program(20.0, 155.0),
+                                              follower={"kind": "translating_flat_face"},
+                                              limits=[{"kind": "profile_radius", "min_mm": 2.0}])),
     "a hub that the torque does not allow": (
         "hub", "stop",
         cam(base=None, limits=angles(60.0), load={"kind": "slide", "moving_mass_kg": 1.0,
