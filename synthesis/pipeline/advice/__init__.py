@@ -23,6 +23,7 @@ from synthesis.pipeline.advice import (
     roller_speed,
     rough_motion,
     sharp_nose,
+    spring_solid,
     unit_suspicion,
 )
 from synthesis.pipeline.advice.rule import Rule
@@ -31,6 +32,7 @@ from synthesis.pipeline.advice.subject import Subject
 RULES: Final[tuple[Rule, ...]] = (
     unit_suspicion.RULE,
     contact_force.RULE,
+    spring_solid.RULE,
     hub.RULE,
     sharp_nose.RULE,
     jumps.RULE,

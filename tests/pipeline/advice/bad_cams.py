@@ -54,6 +54,7 @@ def pusher() -> Spec:
         "limits": angles(30.0),
         "objective": {"kind": "base_radius"},
         "proof": "quick",
+        "tolerance": 0.05,
     }
 
 
@@ -72,7 +73,7 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
             program=program(10.0, 120.0)),
     ),
     "a nose that is a point": (
-        "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0),
+        "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0), proof="quick",
                                   program=program(20.0, 30.0)),
     ),
     "a harmonic at 300 rpm": (
@@ -84,9 +85,15 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
     "a motion that nothing but size limits": (
         "rough_motion", "caution",
         cam(None, program=program(law="spline"), limits=[
-            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick"),
+            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick", tolerance=0.1),
     ),
     "float": ("contact_force", "stop", cam(70.0, speed_rpm=400.0, load=slide(8.0))),
+    "a spring beyond solid": (
+        "spring_solid", "stop", cam(70.0, load=slide(1.0, 5.0, 100.0, solid_mm=45.0)),
+    ),
+    "a spring that is nearly solid": (
+        "spring_solid", "caution", cam(70.0, load=slide(1.0, 5.0, 100.0, solid_mm=54.0)),
+    ),
     "hardly no float": (
         "contact_force", "note", cam(70.0, speed_rpm=300.0, load=slide(2.0, 5.0, 37.0)),
     ),
