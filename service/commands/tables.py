@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from synthesis.design.warnings import labelled_status
+
 if TYPE_CHECKING:
     from synthesis.certify.second import Confirmation
     from synthesis.design.analysis import Analysis, Peak, Remedy, Sensitivities
     from synthesis.design.cam_set import CamSet
     from synthesis.design.design import Design, ForcePeak, Forces
+    from synthesis.design.warnings import DesignWarning
     from synthesis.machines.dynamics import TrainResponse
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis
@@ -213,24 +216,35 @@ def describe_sensitivities(result: Sensitivities) -> Iterator[str]:
 
 def describe_cam_set(cams: CamSet) -> Iterator[str]:
     """The status of a set, then cam by cam."""
-    yield f"{cams.status}, {1e3 * cams.seconds:.0f} ms: {len(cams.cams)} cams on one shaft"
+    status = labelled_status(cams.status, cams.severity)
+    yield f"{status}, {1e3 * cams.seconds:.0f} ms: {len(cams.cams)} cams on one shaft"
     for cam in cams.cams:
         dimensions = sizes(cam.design.dimensions)
+        status = labelled_status(cam.design.status, cam.design.severity)
         yield (
-            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"  {cam.name}: {status}, phase {cam.phase_deg:g}°, keyway at "
             f"{cam.keyway_deg:g}°{': ' if dimensions else ''}{dimensions}"
         )
 
 
 def describe_design(design: Design, seconds: float) -> Iterator[str]:
-    """Status, sizes, forces, and the free parameters as they were chosen."""
+    """Status, warnings, sizes, forces, and the free parameters as they were chosen."""
     gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
-    yield f"{design.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    status = labelled_status(design.status, design.severity)
+    yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    yield from _warnings(design.warnings)
     if design.forces is not None:
         yield from _forces(design.forces)
     if design.free_parameters:
         values = (f"{name} {value:.6g}" for name, value in design.free_parameters.items())
         yield f"Chosen: {', '.join(values)}"
+
+
+def _warnings(warnings: Iterable[DesignWarning]) -> Iterator[str]:
+    """A line for each, the most severe first."""
+    for one in warnings:
+        word = one.severity.upper() if one.severity == "stop" else one.severity
+        yield f"  {word} ({one.code}, {one.field}): {one.sentence} {one.remedy}"
 
 
 def _forces(forces: Forces) -> Iterator[str]:

@@ -13,6 +13,7 @@ from synthesis.catalogue.fields import AnswerModel, Rotation, doc
 from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
 from synthesis.design.identity import design_id, question_id
 from synthesis.design.summary import CamGeometry, MotionSummary
+from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec.design_spec import DesignSpec
 
@@ -292,6 +293,14 @@ class Design(AnswerModel):
     status: Status = doc(
         "optimal: certified, every gap within the tolerance; feasible: certified; "
         "unsolved: no cam was found, and none is excluded; infeasible: proven that there is none."
+    )
+    severity: Severity = Field(
+        "none",
+        description="That of the worst warning. `stop`: the cam cannot work, whatever the status "
+        "says of the question as it was put.",
+    )
+    warnings: list[DesignWarning] = Field(
+        [], description="What an engineer would say of the cam, the most severe first."
     )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")
