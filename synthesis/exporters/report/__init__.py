@@ -20,6 +20,7 @@ from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
+from synthesis.exporters.drawing.summary_table import VERDICTS, summary_tables
 from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
@@ -30,12 +31,6 @@ CHECK = (
     "<p class=note>Anyone can check this without the program that made it: "
     "<a href=proof.json>proof.json</a> beside this page, or <code>camwright proof</code>.</p>"
 )
-VERDICTS = {
-    "optimal": "certified, and proven to be within the tolerance of the best possible",
-    "feasible": "certified: every limit holds at every cam angle",
-    "unsolved": "no cam was found, and that there is none is not proven",
-    "infeasible": "proven: no cam keeps these limits",
-}
 
 
 def report_with(
@@ -100,6 +95,8 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
     yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
+    for each in summary_tables(design):
+        yield _section(each.title, _table(each.head, each.rows))
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
