@@ -227,8 +227,8 @@ def describe_cam_set(cams: CamSet) -> Iterator[str]:
         )
 
 
-def describe_design(design: Design, seconds: float) -> Iterator[str]:
-    """Status, warnings, sizes, forces, and the free parameters as they were chosen."""
+def describe_design(design: Design, seconds: float) -> Iterator[str | Table]:
+    """Status, warnings, sizes, forces, the free parameters as they were chosen, the summary."""
     gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
     status = labelled_status(design.status, design.severity)
     yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
@@ -238,6 +238,34 @@ def describe_design(design: Design, seconds: float) -> Iterator[str]:
     if design.free_parameters:
         values = (f"{name} {value:.6g}" for name, value in design.free_parameters.items())
         yield f"Chosen: {', '.join(values)}"
+    yield from _summary(design)
+
+
+def _summary(design: Design) -> Iterator[Table]:
+    """Peaks, coefficients beside those of the usual law, and the cam as a body."""
+    from synthesis.exporters.drawing.summary_table import (
+        coefficient_table,
+        derivatives,
+        geometry_figures,
+    )
+
+    if design.motion_summary is not None:
+        yield table(
+            "Motion", ("", "unit", "largest", "at °", "smallest", "at °", "rms", "jumps"),
+            [(name, each.unit, each.largest.value, f"{each.largest.angle_deg:.3f}",
+              each.smallest.value, f"{each.smallest.angle_deg:.3f}",
+              "infinite" if each.rms is None else each.rms, str(each.jumps))
+             for name, each in derivatives(design, design.motion_summary)],
+        )  # fmt: skip
+        coefficients = coefficient_table(design, design.motion_summary)
+        yield table(coefficients.title, coefficients.head, coefficients.rows)
+    if design.geometry is not None:
+        yield table(
+            "Geometry", ("", "value", "unit", "at °"),
+            [(each.name, each.value, each.unit,
+              None if each.angle_deg is None else f"{each.angle_deg:.3f}")
+             for each in geometry_figures(design.geometry)],
+        )  # fmt: skip
 
 
 def _warnings(warnings: Iterable[DesignWarning]) -> Iterator[str]:

@@ -28,6 +28,7 @@ from synthesis.numerics.piecewise import Array, Indices
 from synthesis.units import DEGREE, FULL_TURN
 
 ANGLE_DIGITS: Final = 9  # decimals of a cam angle: drops the rounding of degrees to rad and back
+ROUNDING: Final = 1e-12  # of a derivative's peak: an opposite peak that is smaller is 0
 AT_REST: Final = 1e-6  # of Cv and Ca: smaller rates at an end between two moves count as none
 REFERENCES: Final = {
     "R-R": "modified_sine",
@@ -106,9 +107,13 @@ class _Motion:
         ends = own.extremes[order - 1]
         high, low = ends if unit > 0.0 else ends[::-1]
 
+        # a spline that starts from rest does so but for the rounding of its control points
+        rounding = ROUNDING * max(abs(high[0]), abs(low[0]))
+
         def peak(value: float, x: float) -> PeakValue:
+            value = unit * value + 0.0 if abs(value) > rounding else 0.0
             angle = degrees(segment.start + segment.angle * x)
-            return PeakValue(value=unit * value + 0.0, angle_deg=angle, segment=segment.index)
+            return PeakValue(value=value, angle_deg=angle, segment=segment.index)
 
         rms = abs(unit) * math.sqrt(own.mean_squares[order - 1])
         return self._derivative(order, peak(*high), peak(*low), rms, inside)

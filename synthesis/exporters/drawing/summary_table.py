@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from synthesis.design.design import Certificate, Design, ForcePeak, Forces
@@ -44,31 +44,37 @@ def summary_tables(design: Design) -> list[TextTable]:
         tables.append(motion_table(design, design.motion_summary))
         tables.append(coefficient_table(design, design.motion_summary))
     if design.geometry is not None:
-        tables.append(geometry_table(design.geometry))
+        tables.append(figures_table(geometry_figures(design.geometry), "Geometry"))
     if design.forces is not None:
-        tables.append(force_table(design.forces))
+        tables.append(figures_table(force_figures(design.forces), "Forces"))
     return tables
 
 
-def motion_table(design: Design, summary: MotionSummary) -> TextTable:
-    """Peaks, rms and jumps: of the turn, and of every move where there are several."""
-    head = ("Motion", "largest", "at", "smallest", "at", "rms", "jumps")
-    rows = []
+def derivatives(design: Design, summary: MotionSummary) -> Iterator[tuple[str, DerivativeSummary]]:
+    """Velocity, acceleration and jerk by name: of the turn, then of every move."""
     parts: list[tuple[str, MotionSummary | MoveSummary]] = [("turn", summary)]
     parts += [(move_name(design, move), move) for move in summary.moves]
     for name, part in parts:
         for word in ("velocity", "acceleration", "jerk"):
-            found: DerivativeSummary = getattr(part, word)
-            rows.append((
-                f"{word} {found.unit}, {name}", figure(found.largest.value, DIGITS),
-                degrees(found.largest), figure(found.smallest.value, DIGITS),
-                degrees(found.smallest),
-                "infinite" if found.rms is None else figure(found.rms, DIGITS), _jumps(found),
-            ))  # fmt: skip
+            yield f"{word}, {name}", getattr(part, word)
+
+
+def motion_table(design: Design, summary: MotionSummary) -> TextTable:
+    """Peaks, rms and jumps: of the turn, and of every move."""
+    head = ("Derivative", "unit", "largest", "at", "smallest", "at", "rms", "jumps")
+    rows = [
+        (
+            name, found.unit, figure(found.largest.value, DIGITS), degrees(found.largest),
+            figure(found.smallest.value, DIGITS), degrees(found.smallest),
+            "infinite" if found.rms is None else figure(found.rms, DIGITS), jumps(found),
+        )
+        for name, found in derivatives(design, summary)
+    ]  # fmt: skip
     return TextTable("Motion", head, rows)
 
 
-def _jumps(found: DerivativeSummary) -> str:
+def jumps(found: DerivativeSummary) -> str:
+    """How many jumps, and how large."""
     if found.largest_jump is None:
         return "none"
     return f"{found.jumps}, up to {figure(abs(found.largest_jump.value), 4)}"
@@ -99,79 +105,91 @@ def move_name(design: Design, move: MoveSummary) -> str:
     return f"{segment.kind} {figure(segment.start_deg)}–{figure(end)}°"
 
 
-def geometry_table(geometry: CamGeometry) -> TextTable:
-    """Radii, perimeter, area, hollows, rollers; the mass where it is known."""
-    rows: list[tuple[str, str, str]] = [
-        ("base radius", with_unit(geometry.base_radius_mm, "mm"), ""),
-        ("prime radius", with_unit(geometry.prime_radius_mm, "mm"), ""),
+class Figure(NamedTuple):
+    """A figure by its name, with unit, and the cam angle where it is reached, if at one [deg]."""
+
+    name: str
+    value: float | str
+    unit: str = ""
+    angle_deg: float | None = None
+
+
+def figures_table(found: Iterable[Figure], title: str) -> TextTable:
+    """Figures as text: name, value with unit, angle."""
+    rows = [
+        (
+            each.name,
+            each.value if isinstance(each.value, str) else with_unit(each.value, each.unit),
+            "" if each.angle_deg is None else f"{figure(each.angle_deg, DIGITS)}°",
+        )
+        for each in found
     ]
+    return TextTable(title, ("Figure", "value", "at"), rows)
+
+
+def geometry_figures(geometry: CamGeometry) -> Iterator[Figure]:
+    """Radii, rollers, perimeter, area; the mass where it is known."""
+    yield Figure("base radius", geometry.base_radius_mm, "mm")
+    yield Figure("prime radius", geometry.prime_radius_mm, "mm")
     for flank in geometry.flanks:
-        rows += _flank(flank)
+        yield from _flank(flank)
     mass = geometry.mass_properties
     if mass is not None:
-        rows += [
-            ("mass", with_unit(mass.mass_kg, "kg", DIGITS), ""),
-            ("centre of gravity", _place(mass.centre_of_gravity_mm), "x, y"),
-            ("moment of inertia", f"{figure(mass.moment_of_inertia_kg_m2, DIGITS)} kg m²", ""),
-        ]
-    return TextTable("Geometry", ("Geometry", "value", "at"), rows)
+        yield Figure("mass", mass.mass_kg, "kg")
+        yield from _place("centre of gravity", mass.centre_of_gravity_mm)
+        yield Figure("moment of inertia", mass.moment_of_inertia_kg_m2, "kg m²")
 
 
-def _flank(flank: FlankGeometry) -> Iterator[tuple[str, str, str]]:
+def _flank(flank: FlankGeometry) -> Iterator[Figure]:
     name = f" {flank.flank}" if flank.flank else ""
-
-    def at(
-        title: str, peak: PeakValue | None, unit: str, otherwise: str = ""
-    ) -> Iterator[tuple[str, str, str]]:
-        if peak is not None:
-            yield f"{title}{name}", f"{figure(peak.value, DIGITS + 1)} {unit}", degrees(peak)
-        elif otherwise:
-            yield f"{title}{name}", otherwise, ""
-
     hollows = f" ({flank.hollows} hollows)" if flank.hollows > 1 else ""
+
+    def at(title: str, peak: PeakValue | None, unit: str, otherwise: str = "") -> Iterator[Figure]:
+        if peak is not None:
+            yield Figure(f"{title}{name}", peak.value, unit, peak.angle_deg)
+        elif otherwise:
+            yield Figure(f"{title}{name}", otherwise)
+
     yield from at("outer radius", flank.largest_radius_mm, "mm")
     yield from at("least convex radius", flank.convex_radius_mm, "mm", "nowhere convex")
     yield from at(f"least hollow radius{hollows}", flank.hollow_radius_mm, "mm", "no hollow")
     yield from at("sliding speed", flank.sliding_speed_mm_per_s, "mm/s")
     yield from at("roller speed", flank.roller_speed_rpm, "rpm")
     yield from at("roller acceleration", flank.roller_acceleration_rad_per_s2, "rad/s²")
-    yield f"perimeter{name}", with_unit(flank.perimeter_mm, "mm"), ""
-    yield f"area{name}", f"{figure(flank.area_mm2, DIGITS + 1)} mm²", ""
-    yield f"centroid{name}", _place(flank.centroid_mm), "x, y"
-    yield f"polar moment of area{name}", f"{figure(flank.polar_moment_mm4, DIGITS)} mm⁴", ""
+    yield Figure(f"perimeter{name}", flank.perimeter_mm, "mm")
+    yield Figure(f"area{name}", flank.area_mm2, "mm²")
+    yield from _place(f"centroid{name}", flank.centroid_mm)
+    yield Figure(f"polar moment of area{name}", flank.polar_moment_mm4, "mm⁴")
 
 
-def _place(at: tuple[float, float]) -> str:
-    # a thousandth of a millimetre: what is on the axis is there but for rounding
-    return ", ".join(figure(round(each, 3), 6) for each in at) + " mm"
+def _place(name: str, at: tuple[float, float]) -> Iterator[Figure]:
+    # a millionth of a millimetre: what is on the axis is there but for rounding
+    for axis, value in zip("xy", at, strict=True):
+        yield Figure(f"{name} {axis}", round(value, 6), "mm")
 
 
-def force_table(forces: Forces) -> TextTable:
+def force_figures(forces: Forces) -> Iterator[Figure]:
     """Contact force and pressure of every flank, torque, power, energy, float."""
-    rows: list[tuple[str, str, str]] = []
     for each in forces.flanks:
         name = f" {each.flank}" if each.flank else ""
-        rows.append(_force(f"contact force{name}, largest", each.largest_n, "N"))
-        rows.append(_force(f"contact force{name}, least", each.smallest_n, "N"))
+        yield _force(f"contact force{name}, largest", each.largest_n, "N")
+        yield _force(f"contact force{name}, least", each.smallest_n, "N")
         if each.largest_pressure_mpa is not None:
-            rows.append(_force(f"Hertz pressure{name}", each.largest_pressure_mpa, "MPa"))
+            yield _force(f"Hertz pressure{name}", each.largest_pressure_mpa, "MPa")
     torque = forces.torque
-    rows.append(_force("camshaft torque, largest", torque.largest_n_m, "N m"))
-    rows.append(_force("camshaft torque, least", torque.smallest_n_m, "N m"))
-    rows += [
-        ("camshaft torque, rms", with_unit(torque.rms_n_m, "N m", DIGITS), ""),
-        ("mean power", with_unit(torque.power_w, "W", DIGITS), ""),
-        ("energy of a turn", with_unit(torque.work_j, "J", DIGITS), ""),
-    ]
+    yield _force("camshaft torque, largest", torque.largest_n_m, "N m")
+    yield _force("camshaft torque, least", torque.smallest_n_m, "N m")
+    yield Figure("camshaft torque, rms", torque.rms_n_m, "N m")
+    yield Figure("mean power", torque.power_w, "W")
+    yield Figure("energy of a turn", torque.work_j, "J")
     if forces.float_onset_rpm is not None:
-        rows.append(("floats from", with_unit(forces.float_onset_rpm, "rpm", DIGITS), ""))
-    return TextTable("Forces", ("Forces", "value", "at"), rows)
+        yield Figure("floats from", forces.float_onset_rpm, "rpm")
 
 
-def _force(name: str, peak: ForcePeak | None, unit: str) -> tuple[str, str, str]:
+def _force(name: str, peak: ForcePeak | None, unit: str) -> Figure:
     if peak is None:
-        return name, "infinite", ""
-    return name, with_unit(peak.value, unit, DIGITS), f"{figure(peak.angle_deg, DIGITS)}°"
+        return Figure(name, "infinite")
+    return Figure(name, peak.value, unit, peak.angle_deg)
 
 
 def degrees(peak: PeakValue) -> str:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from synthesis.design.design import WITHOUT_CAM, Design
+from synthesis.design.warnings import SEVERITIES, labelled_status, worst
 from synthesis.exporters.diagrams.plot import Frame, diagram, linear
 from synthesis.exporters.diagrams.sheet import angle_axis, grounds, motion_bounds, motion_plot
 from synthesis.exporters.drawing import canvas as svg
@@ -22,8 +23,9 @@ from synthesis.exporters.drawing.summary_table import (
     TextTable,
     certificate_words,
     coefficient_table,
-    force_table,
-    geometry_table,
+    figures_table,
+    force_figures,
+    geometry_figures,
     motion_table,
 )
 from synthesis.exporters.exporter import asset, design_format
@@ -34,13 +36,13 @@ from synthesis.exporters.samples.cam import Cam
 WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 12.0  # A4, ISO 216 [mm]
 INNER = WIDTH - 2.0 * MARGIN
 ROW, GAP = 3.6, 3.4  # [mm] of a line of a table, and between two blocks
-TOP, PICTURE_HEIGHT, PICTURE_WIDTH = 33.0, 82.0, 86.0  # [mm]
-PLOT_HEIGHT, PLOT_STEP, AXIS = 11.0, 18.0, 12.0  # [mm] of a diagram, from one to the next, below
+TOP, PICTURE_HEIGHT, PICTURE_WIDTH = 33.0, 80.0, 86.0  # [mm]
+PLOT_HEIGHT, PLOT_STEP, AXIS = 10.5, 17.0, 12.0  # [mm] of a diagram, from one to the next, below
 LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
 FOOT = HEIGHT - MARGIN
 # where the columns of tables begin, as shares of their widths
-FIGURES = (0.0, 0.56, 0.86)
-PEAKS = (0.0, 0.24, 0.37, 0.47, 0.61, 0.71, 0.82)
+FIGURES = (0.0, 0.53, 0.86)
+PEAKS = (0.0, 0.18, 0.26, 0.38, 0.48, 0.6, 0.69, 0.79)
 MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
 LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
 MOST_GEOMETRY = 12  # lines of figures where forces follow
@@ -56,10 +58,12 @@ def _sheet(design: Design, theme: Theme) -> bytes:
     drawn = cam_picture(design, CamDrawingOptions(theme=theme))
     body.append(svg.picture(drawn, MARGIN, TOP, PICTURE_WIDTH, PICTURE_HEIGHT, "The cam"))
     beside = MARGIN + PICTURE_WIDTH + 6.0
-    rows = [] if design.geometry is None else list(geometry_table(design.geometry).rows)
+    geometry = [] if design.geometry is None else list(geometry_figures(design.geometry))
+    rows = list(figures_table(geometry, "").rows)
     if design.forces is not None:
-        rows = _most(rows, MOST_GEOMETRY) + list(force_table(design.forces).rows)
-    figures = TextTable("", ("Figures", "value", "at"), rows)
+        rows = _most(rows, MOST_GEOMETRY)
+        rows += figures_table(force_figures(design.forces), "").rows
+    figures = TextTable("", ("Figure", "value", "at"), rows)
     most = int(PICTURE_HEIGHT / ROW) - 1
     _, lines = _table(figures, beside, TOP, WIDTH - MARGIN - beside, FIGURES, most)
     body += lines
@@ -98,11 +102,12 @@ def _head(design: Design) -> Iterator[str]:
     made = f"Camwright {design.engine_version}"
     yield svg.text("quiet", WIDTH - MARGIN, MARGIN + 4.0, made, "end")
     yield svg.text("quiet", MARGIN, MARGIN + 9.0, svg.shorten(about(design), INNER, LABEL))
-    verdict = f"{design.status}: {VERDICTS[design.status]}."
+    severity = worst(design.warnings)
+    verdict = f"{labelled_status(design.status, severity)}: {VERDICTS[design.status]}."
     broken = [extreme.limit for extreme in design.extremes if not extreme.holds]
     if broken:
         verdict = f"{design.status}: this cam breaks {', '.join(broken).replace('_', ' ')}."
-    kind = "alarm" if design.status in WITHOUT_CAM else "label"
+    kind = "alarm" if design.status in WITHOUT_CAM or severity == "stop" else "label"
     yield svg.text(kind, MARGIN, MARGIN + 14.0, svg.shorten(verdict, INNER, LABEL))
 
 
@@ -124,11 +129,10 @@ def _limits(design: Design) -> Iterator[tuple[str, ...]]:
 def _foot(design: Design) -> list[tuple[str, str]]:
     """Warnings, then the certificate in words: kind of letters and text of every line."""
     lines: list[tuple[str, str]] = []
-    warnings = getattr(design, "warnings", ())
-    for each in warnings:
-        kind = "alarm" if each.severity in ("caution", "stop") else "label"
-        text = f"{each.severity}: {each.sentence} {each.remedy}"
-        lines += [(kind, line) for line in svg.wrapped(text, INNER, LABEL)]
+    for each in sorted(design.warnings, key=lambda one: -SEVERITIES.index(one.severity)):
+        kind = "label" if each.severity == "note" else "alarm"
+        text = svg.wrapped(f"{each.severity}: {each.sentence}", INNER, LABEL)
+        lines += [(kind, line) for line in text]
     if len(lines) > WARNING_LINES:
         lines = [*lines[: WARNING_LINES - 1], ("alarm", "More warnings are in the report.")]
     words = svg.wrapped(certificate_words(design.certificate), INNER, LABEL)
