@@ -84,8 +84,8 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
     ),
     "a motion that nothing but size limits": (
         "rough_motion", "caution",
-        cam(None, program=program(law="spline"), limits=[
-            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick", tolerance=0.1),
+        cam(None, program=program(law="spline"), proof="quick", tolerance=0.1,
+            limits=[*angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}]),
     ),
     "float": ("contact_force", "stop", cam(70.0, speed_rpm=400.0, load=slide(8.0))),
     "a spring beyond solid": (
