@@ -226,6 +226,7 @@ def describe_design(design: Design, seconds: float) -> Iterator[str]:
     """Status, sizes, forces, and the free parameters as they were chosen."""
     gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
     yield f"{design.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    yield from design.assumptions
     if design.forces is not None:
         yield from _forces(design.forces)
     if design.free_parameters:

@@ -75,10 +75,11 @@ def _head(design: Design, name: str) -> str:
         ("Made by", f"Camwright {design.engine_version}"),
     ]
     kind = "broken" if design.status in WITHOUT_CAM else "holds"
+    assumed = "".join(map(_note, design.assumptions))
     return (
         f"<header><h1>{html.plain(name)}</h1>"
         f'<p class="{kind}"><strong>{design.status}</strong>: {html.plain(verdict)}.</p>'
-        f"{_pairs(rows)}</header>"
+        f"{assumed}{_pairs(rows)}</header>"
     )
 
 

@@ -28,7 +28,8 @@ from synthesis.catalogue.forces import AnyLoad
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.radii import CounterBaseRadius, ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
-from synthesis.catalogue.objectives import AnyObjective, BaseRadius
+from synthesis.catalogue.objectives import AnyObjective
+from synthesis.spec.assumed_objective import assumed_objectives
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
@@ -47,6 +48,7 @@ DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
     "_reach": frozenset({"program", "follower", "speed_rpm"}),
     "_placed": frozenset({"program", "follower", "speed_rpm", "continuity"}),
     "_limits": frozenset({"program", "follower", "limits"}),
+    "_assumed": frozenset({"program", "follower", "limits", "speed_rpm", "continuity"}),
     "_radii": frozenset({"program", "follower", "limits", "speed_rpm", "base_radius_mm"}),
 })  # fmt: skip
 """What a spec computes once, and the fields that this follows from, if no segment is open."""
@@ -77,12 +79,15 @@ class DesignSpec(FiniteModel):
         "Splines are made that smooth; where named laws jump the design is infeasible and "
         "the extreme says by how much and where. Left out: jumps of named laws are reported.",
     )
-    objective: AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)] = (
-        Field(
-            BaseRadius(),
-            description="What to make small; a list is worked through in order: each is made as "
-            "small as the ones before allow when they may lose half of the tolerance.",
-        )
+    objective: (
+        AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)] | None
+    ) = Field(
+        None,
+        description="What to make small; a list is worked through in order: each is made as "
+        "small as the ones before allow when they may lose half of the tolerance, or their "
+        "`allowance`. Left out: where a law is free and no limit speaks of acceleration or jerk, "
+        "[rms_jerk with an allowance of 0.25, base_radius], since the smallest cam alone is rough "
+        "without end; else base_radius. `assumptions` of the answer says so.",
     )
     tolerance: float = Field(
         1e-3,
@@ -130,7 +135,7 @@ class DesignSpec(FiniteModel):
         reached = self.base_radius_range()
         aims = self.objectives()
         check_growth_ends(self.follower, self.limits, aims, requested, searched, reached)
-        if self.objectives()[0].kind == "base_radius":
+        if self.objective is None or self.objectives()[0].kind == "base_radius":
             law_is_free = any(segment.law_is_free for segment in segments)
             check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
         return self
@@ -352,6 +357,15 @@ class DesignSpec(FiniteModel):
                 yield field, value.model_dump() if isinstance(value, Range) else value
 
     def objectives(self) -> tuple[AnyObjective, ...]:
-        """The objectives in order."""
-        listed = self.objective if isinstance(self.objective, list) else [self.objective]
-        return tuple(listed)
+        """The objectives in order; where none is named, those assumed."""
+        if self.objective is None:
+            return self._assumed
+        return tuple(self.objective) if isinstance(self.objective, list) else (self.objective,)
+
+    def main_objective(self) -> AnyObjective:
+        """What answers speak of first: the first one; where none is named, the base radius."""
+        return self.objectives()[-1 if self.objective is None else 0]
+
+    @cached_property
+    def _assumed(self) -> tuple[AnyObjective, ...]:
+        return assumed_objectives(self.placed_segments(), self.all_limits())

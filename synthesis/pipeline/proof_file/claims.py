@@ -50,7 +50,11 @@ NO_WITNESS = "no multipliers are known for it"
 
 def proof_file(design: Design) -> Json:
     """The proof file of a design."""
-    cam, question = _cam(design), design.spec.model_dump(mode="json")
+    # An objective that was assumed is part of the question: the file stands by itself.
+    spec, assumed = design.spec, design.spec.objectives()
+    named_objective = spec.objective or (assumed[0] if len(assumed) == 1 else list(assumed))
+    asked = spec.model_copy(update={"objective": named_objective})
+    cam, question = _cam(design), asked.model_dump(mode="json")
     body = {
         "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
     }  # fmt: skip
@@ -96,7 +100,8 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     answer, spec = design.certificate.lower_bound, design.spec
     of_angle = isinstance(spec.objectives()[0], PeakPressureAngle)
     if place == INFEASIBLE:  # whatever the objective
-        plain = spec.model_copy(update={"objective": BaseRadius()}) if of_angle else spec
+        unfit = of_angle or spec.objective is None
+        plain = spec.model_copy(update={"objective": BaseRadius()}) if unfit else spec
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
     witnesses = list(_witnesses(spec)) if place == OBJECTIVE and not of_angle else []
     for loss in LOSSES:

@@ -192,7 +192,7 @@ def _numeric_leaves(at: Any, path: Path) -> Iterator[tuple[Path, float]]:
 
 
 def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
-    """How the first objective changes with every limit and range of a finished design's spec.
+    """How the main objective changes with every limit and range of a finished design's spec.
 
     ``deadline``: ``time.monotonic()`` at which to stop with what is known by then.
 
@@ -227,6 +227,9 @@ def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
         f"{optimum.method} on the design's own knots, confirmed by solving again with each number "
         "a thousandth larger and smaller"
     )
+    if optimum.knots.caps:
+        held = (each.objective.name_on_wire(spec.machine()) for each in optimum.knots.caps)
+        evidence += f"; {', '.join(held)} no larger than now"
     if kinks:
         evidence += (
             "; the angles, lifts or lengths that were chosen lie where several limits meet, and "
