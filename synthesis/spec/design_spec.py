@@ -17,14 +17,18 @@ from synthesis.catalogue.fields import (
     CamSpeed,
     Dimension,
     FiniteModel,
+    HubDiameter,
+    Keyway,
     Name,
     Range,
+    ShaftDiameter,
     ends,
     named_lengths,
 )
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
+from synthesis.catalogue.hub import hub_diameter
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.radii import CounterBaseRadius, ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
@@ -33,6 +37,7 @@ from synthesis.spec.assumed_objective import assumed_objectives
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
+from synthesis.spec.shaft import check_shaft
 from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, check_shrinking_ends
 from synthesis.units import MotionUnits, rad_per_s
 
@@ -40,16 +45,16 @@ MAX_SEGMENTS = 100  # of a program
 SMALLEST = 1e-3  # strokes: where the search begins if a base radius is open below
 FARTHEST = 1e4  # lengths of the spec: where the search ends if a base radius is open above
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
-ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
+RADII = ("base_radius_mm", "shaft_diameter_mm", "hub_diameter_mm")  # what bounds the base radius
 DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
-    "free_parameters": frozenset({"program", "follower", "speed_rpm", "base_radius_mm"}),
+    "free_parameters": frozenset({"program", "follower", "speed_rpm", *RADII}),
     "_numbered": frozenset({"program"}),
     "_machine": frozenset({"follower", "speed_rpm", "load"}),
     "_reach": frozenset({"program", "follower", "speed_rpm"}),
     "_placed": frozenset({"program", "follower", "speed_rpm", "continuity"}),
-    "_limits": frozenset({"program", "follower", "limits"}),
+    "_limits": frozenset({"program", "follower", "limits", *RADII}),
     "_assumed": frozenset({"program", "follower", "limits", "speed_rpm", "continuity"}),
-    "_radii": frozenset({"program", "follower", "limits", "speed_rpm", "base_radius_mm"}),
+    "_radii": frozenset({"program", "follower", "limits", "speed_rpm", *RADII}),
 })  # fmt: skip
 """What a spec computes once, and the fields that this follows from, if no segment is open."""
 
@@ -67,6 +72,9 @@ class DesignSpec(FiniteModel):
     )
     follower: AnyFollower = Field(description="The follower that the machine has.")
     base_radius_mm: Dimension = None
+    shaft_diameter_mm: ShaftDiameter = None
+    hub_diameter_mm: HubDiameter = None
+    keyway: Keyway = False
     load: AnyLoad | None = Field(
         None,
         description="What loads the follower, rigid: mass, damping, spring, process force. "
@@ -131,7 +139,7 @@ class DesignSpec(FiniteModel):
         self._check_limits(segments)
         named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
         check_jerk_finite(segments, named, self.objectives(), self.machine())
-        requested, searched = ends(self.base_radius_mm), self.searched_radii()
+        requested, searched = self.requested_radii(), self.searched_radii()
         reached = self.base_radius_range()
         aims = self.objectives()
         check_growth_ends(self.follower, self.limits, aims, requested, searched, reached)
@@ -174,6 +182,9 @@ class DesignSpec(FiniteModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
+        hub, shaft = self.hub, self.shaft_diameter_mm
+        follower = self.follower.without_free_counter()
+        check_shaft(follower, shaft, hub, largest, keyway=self.keyway)
 
     def _check_limits(self, segments: Segments) -> None:
         """Refuse limits and a load that do not suit the follower, its motion, or each other."""
@@ -202,7 +213,7 @@ class DesignSpec(FiniteModel):
     @cached_property
     def free_parameters(self) -> FreeParameters:
         """The numbers that are left free and searched: angles, lifts, an arm's length."""
-        omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
+        omega, radii = rad_per_s(self.speed_rpm), self.requested_radii()
         return FreeParameters.of(self.program, self.follower, omega, radii)
 
     def with_values(self, values: Sequence[float]) -> DesignSpec:
@@ -281,6 +292,18 @@ class DesignSpec(FiniteModel):
         lowest, highest, _ = self._reach
         return highest - lowest
 
+    @property
+    def hub(self) -> float | None:
+        """Diameter of the hub that the base circle leaves room for [mm]: given, or by the rule."""
+        if self.hub_diameter_mm is not None or self.shaft_diameter_mm is None:
+            return self.hub_diameter_mm
+        return hub_diameter(self.shaft_diameter_mm)
+
+    def requested_radii(self) -> tuple[float, float]:
+        """Least and largest base radius that are asked for [mm]; open ends are infinite."""
+        (low, high), hub = ends(self.base_radius_mm), self.hub
+        return low if hub is None else max(low, 0.5 * hub), high
+
     def base_radius_range(self) -> tuple[float, float]:
         """Least and largest base radius that the question and its follower allow [mm].
 
@@ -300,14 +323,15 @@ class DesignSpec(FiniteModel):
 
     @cached_property
     def _radii(self) -> tuple[float, float]:
-        least, largest = max(ends(self.base_radius_mm)[0], 0.0), ends(self.base_radius_mm)[1]
+        least, largest = self.requested_radii()
+        least = max(least, 0.0)
         if math.isfinite(largest):
             return least, largest
         lengths = named_lengths(self.follower, *self.limits)
         return least, FARTHEST * max(self.stroke(), least, *lengths)
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's hub.
 
         Windows and points of the program come last.
         """
@@ -317,7 +341,8 @@ class DesignSpec(FiniteModel):
     def _limits(self) -> tuple[Limit, ...]:
         bounds = [b for i, segment in enumerate(self._numbered) for b in segment.segment_bounds(i)]
         named = {limit.kind for limit in self.limits}
-        rest = (a for a in ALWAYS if a.kind not in named and a.applies_to(self.follower))
+        always = (ProfileRadius(), CounterBaseRadius(min_mm=0.5 * (self.hub or 0.0)))
+        rest = (a for a in always if a.kind not in named and a.applies_to(self.follower))
         return (*self.limits, *rest, *bounds)
 
     def without_deferred(self) -> DesignSpec:

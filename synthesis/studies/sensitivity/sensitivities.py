@@ -22,7 +22,7 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.analysis import Sensitivities, Sensitivity
 from synthesis.design.design import Design
 from synthesis.numerics import clock
-from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.design_spec import RADII, DesignSpec
 from synthesis.studies.sensitivity.perturbation import (
     FixedKnots,
     PerturbedDesign,
@@ -151,7 +151,7 @@ def chosen_numbers(design: Design) -> Iterator[Number]:
 def spec_numbers(spec: DesignSpec) -> Iterator[Number]:
     """The numbers of limits, of ranges of the size, and of windows and points."""
     leaves = list(_numeric_leaves(spec.model_dump(mode="json", exclude_none=True), ()))
-    roots: list[Path] = [("limits",), ("base_radius_mm",)]
+    roots: list[Path] = [("limits",), *((name,) for name in RADII)]
     roots += [("follower", name) for name in spec.follower.adjustable_dimensions()]
     roots += [("program", index, part) for index in range(len(spec.program)) for part in DEMANDS]
 
