@@ -234,6 +234,7 @@ def describe_design(design: Design, seconds: float) -> Iterator[str | Table]:
     status = labelled_status(design.status, design.severity)
     yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
     yield from _warnings(design.warnings)
+    yield from design.assumptions
     if design.forces is not None:
         yield from _forces(design.forces)
     if design.free_parameters:

@@ -76,10 +76,11 @@ def _head(design: Design, name: str) -> str:
     kind, status = "broken" if bad else "holds", labelled_status(design.status, design.severity)
     if design.severity == "stop":
         verdict += "; but the cam cannot work, see below"
+    assumed = "".join(map(_note, design.assumptions))
     return (
         f"<header><h1>{html.plain(name)}</h1>"
         f'<p class="{kind}"><strong>{status}</strong>: {html.plain(verdict)}.</p>'
-        f"{_pairs(rows)}</header>"
+        f"{assumed}{_pairs(rows)}</header>"
     )
 
 

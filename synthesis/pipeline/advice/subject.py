@@ -14,7 +14,6 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.kinematics import Flank, labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.forces.reduced import MILLI
@@ -62,8 +61,8 @@ class Subject:
 
     @property
     def base_radius_is_set(self) -> bool:
-        """Whether the spec gives the base radius, or a least one."""
-        return ends(self.spec.base_radius_mm)[0] > 0.0
+        """Whether the spec gives the base radius, a least one, or the shaft or hub in it."""
+        return self.spec.requested_radii()[0] > 0.0
 
     @property
     def is_force_closed(self) -> bool:
