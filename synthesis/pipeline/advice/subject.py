@@ -82,6 +82,10 @@ class Subject:
         """Whether the spec sets a limit of one of these kinds."""
         return any(self.limits(*kinds))
 
+    def minimises(self, *kinds: str) -> bool:
+        """Whether the first objective that the spec names is of one of these kinds."""
+        return self.spec.objective is not None and self.spec.objectives()[0].kind in kinds
+
     def extreme(self, name: str, label: str = "") -> Extreme | None:
         """A line of the certificate, of the named flank or path."""
         wanted = labelled(name, label)
