@@ -1,4 +1,4 @@
-"""A sample of everyday cams: no caution that a colleague would not sign. All: tests.hard.everyday."""
+"""A sample of everyday cams: no caution that is wrong. All: python -m tests.hard.everyday."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ import pytest
 from synthesis import DesignSpec, synthesise
 from tests.hard.everyday import EACH, JUDGED, TRADES, scenes
 
-SLOW = ("pusher", "calm_pusher", "assembly", "free_arm")  # tenths of a second each: one of them
+SLOW = (
+    "heavy",
+    "pusher",
+    "calm_pusher",
+    "assembly",
+    "free_arm",
+)  # tenths of a second each: one of them
 SAMPLE = [
     (trade, number, body)
     for trade, number, body in scenes(3)
