@@ -130,7 +130,7 @@ def _download(
     try:
         client.download(ended["links"][name], folder / name, progress=update)
     except Refused as error:
-        if error.kind != "format-missing":
+        if error.kind != "not-installed":
             raise
         progress.update(bar, visible=False)
         return False

@@ -24,6 +24,7 @@ from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
 from service.sweeps.sweeps import POLL_S, Sweeps
 from service.wire.errors import ProblemType
 from service.workers.tasks import links_to
+from synthesis.errors import ExtraMissing
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
 from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.pareto import non_dominated
@@ -248,15 +249,12 @@ async def csv_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
 
 
 def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
-    """The bytes of Apache Parquet, a row group a page; ServiceError without pyarrow."""
+    """The bytes of Apache Parquet, a row group a page; ExtraMissing without pyarrow."""
     try:
         import pyarrow as pa
         from pyarrow.parquet import ParquetWriter
-    except ImportError:
-        raise ProblemType.FORMAT_MISSING(
-            "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
-            "server. Take items.csv, or ask the operator to install pyarrow."
-        ) from None
+    except ImportError as error:
+        raise ExtraMissing("A table in Parquet", "parquet") from error
     types = {"int": pa.int64(), "number": pa.float64(), "text": pa.string()}
     schema = pa.schema([(name, types[kind]) for name, kind in columns.kinds])
 
