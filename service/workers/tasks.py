@@ -145,6 +145,7 @@ def design_answer(
         "value": certificate.value,
         "gap": certificate.gap,
         "certified": certificate.certified,
+        "severity": design.severity,
     }
     has_cam = bool(design.motion)
     points = [f"{part}.{name}" for part, formats in DESIGN_FORMATS.items() for name in formats]

@@ -12,6 +12,8 @@ from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 from synthesis.catalogue.fields import AnswerModel, Rotation, doc
 from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
 from synthesis.design.identity import design_id, question_id
+from synthesis.design.summary import CamGeometry, MotionSummary
+from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec.design_spec import DesignSpec
 
@@ -292,6 +294,14 @@ class Design(AnswerModel):
         "optimal: certified, every gap within the tolerance; feasible: certified; "
         "unsolved: no cam was found, and none is excluded; infeasible: proven that there is none."
     )
+    severity: Severity = Field(
+        "none",
+        description="That of the worst warning. `stop`: the cam cannot work, whatever the status "
+        "says of the question as it was put.",
+    )
+    warnings: list[DesignWarning] = Field(
+        [], description="What an engineer would say of the cam, the most severe first."
+    )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")
     follower: str = doc("Kind of the follower.")
@@ -300,6 +310,12 @@ class Design(AnswerModel):
     objectives: dict[str, float] = doc("Value of every objective asked.")
     motion: list[SegmentMotion] = doc("The motion, segment by segment.")
     extremes: list[Extreme] = doc("Every limit, measured on the finished cam.")
+    motion_summary: MotionSummary | None = Field(
+        None, description="Peaks, rms, coefficients and jumps; null without a cam."
+    )
+    geometry: CamGeometry | None = Field(
+        None, description="Radii, perimeter, area, mass properties; null without a cam."
+    )
     forces: Forces | None = Field(
         None, description="Forces of the finished cam, where the spec tells its load."
     )

@@ -11,7 +11,15 @@ from typing import TypeVar
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.objectives import Objective
-from synthesis.certify import certify, certify_size, measure_objective, report_forces
+from synthesis.certify import (
+    certify,
+    certify_size,
+    measure_objective,
+    report_forces,
+    summarise_geometry,
+    summarise_motion,
+)
+from synthesis.certify.quantities import MeasuredCam
 from synthesis.design.design import (
     Certificate,
     Conflict,
@@ -277,6 +285,7 @@ def design(
     if not certified:
         status = "infeasible" if conflict is not None and conflict.proven else "unsolved"
     first = objective_proofs[0] if objective_proofs else _unproven(spec)
+    finished = None if cam is None else MeasuredCam.of(cam.motion, spec.machine(), cam.size)
     return Design(
         id=design_id(spec),
         name=spec.name,
@@ -292,6 +301,10 @@ def design(
         if cam is None
         else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
         extremes=list(extremes),
+        motion_summary=None if finished is None else summarise_motion(finished),
+        geometry=None
+        if finished is None
+        else summarise_geometry(finished, spec.rotation, spec.body),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
             certified=certified, other_objectives=list(objective_proofs[1:]), **first.model_dump()

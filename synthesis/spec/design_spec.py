@@ -29,6 +29,7 @@ from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.radii import CounterBaseRadius, ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
 from synthesis.catalogue.objectives import AnyObjective, BaseRadius
+from synthesis.spec.body import CamBody
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
@@ -69,6 +70,9 @@ class DesignSpec(FiniteModel):
         None,
         description="What loads the follower, rigid: mass, damping, spring, process force. "
         "Left out, forces are not looked at.",
+    )
+    body: CamBody | None = Field(
+        None, description="The cam as a plate, for its mass; nothing is designed by it."
     )
     limits: list[AnyLimit] = Field([], max_length=50, description="What may not be exceeded.")
     continuity: Literal[0, 1, 2, 3, 4] | None = Field(

@@ -15,10 +15,12 @@ from typing import Any
 
 from synthesis.design.analysis import Sensitivities
 from synthesis.design.design import WITHOUT_CAM, Conflict, Design, Extreme, Proof, Report
+from synthesis.design.warnings import DesignWarning, labelled_status
 from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
+from synthesis.exporters.drawing.summary_table import VERDICTS, summary_tables
 from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
@@ -29,12 +31,6 @@ CHECK = (
     "<p class=note>Anyone can check this without the program that made it: "
     "<a href=proof.json>proof.json</a> beside this page, or <code>camwright proof</code>.</p>"
 )
-VERDICTS = {
-    "optimal": "certified, and proven to be within the tolerance of the best possible",
-    "feasible": "certified: every limit holds at every cam angle",
-    "unsolved": "no cam was found, and that there is none is not proven",
-    "infeasible": "proven: no cam keeps these limits",
-}
 
 
 def report_with(
@@ -45,6 +41,8 @@ def report_with(
     def write(design: Design, options: PictureOptions) -> bytes:
         name = design.name.strip() or "Cam"
         parts = [_head(design, name)]
+        if design.warnings:
+            parts.append(_warnings(design.warnings))
         if design.conflict:
             parts.append(_conflict(design.conflict, bool(design.motion)))
         if design.motion:
@@ -74,10 +72,11 @@ def _head(design: Design, name: str) -> str:
         ("Design", design.id),
         ("Made by", f"Camwright {design.engine_version}"),
     ]
-    kind = "broken" if design.status in WITHOUT_CAM else "holds"
+    bad = design.status in WITHOUT_CAM or design.severity == "stop"
+    kind, status = "broken" if bad else "holds", labelled_status(design.status, design.severity)
     return (
         f"<header><h1>{html.plain(name)}</h1>"
-        f'<p class="{kind}"><strong>{design.status}</strong>: {html.plain(verdict)}.</p>'
+        f'<p class="{kind}"><strong>{status}</strong>: {html.plain(verdict)}.</p>'
         f"{_pairs(rows)}</header>"
     )
 
@@ -96,6 +95,8 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
     yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
+    for each in summary_tables(design):
+        yield _section(each.title, _table(each.head, each.rows))
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
@@ -122,6 +123,19 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     yield drawn("Motion", "", MOTION, "Diagrams of the motion")
     text = "Diagrams of pressure angle and profile radius"
     yield drawn("Pressure angle and profile radius", "", CONTACT, text)
+
+
+def _warnings(warnings: Sequence[DesignWarning]) -> str:
+    """What an engineer would say of the cam, the most severe first."""
+    rows = [
+        [one.severity.upper() if one.severity == "stop" else one.severity, _words(one.code),
+         one.sentence, one.remedy, one.field, one.source]
+        for one in warnings
+    ]  # fmt: skip
+    kinds = ("broken" if one.severity == "stop" else "" for one in warnings)
+    table = _table(("", "Rule", "What is wrong", "What to change", "Field", "Source"), rows, kinds)
+    note = "Rules of the field, for what the limits do not say; docs/warnings.md has them all."
+    return _section("Would you build this?", table + _note(note))
 
 
 def _limit(extreme: Extreme) -> list[str]:
