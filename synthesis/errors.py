@@ -71,7 +71,15 @@ class Cancelled(CamwrightError):
         return type(self), ()
 
 
-EXTRAS = {"cad": 380, "dxf": 56, "exact": 26, "pandas": 85, "parquet": 170, "plots": 95, "postgres": 13}
+EXTRAS = {
+    "cad": 380,
+    "dxf": 56,
+    "exact": 26,
+    "pandas": 85,
+    "parquet": 170,
+    "plots": 95,
+    "postgres": 13,
+}
 """What may be installed besides, by the names in pyproject.toml, and its size on disk [MB].
 
 Rounded, with what it brings along, on Linux; `tests/architecture/test_extras.py` has the names.
