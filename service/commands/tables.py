@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from service.commands.display import Cell, Table
+from synthesis.design.warnings import labelled_status
 
 if TYPE_CHECKING:
     from synthesis.certify.second import Confirmation
@@ -221,8 +222,6 @@ def describe_cam_set(cams: CamSet) -> Iterator[str]:
 def describe_design(design: Design, seconds: float) -> Iterator[str | Table]:
     """Status, warnings, sizes, forces, the free parameters as they were chosen, the summary."""
     gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
-    from synthesis.design.warnings import labelled_status
-
     status = labelled_status(design.status, design.severity)
     yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
     yield from _warnings(design.warnings)
