@@ -1,13 +1,14 @@
-"""Answers as they are printed: lines and tables, those that have something to say."""
+"""Answers as they are printed: lines and tables, those that have something to say.
+
+Lengths stand in mm; `display.in_inches` converts what is printed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-
+from service.commands.display import Cell, Table
 from synthesis.design.warnings import labelled_status
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis
 
-Cell = str | float | None
 VERDICTS = {
     "confirmed": "every line of the certificate agrees",
     "contradicted": "the certificate is wrong in what is marked NO",
@@ -29,17 +29,8 @@ VERDICTS = {
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:
-    """A table, its first column to the left and the others, of numbers, to the right.
-
-    Numbers have six digits; a dash stands where there is none.
-    """
-    drawn = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for i, column in enumerate(columns):
-        drawn.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
-    for row in rows:
-        cells = ("–" if cell is None else cell for cell in row)
-        drawn.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else cell for cell in cells))
-    return drawn
+    """A table of these rows."""
+    return Table(title, columns, list(rows))
 
 
 def sizes(dimensions: Mapping[str, float]) -> str:
@@ -146,7 +137,8 @@ def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
         )  # fmt: skip
     if analysis.unreached_hollows:
         yield table(
-            "Not touched", ("at °", "hollow radius", "roller radius", "gap mm", "x mm", "y mm"),
+            "Not touched",
+            ("at °", "hollow radius mm", "roller radius mm", "gap mm", "x mm", "y mm"),
             [(f"{n.angle_deg:.3f}", n.hollow_radius_mm, n.roller_radius_mm, n.gap_mm,
               f"{n.x_mm:.4f}", f"{n.y_mm:.4f}") for n in analysis.unreached_hollows],
         )  # fmt: skip

@@ -385,6 +385,13 @@ class Design(AnswerModel):
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         return rebuild_motion(self.resolved_spec.placed_segments(), self.motion)
 
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        """What Jupyter shows, by media type; pictures are drawn on a floor above this one."""
+        import synthesis
+
+        shown: dict[str, str] = synthesis.notebook_display(self)
+        return shown
+
 
 def rebuild_motion(segments: Sequence[PlacedSegment], delivered: Sequence[SegmentMotion]) -> Motion:
     """The motion of placed segments with the splines of an answer, to the last bit."""

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
+from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.exact import MIN_ERROR_UM, Contour
 from synthesis.exporters.exporter import FileContent, design_format
 from synthesis.exporters.options import BoreDiameter, CurveName, PlacedCurve, is_cutter, is_pitch
@@ -77,9 +78,12 @@ def _profile(design: Design, options: DrawingOptions) -> FileContent:
 
 
 def _page(design: Design) -> Any:
-    """An empty drawing with the layers."""
-    from ezdxf._options import options as writing  # loading it takes a third of a second
-    from ezdxf.filemanagement import new
+    """An empty drawing with the layers; ExtraMissing without ezdxf."""
+    try:
+        from ezdxf._options import options as writing  # loading it takes a third of a second
+        from ezdxf.filemanagement import new
+    except ImportError as error:
+        raise ExtraMissing("DXF", "dxf") from error
 
     writing.write_fixed_meta_data_for_testing = True
     page = new("R2010", units=MILLIMETRES)
