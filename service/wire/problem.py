@@ -15,10 +15,11 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from service.wire.errors import TYPES, ProblemType, ServiceError, problem_type
-from service.wire.violations import Violation, describe_parameter_errors, violation
+from service.wire.violations import Violation, describe_parameter_errors
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
+from synthesis.errors.violations import violation
 
 MEDIA_TYPE = "application/problem+json"
 STORE_AGAIN_S = "2"  # Retry-After: a restart of the database takes about so long
@@ -128,10 +129,20 @@ async def _http(request: Request, error: Exception) -> Response:
     return problem_response(request, problem, headers)
 
 
+def _options(request: Request) -> type[BaseModel] | None:
+    """The model of a route's query parameters, where it has one."""
+    dependant = getattr(request.scope.get("route"), "dependant", None)
+    types = (each.field_info.annotation for each in getattr(dependant, "query_params", ()))
+    return next((t for t in types if isinstance(t, type) and issubclass(t, BaseModel)), None)
+
+
 async def _parameters(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    violations = describe_parameter_errors(error.errors())
-    detail = "; ".join(f"{each['parameter']}: {each['rule']}" for each in violations)
+    query = dict(request.query_params)
+    violations = describe_parameter_errors(error.errors(), query, _options(request))
+    detail = "; ".join(
+        f"{each['parameter']} {each['rule'].rstrip('.')}. {each['remedy']}" for each in violations
+    )
     return problem_response(
         request, problem_document(ProblemType.INVALID_PARAMETER, detail, violations)
     )

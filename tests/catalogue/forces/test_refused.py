@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from service.wire.violations import PLACES
 from synthesis import DesignSpec
+from synthesis.errors.places import PLACES
 from tests.catalogue.followers.samples import spec
 from tests.catalogue.forces.loads import ARM, SLIDE
 from tests.catalogue.forces.test_limited import BODY
