@@ -19,6 +19,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from service.client import Client, Refused, Unreachable
+from service.client.exchange import sentences
 from service.settings import settings_from
 from service.wire.body import Model, parse_json, validate
 from service.wire.errors import ServiceError
@@ -68,8 +69,8 @@ def read_spec(path: Path, model: type[Model], more: Mapping[str, Any] | None = N
             stop(f"{path}: {error}")
         for violation in error.violations:
             where = violation["pointer"] or "the document"
-            rule, remedy = violation["rule"], violation["remedy"]
-            err.print(f"{path}: {where} = {violation['value']!r}: {rule}. {remedy}")
+            value = json.dumps(violation["value"], ensure_ascii=False)
+            err.print(f"{path}: {where} = {value}: {sentences(violation)}")
         raise typer.Exit(2) from None
 
 
@@ -85,8 +86,9 @@ def report_errors(path: Path, url: str | None, stopped: str) -> Iterator[None]:
         yield
     except Refused as error:
         for wrong in error.errors:
-            err.print(f"{path}: {wrong['pointer']}: {wrong['rule']}. {wrong['remedy']}")
-        stop(str(error))
+            where = wrong.get("pointer") or wrong.get("parameter") or "the document"
+            err.print(f"{path}: {where}: {sentences(wrong)}")
+        stop(str(error).partition("\n")[0])
     except Unreachable as error:
         stop(f"No answer from {url or 'the service started for this'} ({error}). Is it running?")
     except KeyboardInterrupt:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,6 +10,8 @@ from pydantic import BaseModel, Field
 
 from synthesis.errors.schema import Body
 from synthesis.errors.violations import MAX_LISTED, describe_errors
+
+AS_IN_JSON = re.compile(r'"(\w+)": "?([^\s,"]+?)"?(?=[.,]?(?: |$))')  # a field and its value
 
 
 class Violation(BaseModel):
@@ -40,5 +43,8 @@ def describe_parameter_errors(
         known = options if within else None
         own = {**error, "loc": (name,)}
         (entry, *_), _ = describe_errors([own], query if within else {name: error["input"]}, known)
-        described.append({"parameter": name, **{k: entry[k] for k in ("value", "rule", "remedy")}})
+        rule = entry["rule"].replace("is not a field here", "is not a parameter here")
+        remedy = AS_IN_JSON.sub(r"\1=\2", entry["remedy"]).replace('"', "")
+        told = {"value": entry["value"], "rule": rule, "remedy": remedy}
+        described.append({"parameter": name, **told})
     return described

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache, lru_cache
 from typing import Any
@@ -40,6 +40,7 @@ EMPTY = frozenset({"motion", "law", "curve", "follower", "limit", "cam", "max", 
                    "type", "peak", "the", "a", "of", "profile", "least", "constraint", "segment",
                    "closure", "deg", "mm", "limits", "allowed", "permissible"})  # fmt: skip
 SURE = 0.8  # difflib's ratio from which a name is taken for another one, misspelt
+TELLING = 4  # letters of a name from which it may be meant as a field far away
 SEVERAL = 4  # places in which a name may stand; of more, none is proposed
 
 
@@ -100,7 +101,7 @@ def answer_name(path: Loc, body: Any, model: Body) -> Answer:
     if not fields:
         return Answer("Remove it.")
     rules: tuple[Callable[[Wrong, dict[str, Schema]], Answer | None], ...] = (
-        _sentence, _in_place, _own_kind, _envelope, _kind_below, _elsewhere,
+        _own_kind, _sentence, _in_place, _end_of_range, _envelope, _kind_below, _elsewhere,
     )  # fmt: skip
     found = (rule(wrong, fields) for rule in rules)
     return next((each for each in found if each is not None), None) or _misspelt(wrong, fields)
@@ -186,8 +187,10 @@ def _matches(wrong: Wrong, fields: Iterable[str]) -> Iterable[tuple[str, str, fl
         for word, factor in _stems(stem):
             found = by_word.get(word, [])
             for field in sorted(found, key=lambda f: field_unit(f)[1] not in ("", wrong.moves_in)):
-                own = field_unit(field)[1]
-                if not unit or joined(field) == word or in_field(1.0, unit, own) is not None:
+                says, own = field_unit(field)
+                if says == word == joined(unit):  # a word that is no unit here, as ``turn``
+                    yield field, "", factor
+                elif not unit or joined(field) == word or in_field(1.0, unit, own) is not None:
                     yield field, unit, factor
 
 
@@ -229,14 +232,35 @@ def _value_for(
     return figure(changed), why, changed
 
 
+def _end_of_range(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
+    """A field that may be a range, where a name says which end of it: ``base_radius_min``."""
+    words = words_of(wrong.name)
+    end = next((end for end in ("min", "max") if end in words), None)
+    bare = "_".join(word for word in words if word != end)
+    for field, unit, factor in _matches(replace(wrong, path=(*wrong.path[:-1], bare)), fields):
+        members = schemas_at(wrong.body, [*wrong.path[:-1], field], wrong.model)
+        if any(end in member.get("properties", {}) for member in members):
+            written, why, value = _value_for(field, wrong, unit, factor, [])
+            what = f'"{field}": {{"{end}": {written or "…"}}}'
+            to = None if field in wrong.around else (*wrong.path[:-1], field)
+            return Answer(f"Write {what}{why}.", to, {end: value})
+    return None
+
+
 def _own_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     """A kind where the name of a field belongs, as ``{"rise": {"angle_deg": 60}}``."""
-    kinds = kinds_of(schemas_at(wrong.body, wrong.path[:-1], wrong.model))
-    kind = meant_kind(wrong.name, kinds) if len(kinds) > 1 else None
-    if kind is None:
+    members = schemas_at(wrong.body, wrong.path[:-1], wrong.model)
+    kind = meant_kind(wrong.name, kinds_of(members)) if len(members) > 1 else None
+    if kind is None or "kind" in wrong.around:
         return None
-    inner = ", with its fields beside it" if isinstance(wrong.value, dict) else ""
-    return Answer(f'Write "kind": "{kind}"{inner}.')
+    return Answer(f'Write "kind": "{kind}"{_with_fields(kind, members)}.')
+
+
+def _with_fields(kind: str, members: Sequence[Schema]) -> str:
+    """The other fields of a kind, in words."""
+    own = next(each for each in members if kind in kinds_of([each]))["properties"]
+    names = ", ".join(f'"{name}"' for name in own if name != "kind")
+    return f", with {names}" if names else ""
 
 
 def _envelope(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
@@ -256,11 +280,9 @@ def _kind_below(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
         kind = meant_kind(wrong.name, kinds_of(members))
         if kind is None:
             continue
-        own = next(each for each in members if kind in kinds_of([each]))["properties"]
-        more = ", ".join(f'"{each}"' for each in own if each != "kind")
+        more = _with_fields(kind, members)
         inner = f'{{"kind": "{kind}"{", …" if more else ""}}}'
-        form = f"[{inner}]" if entry else inner
-        return Answer(f'Write it into "{field}": {form}{f", with {more}" if more else ""}.')
+        return Answer(f'Write it into "{field}": {f"[{inner}]" if entry else inner}{more}.')
     return None
 
 
@@ -274,7 +296,8 @@ def _elsewhere(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     }  # fmt: skip
     for field, unit, factor in _matches(wrong, everywhere):
         others = everywhere[field]
-        if not others or (len(others) > SEVERAL and joined(field) != joined(wrong.name)):
+        same = joined(field) == joined(wrong.name)
+        if not others or not (same or (len(others) <= SEVERAL and _is_telling(wrong, field))):
             continue
         written, why, value = _value_for(field, wrong, unit, factor, [])
         what = f'"{field}": {written or "…"}'
@@ -291,6 +314,11 @@ def _elsewhere(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
         within = f"each entry of {where}" if place else "the request itself"
         return Answer(f"Write it into {within}: {what}{why}.")
     return None
+
+
+def _is_telling(wrong: Wrong, field: str) -> bool:
+    """Whether a name says enough to be meant as a field far away: not so ``to``, or ``max``."""
+    return min(len(joined(wrong.name)), len(field_unit(field)[0])) >= TELLING
 
 
 def _misspelt(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer:

@@ -20,10 +20,15 @@ def whole_schema(model: type[BaseModel]) -> Schema:
     return model.model_json_schema()
 
 
+def schemas_in(model: type[BaseModel]) -> Iterator[Schema]:
+    """Every object of a body's schema, at any depth."""
+    return _schemas(whole_schema(model))
+
+
 @cache
 def all_names(model: type[BaseModel]) -> frozenset[str] | None:
     """The name of every field at any place of a body; None where other names are allowed too."""
-    objects = [each for each in _schemas(whole_schema(model)) if each.get("type") == "object"]
+    objects = [each for each in schemas_in(model) if each.get("type") == "object"]
     if any(schema.get("additionalProperties") is not False for schema in objects):
         return None
     return frozenset(name for schema in objects for name in schema["properties"])

@@ -35,6 +35,7 @@ BOUNDS = {
     "exclusiveMaximum": "less than", "maximum": "at most",
 }  # fmt: skip
 EDGES = frozenset({"knife", "edge", "point", "pointed"})  # words for a roller without a radius
+BOUND_OF = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 Said = tuple[str, str]  # rule and remedy
 
 
@@ -54,9 +55,11 @@ def abbreviate(value: Any) -> Any:
     return value if plain else text[: LONGEST_VALUE - 1] + "…"
 
 
-def out_of_range(value: Any, path: Path, body: Any, schemas: Sequence[Schema]) -> Said:
-    """What is said of a number beyond its ends."""
-    ends = next((s for s in schemas if BOUNDS.keys() & s.keys()), {})
+def out_of_range(error: Any, path: Path, body: Any, schemas: Sequence[Schema]) -> Said:
+    """What is said of a number beyond its ends; in a query it comes as a text."""
+    value, ctx = float(error["input"]), error["ctx"]
+    own = {BOUND_OF[key]: end for key, end in ctx.items() if key in BOUND_OF}
+    ends = next((s for s in schemas if own.items() <= s.items()), own)
     words = [f"{word} {figure(ends[key])}" for key, word in BOUNDS.items() if key in ends]
     if value <= 0.0 < ends.get("minimum", 0.0) <= LEAST:  # what no one would call an end
         words[0] = "positive"
@@ -100,26 +103,29 @@ def not_a_number(kind: str, value: Any, path: Path, schemas: Sequence[Schema]) -
     if number is not None and whole and number != round(number):
         return f"Write {round(number)}, for example."
     if number is not None and isinstance(value, str):
-        text = value.strip()
-        plain = text[-1:].isdigit() and text[:1] not in "Øø⌀"
+        text, in_json = value.strip(), not kind.endswith("parsing")
+        bare = ["without quotes"] if in_json else []
+        if not text[-1:].isdigit() or text[:1] in "Øø⌀":
+            bare.append("without a unit")
         why = "" if _says(value) == number else f" ({text} in {pretty(field_unit(field)[1])})"
-        return (
-            f"Write {figure(number)}{why}, without quotes{'' if plain else ' and without a unit'}."
-        )
+        return f"Write {figure(number)}{why}{', ' if bare else ''}{' and '.join(bare)}."
     if number is not None:
         return f"Write {figure(number)}, by itself."
     if value is None:
         return LEAVE_OUT
-    if (
-        isinstance(value, list)
-        and len(value) == 2
-        and any("min" in s.get("properties", {}) for s in schemas)
-    ):
-        low, high = (json.dumps(abbreviate(each)) for each in value)
-        return f'Write {{"min": {low}, "max": {high}}} for a range.'
-    if isinstance(value, str):
+    ranges = any("min" in each.get("properties", {}) for each in schemas)
+    if ranges and isinstance(value, list) and len(value) == 2:
+        return _range(value)
+    if isinstance(value, str) and ranges:
+        return 'Give a number, without quotes and without a unit, or {"min": …, "max": …}.'
+    if isinstance(value, str) and not kind.endswith("parsing"):
         return "Give a number, without quotes and without a unit: the field's name holds the unit."
-    return f"Give one number. {_meaning(schemas)}".strip()
+    return f"Give a number. {_meaning(schemas)}".strip()
+
+
+def _range(ends: Sequence[Any]) -> str:
+    low, high = (json.dumps(abbreviate(each)) for each in ends)
+    return f'Write {{"min": {low}, "max": {high}}} for a range.'
 
 
 def _says(text: str) -> float | None:
@@ -153,9 +159,12 @@ def not_an_object(value: Any, schemas: Sequence[Schema], path: Path) -> str:
     if isinstance(value, str) and value.lstrip()[:1] in ("{", "["):
         return "Send the JSON itself, not as a text in quotes."
     if isinstance(value, str):
-        kind = meant_kind(value, kinds) or value
-        question = "" if kind in kinds or not kinds else f" The kinds are {', '.join(kinds)}."
-        return f'If that is its kind, write {{"kind": {json.dumps(abbreviate(kind))}}}.{question}'
+        kind = meant_kind(value, kinds)
+        if kind is not None:
+            return f'Write {{"kind": "{kind}"}}, with further fields if it has any.'
+        if kinds:
+            question = did_you_mean(value, kinds)
+            return f'{question} Write {{"kind": …}}. The kinds are {", ".join(kinds)}.'.strip()
     if isinstance(value, list) and len(value) == 1 and isinstance(value[0], dict):
         return "Write the object by itself, without brackets around it."
     if isinstance(value, list) and not path:
@@ -163,6 +172,9 @@ def not_an_object(value: Any, schemas: Sequence[Schema], path: Path) -> str:
             "Send one object. Several cams on one shaft are one request to /v1/cam-sets, many "
             "variations of one design a request to /v1/sweeps."
         )
+    ends = any("min" in each.get("properties", {}) for each in schemas)
+    if ends and isinstance(value, list) and len(value) == 2:
+        return _range(value)
     if kinds:
         return f'Write an object with its "kind" ({", ".join(kinds)}) and the fields of that kind.'
     names = [name for each in schemas for name in each.get("properties", {})]
@@ -178,13 +190,15 @@ def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -
         if value and all(named.values()):
             kind = next(iter(named.values()))
             return f'Write a list of objects, each with its kind: [{{"kind": "{kind}", …}}, …].'
-        return "Put it in brackets: [{…}]."
+        known = {name for each in items for name in each.get("properties", {})}
+        if not known.isdisjoint(value):
+            return "Put it in brackets: [{…}]."
     if isinstance(value, str) and kinds:
         kind = meant_kind(value, kinds)
         return f'Write [{{"kind": "{kind or kinds[0]}", …}}].'
     if value is None:
         return "Leave it out, or give a list."
-    return f"Put it in brackets, or leave it out. {_meaning(schemas)}".strip()
+    return f"Write a list in brackets: […]. {_meaning(schemas)}".strip()
 
 
 def which_kind(given: Any, allowed: Sequence[str]) -> tuple[str, str | None]:
@@ -195,7 +209,11 @@ def which_kind(given: Any, allowed: Sequence[str]) -> tuple[str, str | None]:
             ' with "roller_radius_mm": 0' if "knife" in str(given) or "point" in str(given) else ""
         )
         return f'Write "{kind}"{more}.', kind
-    return did_you_mean(str(given), allowed) or "Choose one of these.", None
+    digits = [word for word in allowed if word.isdigit() and word in str(given)]
+    if isinstance(given, str) and len(digits) == 1:  # a number by a name, such as C2
+        return f"Write {digits[0]}, without quotes.", None
+    question = did_you_mean(given, allowed) if isinstance(given, str) else ""
+    return question or "Choose one of these.", None
 
 
 def missing_kind(inside: Any, members: Sequence[Schema]) -> str:
@@ -213,6 +231,8 @@ def missing_kind(inside: Any, members: Sequence[Schema]) -> str:
     return f'Add "kind": it is one of {", ".join(kinds)}.'
 
 
-def add_field(name: str, schema: Schema) -> str:
+def add_field(name: str | int, schema: Schema) -> str:
     """What to add where a required field is missing."""
+    if isinstance(name, int):
+        return "Add what is missing there."
     return f'Add "{name}". {schema.get("description", "")}'.strip()

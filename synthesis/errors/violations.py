@@ -40,6 +40,7 @@ ROUNDS = 3  # of writing what is meant: names hide values, and these hide sums
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # Other types are raised by the core, with messages "Rule. What to do." and numbers.
 PYDANTICS_OWN = frozenset(get_args(ErrorType))
+COUNTING = ("position", "segment", "other", "j", "k")  # names of numbers in them that say where
 # What is told first: wrong names and kinds, then wrong values, then what is missing.
 NAMES = ("extra_forbidden", "union_tag_invalid", "union_tag_not_found")
 
@@ -60,13 +61,17 @@ class Change:
 
 @dataclass(frozen=True)
 class Finding:
-    """One error: its place, value, rule and remedy, and the change that mends it, where sure."""
+    """One error: its place, value, rule and remedy, and the change that mends it, where sure.
+
+    ``kind``: pydantic's type of the error.
+    """
 
     path: Loc
     value: Any
     rule: str
     remedy: str
     change: Change | None = None
+    kind: str = ""
 
     def violation(self) -> dict[str, Any]:
         """The fields of a violation on the wire."""
@@ -116,7 +121,15 @@ def locate(body: Any, loc: Loc, kind: str) -> tuple[Loc, tuple[str, ...]]:
 def describe_errors(
     errors: Sequence[Any], body: Any, model: Body, validate: Validate | None = None
 ) -> tuple[list[dict[str, Any]], int]:
-    """The first violations of a body that ought to be a ``model``, and how many there are.
+    """The first violations of a body, as documents list them; see ``find_causes``."""
+    found, count = find_causes(errors, body, model, validate)
+    return [each.violation() for each in found], count
+
+
+def find_causes(
+    errors: Sequence[Any], body: Any, model: Body, validate: Validate | None = None
+) -> tuple[list[Finding], int]:
+    """What is wrong with a body that ought to be a ``model``, at most 50, and how much there is.
 
     Args:
         errors: as ``ValidationError.errors()`` gives them. body: the parsed document.
@@ -140,8 +153,7 @@ def describe_errors(
         new = [each for each in later if (each.path, each.rule) not in known]
         kept = [each for each in found if each.change or (each.path, each.rule) in left]
         found = [*kept, *new]
-    listed = [each.violation() for each in found[:MAX_LISTED]]
-    return listed, places if places > MAX_LISTED else len(found)
+    return found[:MAX_LISTED], places if places > MAX_LISTED else len(found)
 
 
 def _as_sent(path: Loc, renamed: Sequence[tuple[Loc, Loc]]) -> Loc:
@@ -224,23 +236,26 @@ def _unknown(path: Loc, body: Any, model: Body) -> Finding:
 
 def _at_one_place(located: Sequence[_Located], body: Any, model: Body) -> list[Finding]:
     """The findings at one place; those of a union's members become one."""
-    found = [_describe(error, path, body, model) for error, path, _ in located]
+    found = [
+        replace(_describe(error, path, body, model), kind=error["type"])
+        for error, path, _ in located
+    ]
     if len(found) > 1 and all(wrong_shape for *_, wrong_shape in located):
         first, *rest = dict.fromkeys(each.rule for each in found)
         rule = " or ".join([first, *(other.removeprefix("must be ") for other in rest)])
         sure = next((each for each in found if each.change), found[0])
         return [replace(sure, rule=rule)]
-    return [each for i, each in enumerate(found) if each not in found[:i]]
+    return list({(each.rule, each.remedy): each for each in found}.values())
 
 
 def _describe(error: Any, path: Loc, body: Any, model: Body) -> Finding:
     kind, ctx, value = error["type"], error.get("ctx") or {}, error.get("input")
     schemas = schemas_at(body, path, model)
     if kind in COMPARISONS:
-        return Finding(path, value, *out_of_range(value, path, body, schemas))
+        return Finding(path, value, *out_of_range(error, path, body, schemas))
     if kind == "missing":
         schema = fields_at(body, path[:-1], model).get(str(path[-1]) if path else "", {})
-        return Finding(path, None, "is required", add_field(str(path[-1]), schema))
+        return Finding(path, None, "is required", add_field(path[-1] if path else "", schema))
     if kind == "extra_forbidden":
         return _unknown(path, body, model)
     if kind in ("union_tag_invalid", "literal_error"):
@@ -299,7 +314,8 @@ def _of_the_core(error: Any, path: Loc, ctx: Any) -> Finding:
     rule, _, remedy = message.partition(". ")
     for i, text in enumerate(texts):
         rule, remedy = (part.replace(f"\0{i}\0", text) for part in (rule, remedy))
-    numbers = (each for each in ctx.values() if isinstance(each, int | float))
+    numbers = (each for key, each in ctx.items()
+               if isinstance(each, int | float) and key not in COUNTING)  # fmt: skip
     return Finding(path, ctx.get("value", next(numbers, None)), f"{rule}.", remedy)
 
 
@@ -316,16 +332,18 @@ def _wrong_shape(error: Any, path: Loc, body: Any, model: Body) -> Finding:
         if number is not None and path and not kind.startswith("int"):
             change = Change(path, path, number)
     elif kind in OBJECTS:
+        if any("min" in each.get("properties", {}) for each in schemas):
+            rule = "must be a range"
         remedy = not_an_object(value, schemas, path)
         word = meant_kind(value, kinds_of(schemas)) if isinstance(value, str) else None
         if word is not None:
             change = Change(path, path, {"kind": word})
     elif kind in LISTS:
         remedy = not_a_list(value, schemas, schemas_at(body, [*path, 0], model))
-        if isinstance(value, dict) and "brackets" in remedy:
+        if isinstance(value, dict) and "brackets: [{" in remedy:
             change = Change(path, path, [value])
     elif kind == "string_type":
         remedy = "Write it in quotes."
-    elif kind in ("bool_type", "bool_parsing"):
-        remedy = "Write true or false, without quotes."
+    elif kind.startswith("bool"):
+        remedy = f"Write true or false{', without quotes' if kind == 'bool_type' else ''}."
     return Finding(path, value, rule, remedy, change)

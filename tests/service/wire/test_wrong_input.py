@@ -87,7 +87,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "must be a number"),
     "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "must be a number"),
     "a law that is text": (
-        segment(0, law="cycloidal"), "/program/0/law", "cycloidal", 'write {"kind": "cycloidal"}',
+        segment(0, law="cycloidal"), "/program/0/law", "cycloidal", 'Write {"kind": "cycloidal"}',
     ),
     "an angle limit without angles": (
         changed(limits=[{"kind": "pressure_angle"}]), "/limits/0", None, "Give rise_deg",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -14,7 +16,10 @@ from synthesis.studies.sweeps.spec import SweepSpec
 from tests.service.wire.wrong_requests import BASES, REQUESTS, WrongRequest
 
 # What pydantic says, and what only those understand who know it.
-PRIVATE = ("Input", "valid dict", "instance", "union", "tag", "extra", "discriminator", "parse")
+PRIVATE = (
+    "Input", "valid dict", "instance", "union_", "tag", "extra", "discriminator", "unable to",
+    "Correct it", "constrained", "1e99",
+)  # fmt: skip
 
 
 def refusal(path: str, body: Any) -> ServiceError:
@@ -39,6 +44,42 @@ def test_there_are_many_and_of_all_resources() -> None:
     assert len(REQUESTS) >= 60
     assert {request.base for request in REQUESTS.values()} == BASES.keys()
     assert sum(request.base != "designs" for request in REQUESTS.values()) >= 10
+
+
+def places(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Every place of a document; of lists their first entry stands for all."""
+    yield path
+    inner = (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value[:1])
+        if isinstance(value, list)
+        else ()
+    )
+    for part, each in inner:
+        yield from places(each, (*path, part))
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_no_message_speaks_the_validators_language(base: str) -> None:
+    """Every field of an example with values of other types: each is answered by a way out."""
+    path, right = BASES[base]
+    for place in places(right):
+        for value in ("x", "10 mm", -1, None, [], {}, 1e99, True, {"kind": "x"}):
+            body = copy.deepcopy(right)
+            holder: Any = body
+            for part in place[:-1]:
+                holder = holder[part]
+            if place:
+                holder[place[-1]] = value
+            try:
+                refused = refusal(path, body if place else value)
+            except pytest.fail.Exception:
+                continue  # a value that is allowed there
+            for told in refused.violations:
+                text = f"{told['rule']} {told['remedy']}"
+                assert all(told[part] for part in ("rule", "remedy")), (place, value)
+                assert not any(word in text for word in PRIVATE), text
 
 
 def table() -> str:
