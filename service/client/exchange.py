@@ -34,7 +34,7 @@ class Unreachable(ClientError):
 
 
 class Refused(ClientError):
-    """The service answered with a problem document; ``str`` of it is the problem's detail.
+    """The service answered with a problem document; ``str`` of it is its detail, and each error.
 
     Attributes:
         problem: the document (RFC 9457) as sent; for another response, such as a proxy's, one made
@@ -45,7 +45,13 @@ class Refused(ClientError):
     def __init__(
         self, problem: dict[str, Any], status: int, retry_after_s: float | None = None
     ) -> None:
-        super().__init__(problem.get("detail") or problem.get("title") or f"HTTP status {status}")
+        detail = problem.get("detail") or problem.get("title") or f"HTTP status {status}"
+        several = problem.get("errors") or ()
+        lines = [
+            f"{each.get('pointer') or each.get('parameter') or 'the body'}: {sentences(each)}"
+            for each in (several if len(several) > 1 else ())
+        ]
+        super().__init__("\n".join([detail, *lines]))
         self.problem, self.status, self.retry_after_s = problem, status, retry_after_s
 
     @property
@@ -62,6 +68,11 @@ class Refused(ClientError):
     def best(self) -> dict[str, Any] | None:
         """With status 504: the best answer found in time."""
         return self.problem.get("best")
+
+
+def sentences(violation: Mapping[str, Any]) -> str:
+    """Rule and remedy of an entry of ``errors``, in two sentences."""
+    return f"{violation['rule'].rstrip('.')}. {violation['remedy']}".strip()
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ import typer
 from pydantic import BaseModel, ValidationError
 
 from service.client import Client, Refused, Unreachable
+from service.client.exchange import sentences
 from service.commands.display import Table, in_inches
 from service.commands.stream import documents
 from service.commands.terminal import STREAM, Units, complain, save, say, stop
@@ -277,8 +278,8 @@ def _stop_for(path: Path, error: ServiceError) -> NoReturn:
         stop(f"{path}: {error}")
     for violation in error.violations:
         where = violation["pointer"] or "the document"
-        rule, remedy = violation["rule"], violation["remedy"]
-        complain(f"{path}: {where} = {violation['value']!r}: {rule}. {remedy}")
+        value = json.dumps(violation["value"], ensure_ascii=False)
+        complain(f"{path}: {where} = {value}: {sentences(violation)}")
     raise typer.Exit(2)
 
 
@@ -298,8 +299,9 @@ def report_errors(path: Path, url: str | None, stopped: str) -> Iterator[None]:
         _stop_for(path, error)
     except Refused as error:
         for wrong in error.errors:
-            complain(f"{path}: {wrong['pointer']}: {wrong['rule']}. {wrong['remedy']}")
-        stop(str(error))
+            where = wrong.get("pointer") or wrong.get("parameter") or "the document"
+            complain(f"{path}: {where}: {sentences(wrong)}")
+        stop(str(error).partition("\n")[0])
     except Unreachable as error:
         stop(f"No answer from {url or 'the service started for this'} ({error}). Is it running?")
     except KeyboardInterrupt:

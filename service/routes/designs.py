@@ -72,7 +72,7 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
         raise ProblemType.NOTHING_FITS(NO_CAM)
     tag = tag_of(row.etag or "", "confirmation", "json", "")
     return not_modified(request, tag) or Response(
-        await in_worker(parts, partial(confirm_design, design)), 200,
+        await in_worker(request, parts, partial(confirm_design, design)), 200,
         {"ETag": f'"{tag}"'}, "application/json",
     )  # fmt: skip
 

@@ -25,9 +25,10 @@ from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
-from service.wire.errors import ProblemType
+from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import problem_response
 from synthesis.design.design import WITHOUT_CAM
+from synthesis.errors import TimeBudgetExceeded
 from synthesis.exporters import FileContent, form
 
 T = TypeVar("T")
@@ -298,7 +299,7 @@ async def send_file(
         return known
     make = partial(file.write, file.format, body, options)
     content: FileContent = await (
-        in_worker(parts, make) if file.format.in_worker else asyncio.to_thread(make)
+        in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
     )
     name = file.ending or file.path
     if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
@@ -314,10 +315,28 @@ async def send_file(
     )  # fmt: skip
 
 
-async def in_worker(parts: State, work: Callable[[], T]) -> T:
-    """Have a worker do what takes long or much memory, if there is room."""
+async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
+    """Have a worker make what a path leads to, if there is room: it takes long or much memory."""
     parts.engine.admit()
-    return await parts.engine.run(work, budget_s=parts.settings.budget_s(None))
+    owner, _, file = request.url.path.rpartition("/")
+    again = f"{request.url.path}?{request.url.query}".removesuffix("?")
+    later = f"{owner} is as it was. GET {again} makes {file} later, when less is going on here"
+    coarser = "options that are coarser, such as fewer points, make it sooner."
+    budget_s = parts.settings.budget_s(None)
+    try:
+        return await parts.engine.run(work, budget_s=budget_s)
+    except TimeBudgetExceeded:
+        raise ProblemType.TIME_BUDGET(
+            f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "
+            f"{later}; {coarser}"
+        ) from None
+    except ServiceError as error:
+        if error.problem is not ProblemType.WORKER_LOST:
+            raise
+        raise ProblemType.WORKER_LOST(
+            f"The process that made {file} died, perhaps for lack of memory. {later}; {coarser}",
+            error.headers,
+        ) from None
 
 
 def download_headers(owner: str, ending: str, media_type: str) -> dict[str, str]:

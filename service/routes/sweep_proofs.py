@@ -65,7 +65,7 @@ async def get_sweep_proofs_zip(
     files = []
     for number, row in rows.items():
         _, design = await designs.find_done(row.design_id or "")
-        made = await in_worker(parts, partial(write_design, PROOF, design, Options()))
+        made = await in_worker(request, parts, partial(write_design, PROOF, design, Options()))
         files.append((f"item-{number}.proof.json", made.data))
     headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}
     return Response(archive(files), headers=headers | IN_PARTS, media_type=MEDIA_TYPE)

@@ -359,7 +359,7 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     def paint(drawn: TradeOff) -> Awaitable[bytes]:
-        return in_worker(parts, partial(rasterise, trade_off(drawn, theme), width_px))
+        return in_worker(request, parts, partial(rasterise, trade_off(drawn, theme), width_px))
 
     options = ("png", PNG, theme, str(width_px))
     return await _drawn(request, sweep, parts, axes, options, paint)

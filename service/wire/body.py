@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -16,10 +16,10 @@ from fastapi import Request
 from pydantic import BaseModel, ValidationError
 
 from service.wire.errors import ProblemType, ServiceError
-from service.wire.violations import (
-    LEAVE_OUT,
+from synthesis.errors.schema import all_names
+from synthesis.errors.values import LEAVE_OUT
+from synthesis.errors.violations import (
     MAX_LISTED,
-    all_names,
     describe_errors,
     pointer_to,
     unknown_field,
@@ -66,13 +66,13 @@ def validate(body: bytes, model: type[Model]) -> Model:
     document, unknown = _decode(body, known)
     if known is not None and unknown > MAX_ITEMISED:
         wrong = (
-            unknown_field(path[1:], document, model)
+            unknown_field(tuple(path[1:]), document, model)
             for path, _ in _walk(document)
             if isinstance(path[-1], str) and path[-1] not in known and len(path) > 1
         )
         raise _invalid_request(list(islice(wrong, MAX_LISTED)), unknown)
     try:
-        return model.model_validate_json(body, strict=True)
+        return _strictly(body, model)
     except ValidationError as error:
         invalid = error
     count = invalid.error_count()
@@ -85,7 +85,22 @@ def validate(body: bytes, model: type[Model]) -> Model:
         raise ProblemType.NOT_JSON(
             TOO_DEEP if "recursion" in reason else f"{reason}. Send valid JSON."
         )
-    raise _invalid_request(*describe_errors(errors, document, model))
+
+    def errors_of(changed: Any) -> Sequence[Any]:
+        try:
+            _strictly(json.dumps(changed).encode(), model)
+        except ValidationError as error:
+            few = error.error_count() <= MAX_ITEMISED
+            return error.errors(include_url=False) if few else ()
+        return ()
+
+    raise _invalid_request(*describe_errors(errors, document, model, errors_of))
+
+
+def _strictly(body: bytes, model: type[Model]) -> Model:
+    """Bytes as ``model``, with the errors of pydantic as they come."""
+    made: Model = model.__pydantic_validator__.validate_json(body, strict=True)
+    return made
 
 
 def parse_json(body: bytes) -> Any:

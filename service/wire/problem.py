@@ -15,12 +15,15 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from service.wire.errors import TYPES, ProblemType, ServiceError, problem_type
-from service.wire.violations import Violation, describe_parameter_errors, violation
+from service.wire.violations import Violation, describe_parameter_errors
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, InputError, TimeBudgetExceeded
+from synthesis.errors.names import did_you_mean
+from synthesis.errors.violations import violation
 
 MEDIA_TYPE = "application/problem+json"
+LONGEST_PATH = 500  # characters that are compared with the paths that there are
 STORE_AGAIN_S = "2"  # Retry-After: a restart of the database takes about so long
 STARLETTES = (ProblemType.NOT_FOUND, ProblemType.METHOD_NOT_ALLOWED)  # what it answers by itself
 
@@ -113,25 +116,63 @@ async def _http(request: Request, error: Exception) -> Response:
     status, headers = error.status_code, error.headers
     kind = next((kind for kind in STARLETTES if kind.status == status), None)
     title = kind.title if kind else str(error.detail)
-    detail = f"{request.method} {request.url.path}: {title}. See /docs for what there is."
-    problem = {"type": "/problems/http", "title": title, "status": status, "detail": detail}
-    if kind is not None:
-        problem = problem_document(kind, detail)
+    hint = "See /docs for what there is."
     if kind is ProblemType.METHOD_NOT_ALLOWED:  # a route knows only its own method
-        allowed = [
+        allowed = ", ".join(
             method
             for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
             for scope in [{**request.scope, "method": method}]
             if any(each.matches(scope)[0] == Match.FULL for each in request.app.router.routes)
-        ]
-        headers = {"Allow": ", ".join(allowed)}
+        )
+        headers, hint = {"Allow": allowed}, f"It has {allowed}."
+    elif kind is ProblemType.NOT_FOUND:
+        hint = _paths_beside(request) or hint
+    detail = f"{request.method} {request.url.path}: {title}. {hint}"
+    problem = {"type": "/problems/http", "title": title, "status": status, "detail": detail}
+    if kind is not None:
+        problem = problem_document(kind, detail)
     return problem_response(request, problem, headers)
+
+
+def _paths_beside(request: Request) -> str:
+    """What there is beside a path that leads nowhere, such as the files of a design; '' if nothing.
+
+    Of templates, a part in braces stands for any.
+    """
+    *above, last = request.url.path.rstrip("/")[:LONGEST_PATH].split("/")
+    routes = request.app.router.routes
+    inner = (
+        getattr(getattr(route, "original_router", None), "routes", [route]) for route in routes
+    )
+    paths = (getattr(route, "path", "") for several in inner for route in several)
+    known = {path.strip("/") for path in paths if "{path" not in path}
+    beside = set()
+    for *own, end in (f"/{path}".split("/") for path in known):
+        same = len(own) == len(above)
+        if same and all(x == y or x[:1] == "{" for x, y in zip(own, above, strict=True)):
+            beside.add(end)
+    files = sorted(end for end in beside if end and end[0] != "{")
+    question = did_you_mean(last, files)
+    if len(above) > 1 and files:
+        return f"{question} There are: {', '.join(files)}.".strip()
+    fixed = [f"/{path}" for path in known if "{" not in path]
+    return did_you_mean(request.url.path, fixed)
+
+
+def _options(request: Request) -> type[BaseModel] | None:
+    """The model of a route's query parameters, where it has one."""
+    dependant = getattr(request.scope.get("route"), "dependant", None)
+    types = (each.field_info.annotation for each in getattr(dependant, "query_params", ()))
+    return next((t for t in types if isinstance(t, type) and issubclass(t, BaseModel)), None)
 
 
 async def _parameters(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    violations = describe_parameter_errors(error.errors())
-    detail = "; ".join(f"{each['parameter']}: {each['rule']}" for each in violations)
+    query = dict(request.query_params)
+    violations = describe_parameter_errors(error.errors(), query, _options(request))
+    detail = "; ".join(
+        f"{each['parameter']} {each['rule'].rstrip('.')}. {each['remedy']}" for each in violations
+    )
     return problem_response(
         request, problem_document(ProblemType.INVALID_PARAMETER, detail, violations)
     )

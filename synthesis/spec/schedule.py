@@ -26,39 +26,96 @@ ANGLE_SUM_TOLERANCE_DEG = 1e-6  # by which angles may miss a turn: they are type
 CLOSURE = 1e-9  # of the stroke: rounding of a sum of lifts that closes after one turn
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that differ by rounding
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
+SAME_TURN = 0.01  # relative: what is left of a turn's sum after numbers were rounded to 2 digits
+DIGITS = 4  # significant, of an angle that another unit is meant to be: 2.0944 rad is 120°
+# Sums of angles over a turn in other units, what they are called, and how they become degrees.
+OTHER_TURNS = (
+    (2.0 * math.pi, "radians", "degrees are 57.2958 times as many"),
+    (1.0, "parts of a turn", "a turn has 360°"),
+)
+MOST_IN_RADIANS = 1.6  # a pressure angle: π/2 rad is more than any, 1.6° less than any in use
 AT_REST = EndState(0.0, 0.0)
 
 
-def check_turn(program: Sequence[Segment]) -> None:
-    """Refuse a program that does not go round once."""
+def check_turn(program: Sequence[Segment], limits: Sequence[Any] = ()) -> None:
+    """Refuse a program that does not go round once; limits that share its mistake are named."""
     turn = math.fsum(segment.degrees for segment in program)
-    if abs(turn - 360.0) > ANGLE_SUM_TOLERANCE_DEG:
-        raise PydanticCustomError(
-            "program_angles",
-            "The angles of program sum to {turn}°, not 360°. "
-            "{verb} {difference}°, or add a dwell.",
-            {"turn": round(turn, 9), "verb": "Add" if turn < 360.0 else "Remove",
-             "difference": round(abs(360.0 - turn), 9)},
-        )  # fmt: skip
+    missing = round(360.0 - turn, 9)
+    if abs(missing) <= ANGLE_SUM_TOLERANCE_DEG:
+        return
+    for whole, unit, words in OTHER_TURNS:
+        if abs(turn - whole) <= SAME_TURN * whole:
+            factor, first = 360.0 / whole, program[0].degrees
+            raise PydanticCustomError(
+                "program_angles",
+                "The angles of program sum to {turn}, not 360°: these look like {unit}. Write "
+                "{right} instead of {first} at program/0/angle_deg, and so on: {words}{also}.",
+                {"value": round(turn, 9), "turn": f"{turn:.9g}", "unit": unit, "first": first,
+                 "words": words, "right": f"{factor * first:.{DIGITS}g}",
+                 "also": _also(limits, whole, factor)},
+            )  # fmt: skip
+    # The longest dwell is the easiest to change, if it stays one.
+    dwells = [(each.degrees, i) for i, each in enumerate(program) if each.kind == "dwell"]
+    longest, at = max(dwells, default=(0.0, -1))
+    where = f": write {longest + missing:.9g} instead of {longest:.9g} at program/{at}/angle_deg"
+    added = f', or add {{"kind": "dwell", "angle_deg": {missing:.9g}}}'
+    raise PydanticCustomError(
+        "program_angles",
+        "The angles of program sum to {turn}°, not 360°. {verb} {difference}°{where}{added}.",
+        {"value": round(turn, 9), "turn": f"{turn:.9g}", "difference": f"{abs(missing):.9g}",
+         "verb": "Add" if missing > 0.0 else "Remove",
+         "where": where if at >= 0 and longest + missing > 0.0 else "",
+         "added": added if missing > 0.0 else ""},
+    )  # fmt: skip
 
 
-def check_closed(rest: float, stroke: float, units: MotionUnits) -> None:
+def _also(limits: Sequence[Any], whole: float, factor: float) -> str:
+    """The pressure angles that are in radians as the program is, in words."""
+    if whole == 1.0:
+        return ""
+    small = {
+        f"limits/{i}/{name}": value
+        for i, limit in enumerate(limits) if limit.kind == "pressure_angle"
+        for name, value in limit.model_dump().items()
+        if isinstance(value, float) and value < MOST_IN_RADIANS
+    }  # fmt: skip
+    return "".join(f"; {factor * small[at]:.{DIGITS}g} at {at} too" for at in small)
+
+
+def check_closed(
+    rest: float, stroke: float, units: MotionUnits, program: Sequence[Segment] = ()
+) -> None:
     """Refuse a program that does not end where it began, or does not move at all.
 
     ``rest``: the sum of its lifts. ``stroke``: its largest displacement less its least.
     """
     if abs(rest) > CLOSURE * stroke:
+        unit, left = units.travel.unit, units.to_wire(rest)
         raise PydanticCustomError(
             "program_lift",
             "The follower ends {rest} {unit} away from where it began. "
-            "Make the lifts of rises and returns sum to zero.",
-            {"rest": float(f"{units.to_wire(rest):.9g}"), "unit": units.travel.unit},
-        )
+            "{closing}: the lifts of rises and returns have to sum to zero.",
+            {"value": float(f"{left:.9g}"), "rest": f"{left:.9g}", "unit": unit,
+             "closing": _closing(program, left, unit)},
+        )  # fmt: skip
     if stroke == 0.0:
         raise PydanticCustomError(
             "program_still",
             "The follower never moves: program holds no rise and no return. Add both.",
         )
+
+
+def _closing(program: Sequence[Segment], rest: float, unit: str) -> str:
+    """The lift that would close a program, or the move that it lacks; ``rest`` on the wire."""
+    field, kind = f"lift_{unit}", "return" if rest > 0.0 else "rise"
+    # The last move that way goes farther by what is left.
+    for i, segment in reversed([*enumerate(program)]):
+        lift = segment.free_fields().get(field)
+        if segment.kind == kind and isinstance(lift, float):
+            return f"Write {lift + abs(rest):.9g} instead of {lift:.9g} at program/{i}/{field}"
+    if {segment.kind for segment in program} <= {"dwell", "rise", "return"}:
+        return f'Add {{"kind": "{kind}", "angle_deg": …, "{field}": {abs(rest):.9g}}}'
+    return f"Change the last move by {abs(rest):.9g} {unit}"
 
 
 def check_units(program: Sequence[Segment], limits: Sequence[Any], unit: str, moves: str) -> None:

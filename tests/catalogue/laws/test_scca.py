@@ -84,7 +84,7 @@ def test_thirds_written_as_decimals_leave_no_constant_velocity() -> None:
         ({"b": 0.5, "c": 0.5, "d": 0.5}, "b \\+ c \\+ d = 1.5"),
         ({"b": 0.0, "c": 0.0, "d": 0.0}, "b \\+ c \\+ d = 0"),
         ({"b": 1e-9}, "b = 1e-09"),
-        ({"d": -0.25}, "greater than or equal to 0"),
+        ({"d": -0.25}, "at least 0"),
     ],
 )
 def test_parts_that_do_not_fit_are_refused(parts: dict[str, float], words: str) -> None:

@@ -392,7 +392,7 @@ def test_what_cannot_be_less_is_said(explain_only: Callable[[str], None]) -> Non
         ({"natural_frequency_hz": -3.0}, "greater than 0"),
         ({"damping_ratio": 1.0}, "less than 1"),
         ({"max_mm": None}, "gives no limit"),
-        ({"max_mm": -1.0}, "greater than or equal to 0"),
+        ({"max_mm": -1.0}, "at least 0"),
     ],
 )
 def test_what_makes_no_sense_is_refused(changes: dict[str, Any], words: str) -> None:

@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.contract.examples import examples
-from service.wire.violations import describe_errors
 from synthesis import CamSet, CamSetSpec, DesignSpec
 from synthesis.design.cam_set import set_id
+from synthesis.errors.violations import describe_errors
 from synthesis.exporters.bundle import BundleOptions, bundle
 from synthesis.spec.cam_set import MAX_CAMS
 from tests.exporters.test_bundle import STEEP

@@ -133,7 +133,7 @@ def test_what_is_wrong_is_told_at_its_field(studio: Page) -> None:
     assert angle.get_attribute("aria-invalid") == "true"
     angle.fill("90")
     expect(studio.locator("#program-sum")).to_have_text("Angles sum to 350° of 360°.")
-    expect(studio.locator('[data-error="/program"]')).to_contain_text("Add 10.0°", timeout=PATIENT)
+    expect(studio.locator('[data-error="/program"]')).to_contain_text("Add 10°", timeout=PATIENT)
     studio.get_by_role("button", name="segment 4: take what is left of 360°").click()
     expect(studio.locator("#status")).to_have_class("optimal", timeout=PATIENT)
     assert faults(studio) == []

@@ -13,8 +13,9 @@ import pytest
 from service.resources.records import RESOURCES
 from service.wire.body import MAX_ITEMISED, validate
 from service.wire.errors import ServiceError
-from service.wire.violations import MAX_LISTED, all_names
 from synthesis.design.design import Design
+from synthesis.errors.schema import all_names
+from synthesis.errors.violations import MAX_LISTED
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps.spec import SweepSpec
 from tests.service.specs import spec

@@ -9,7 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.wire.violations import describe_errors
+from synthesis.errors.violations import describe_errors
 from tests.service.specs import spec
 
 Change = Callable[[dict[str, Any]], None]
@@ -72,7 +72,7 @@ def on_a_face(swing: float = 10.0, base: float = 40.0, **fields: Any) -> Change:
 
 # what is changed, where the caller is pointed to, what is said there
 TABLE: dict[str, tuple[Change, str, Any, str]] = {
-    "angles do not sum": (segment(3, angle_deg=200), "/program", 350.0, "Add 10.0°"),
+    "angles do not sum": (segment(3, angle_deg=200), "/program", 350.0, "Add 10°"),
     "lift does not return": (segment(2, lift_mm=20), "/program", 10.0, "sum to zero"),
     "never moves": (
         changed(program=[{"kind": "dwell", "angle_deg": 360}]), "/program", None, "Add both",
@@ -83,11 +83,11 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         changed(program=[{"kind": "dwell", "angle_deg": 1}] * 5000), "/program", ..., "at most 100",
     ),
     "negative angle": (segment(0, angle_deg=-60), "/program/0/angle_deg", -60, "greater than 0"),
-    "negative lift": (segment(0, lift_mm=-30), "/program/0/lift_mm", -30, "at least"),
+    "negative lift": (segment(0, lift_mm=-30), "/program/0/lift_mm", -30, "must be positive"),
     "lift is text": (segment(0, lift_mm="30"), "/program/0/lift_mm", "30", "must be a number"),
     "lift is true": (segment(0, lift_mm=True), "/program/0/lift_mm", True, "must be a number"),
     "a law that is text": (
-        segment(0, law="cycloidal"), "/program/0/law", "cycloidal", 'write {"kind": "cycloidal"}',
+        segment(0, law="cycloidal"), "/program/0/law", "cycloidal", 'Write {"kind": "cycloidal"}',
     ),
     "an angle limit without angles": (
         changed(limits=[{"kind": "pressure_angle"}]), "/limits/0", None, "Give rise_deg",
@@ -218,7 +218,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
     "segment of no kind": (without("program", 1, "kind"), "/program/1/kind", None, "required"),
     "segment is a number": (changed(program=[3]), "/program/0", 3, "object"),
     "unknown law": (
-        segment(0, law={"kind": "cycloid"}), "/program/0/law/kind", "cycloid", "'cycloidal'",
+        segment(0, law={"kind": "cycloid"}), "/program/0/law/kind", "cycloid", 'Write "cycloidal"',
     ),
     "parts of a law too long": (
         segment(0, law={"kind": "scca", "b": 0.5, "c": 0.5, "d": 0.5}), "/program/0/law", 1.5,
@@ -285,7 +285,7 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         changed(base_radius_mm={"min": 3, "max": 1}), "/base_radius_mm", ..., "Exchange",
     ),
     "base radius misspelt": (
-        changed(base_radius_mm={"minimum": 3}), "/base_radius_mm/minimum", 3, "Did you mean 'min'",
+        changed(base_radius_mm={"minimum": 3}), "/base_radius_mm/minimum", 3, 'Write "min": 3',
     ),
     "unknown limit": (
         changed(limits=[{"kind": "jrk"}]), "/limits/0/kind", "jrk", "Did you mean 'jerk'",
@@ -311,10 +311,10 @@ TABLE: dict[str, tuple[Change, str, Any, str]] = {
         changed(objective=[{"kind": "base_radius"}, {"kind": "peak_jerks"}]), "/objective/1/kind",
         "peak_jerks", "'peak_jerk'",
     ),
-    "unknown field": (changed(speed=3), "/speed", 3, "Did you mean 'speed_rpm'"),
-    "standing still": (changed(speed_rpm=0), "/speed_rpm", 0, "at least 1e-06"),
+    "unknown field": (changed(speed=3), "/speed", 3, '"speed_rpm" is given already'),
+    "standing still": (changed(speed_rpm=0), "/speed_rpm", 0, "positive"),
     "wrong sense": (changed(rotation="left"), "/rotation", "left", "ccw"),
-    "no tolerance left": (changed(tolerance=0), "/tolerance", 0, "at least"),
+    "no tolerance left": (changed(tolerance=0), "/tolerance", 0, "positive"),
     "a name without end": (changed(name="x" * 300), "/name", ..., "at most 200"),
     "a field with a slash": (changed(**{"a/b~c": 1}), "/a~1b~0c", 1, "not a field"),
 }  # fmt: skip
@@ -420,7 +420,7 @@ def test_ten_megabytes_in_pieces(client: httpx2.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "remedy"), [("cycloid", "Did you mean 'cycloidal'?"), ("xyz", "Choose one of these.")]
+    ("name", "remedy"), [("cycloid", 'Write "cycloidal".'), ("xyz", "Choose one of these.")]
 )
 def test_the_kinds_that_there_are_are_listed_once(
     client: httpx2.Client, name: str, remedy: str

@@ -142,7 +142,7 @@ class ShaperSpec(FiniteModel):
                 raise PydanticCustomError(
                     "wish_missing",
                     "{name} is required while {free} is left free. Give a number or "
-                    "{{min, max}}, or give every length as a number.",
+                    "{min, max}, or give every length as a number.",
                     {"name": name, "free": self.free[0]},
                 )
         if self.acceleration_rad_per_s2:

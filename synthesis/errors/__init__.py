@@ -1,4 +1,4 @@
-"""Everything the library raises on purpose.
+"""Everything the library raises on purpose, and wrong input in the words of an engineer.
 
 CamwrightError
 ├── InputError                the question makes no sense (wrong value, rule, way out)
@@ -6,6 +6,15 @@ CamwrightError
 ├── TimeBudgetExceeded        time ran out; carries the best certified design so far
 ├── Cancelled                 nobody waits for the answer any more
 └── ExtraMissing              an optional part is not installed
+
+Wrong input is first found by pydantic, as a list of its errors. ``violations`` makes of them what a
+caller reads: where, which value, which rule, what to write; open it first.
+
+    names, values       what to write instead of a wrong name, and of a wrong value
+    words.toml          words that people use for fields and kinds, and units
+    quantities          units in names and texts; ``schema``: what a body may hold at a place
+    places              where rules over several fields point to
+    explanation         the same for models that are made in Python
 """
 
 from __future__ import annotations
@@ -53,7 +62,7 @@ class TimeBudgetExceeded(CamwrightError):
         found = "no feasible design was" if best is None else "a feasible design was"
         super().__init__(
             f"The time budget of {budget_s:g} s ended before the tolerance was reached; "
-            f"{found} found. Allow more time, or ask for a larger tolerance."
+            f"{found} found. Allow more time by time_budget_s, or ask for a larger tolerance."
         )
         self.budget_s, self.best = budget_s, best
 

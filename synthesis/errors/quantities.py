@@ -1,0 +1,129 @@
+"""Quantities as people write them: units in names and in texts, changed into a field's unit."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+LONGEST_GUESSED = 80  # characters of a wrong name or text that are looked at
+DIGITS = 10  # significant digits of a number that is written for the caller: no rounding noise
+FEWER = 7  # significant digits of a number that was changed into another unit
+LONGEST_UNIT = 5  # words of the longest unit in a name, as in max_mm_per_s_2
+LEAST_DIGITS = 3  # significant digits of one that was rounded by the caller, as 1.57 rad
+# How the name of a rate continues, and its dimension.
+RATES = {f"{per}s{n}": f"/s{n}" for n in ("", "2", "3") for per in ("", "per")}
+# Letters and signs that are spelt otherwise in ASCII.
+SPELLED = {
+    "ø": " diameter ", "⌀": " diameter ", "α": " alpha ", "β": " beta ", "ω": " omega ",
+    "φ": " phi ", "ψ": " psi ", "θ": " theta ", "μ": " mu ", "µ": " mu ", "ρ": " rho ",
+    "ζ": " zeta ", "center": "centre", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss",
+}  # fmt: skip
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+NUMBER = re.compile(r"\s*(ø|⌀|Ø)?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I)
+Unit = tuple[str, float]  # dimension, and factor to the unit of that dimension
+
+WORDS: dict[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
+
+
+def words_of(name: str) -> list[str]:
+    """The words of a name in lower case, however they are joined: ``baseCircle_mm``."""
+    for sign, spelled in SPELLED.items():
+        name = name.replace(sign, spelled).replace(sign.capitalize(), spelled.capitalize())
+    return [word.lower() for word in WORD.findall(name[:LONGEST_GUESSED])]
+
+
+def joined(name: str) -> str:
+    """A name without case, spaces and joints: names that people take for the same are equal."""
+    return "".join(words_of(name))
+
+
+def _unit_key(text: str) -> str:
+    text = text.casefold().replace("/", "per").replace("²", "2").replace("³", "3")
+    return re.sub(r"[\s_^*·.\-]+", "", text)
+
+
+@cache
+def _units() -> dict[str, list[Unit]]:
+    """What each unit's name may mean; those of rates follow from lengths and angles."""
+    found: dict[str, list[Unit]] = {}
+    for dimension, named in WORDS["units"].items():
+        for names, factor in named.items():
+            for name in names.split(", "):
+                found.setdefault(_unit_key(name), []).append((dimension, factor))
+                for rate, per in RATES.items() if dimension in ("length", "angle") else ():
+                    key = _unit_key(f"{name}{rate}")
+                    found.setdefault(key, []).append((f"{dimension}{per}", factor))
+    return found
+
+
+def readings(name: str) -> Iterator[tuple[str, str]]:
+    """The ways to part a name: what it says, joined, and the unit behind it, '' for none.
+
+    A name that is a unit throughout, as ``rpm``, says itself.
+    """
+    words = words_of(name)
+    for size in range(min(len(words), LONGEST_UNIT), 0, -1):
+        unit = " ".join(words[-size:])
+        if _unit_key(unit) in _units():
+            yield "".join(words[:-size] or words), unit
+    yield "".join(words), ""
+
+
+def change(value: float, unit: str, into: str) -> float | None:
+    """A value in another unit; None where one unit cannot be changed into the other."""
+    for dimension, factor in _units().get(_unit_key(unit), ()):
+        for other, wanted in _units().get(_unit_key(into), ()):
+            if dimension == other:
+                return value * factor / wanted
+    return None
+
+
+def read_quantity(text: str) -> tuple[float, str, bool] | None:
+    """Number, unit and whether it is a diameter (Ø) of a text as ``0.75 in`` or ``3/4"``."""
+    match = NUMBER.match(text[:LONGEST_GUESSED])
+    if match is None or len(text) > LONGEST_GUESSED:
+        return None
+    sign, number, divisor = match.groups()
+    try:
+        value = float(number.replace(",", ".")) / float(divisor or 1.0)
+    except (ValueError, ZeroDivisionError):
+        return None
+    unit = text[match.end() :].strip()
+    known = not unit or _unit_key(unit) in _units()
+    return (value, unit, bool(sign)) if known and math.isfinite(value) else None
+
+
+def in_field(value: float, unit: str, field_unit: str) -> float | None:
+    """A value in a field's unit, rounded as the caller's was; '' stands for the field's own."""
+    if not unit or _unit_key(unit) == _unit_key(field_unit):
+        return value
+    changed = change(value, unit, field_unit)
+    if changed is None:
+        return None
+    digits = FEWER
+    if "rad" in unit.casefold():  # π does not come out even: 1.5708 rad is meant as 90°
+        written = len(f"{abs(value):.{DIGITS}g}".replace(".", "").lstrip("0"))
+        digits = max(written, LEAST_DIGITS)
+    return float(f"{changed:.{digits}g}")
+
+
+def field_unit(field: str) -> tuple[str, str]:
+    """What a field of the contract says, joined, and its unit: ``baseradius`` and ``mm``."""
+    whole = joined(field)
+    return next(each for each in readings(field) if each[0] != whole or not each[1])
+
+
+def pretty(unit: str) -> str:
+    """A unit as it is read: ``m/s²`` of ``m per s 2``."""
+    text = unit.replace(" per ", "/").replace(" 2", "²").replace(" 3", "³")
+    return {"hz": "Hz", "n": "N", "mpa": "MPa"}.get(text, text)
+
+
+def figure(value: Any) -> str:
+    """A number as JSON has it, without the noise of the last digits."""
+    return f"{value:.{DIGITS}g}"

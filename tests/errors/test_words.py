@@ -1,0 +1,73 @@
+"""The table of words leads to fields and kinds that exist, and units are changed rightly."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from service.resources.records import RESOURCES
+from synthesis.errors.quantities import WORDS, field_unit, in_field, joined, read_quantity, words_of
+from synthesis.errors.schema import all_names, kinds_of, schemas_in
+from synthesis.exporters.options import form
+from synthesis.studies.sweeps.spec import SweepSpec
+
+MODELS = [*(each.spec for each in RESOURCES.values()), SweepSpec]
+OPTIONS = [form(file.format.options) for each in RESOURCES.values() for file in each.files]
+FIELDS = {name for model in [*MODELS, *OPTIONS] for name in all_names(model) or ()}
+
+
+def test_every_field_of_the_table_exists() -> None:
+    known = {joined(name) for name in FIELDS} | {field_unit(name)[0] for name in FIELDS}
+    assert [name for name in WORDS["fields"] if joined(name) not in known] == []
+    beside = {name for entry in WORDS["sentences"] for name in entry["beside"]}
+    assert beside <= FIELDS
+
+
+def test_every_kind_of_the_table_exists() -> None:
+    words = {word for model in MODELS for word in kinds_of(list(schemas_in(model)))} | {"cw", "ccw"}
+    assert [kind for kind in WORDS["kinds"] if kind not in words] == []
+
+
+def test_units_of_fields_are_known() -> None:
+    """Those without a unit: a name that the table of units does not take apart."""
+    assert field_unit("base_radius_mm") == ("baseradius", "mm")
+    for name in FIELDS:
+        if name.endswith(("_mm", "_deg", "_rpm", "_kg", "_mpa", "_n", "_per_s", "_per_s2")):
+            assert field_unit(name)[1], name
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("baseCircleRadius_mm", "base circle radius mm"), ("Roller-Ø", "roller diameter"),
+        ("RPM", "rpm"), ("centerDistance", "centre distance"), ("α_max", "alpha max"),
+        ("max_mm_per_s2", "max mm per s 2"), ("Exzentrizität", "exzentrizitaet"),
+    ],
+)  # fmt: skip
+def test_names_are_parted_into_words(name: str, words: str) -> None:
+    assert " ".join(words_of(name)) == words
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("45 mm", "mm", 45.0), ('3/4"', "mm", 19.05), ("1,5 in", "mm", 38.1), ("2.5cm", "mm", 25.0),
+        ("30°", "deg", 30.0), ("0.5236 rad", "deg", 30.0), ("90 Grad", "deg", 90.0),
+        ("3.5 Hz", "rpm", 210.0), ("20.94 rad/s", "rpm", 200.0), ("200 1/min", "rpm", 200.0),
+        ("50 m/s²", "mm per s 2", 50e3), ("5 g", "mm per s 2", 49033.25), ("5 g", "kg", 5e-3),
+        ("1 ksi", "mpa", 6.894757), ("10 lbf", "n", 44.48222), ("10 kg", "mm", None),
+    ],
+)  # fmt: skip
+def test_quantities_are_changed_into_a_fields_unit(
+    text: str, unit: str, value: float | None
+) -> None:
+    quantity = read_quantity(text)
+    assert quantity is not None
+    found = in_field(quantity[0], quantity[1], unit)
+    assert found == value if value is None else math.isclose(found or 0.0, value, rel_tol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["", "fast", "1/0", "10 parsecs", "9" * 500, "1e999", "--3"])
+def test_what_is_no_quantity(text: str) -> None:
+    assert read_quantity(text) is None
