@@ -30,6 +30,7 @@ class BoxBound(ABC):
         order: highest derivative of s in the inequalities.
         needs_motion_bounds: whether ``linear_relaxation`` needs bounds of motion and size besides
             those of the point. known_orders: 2, or 3 where bounds of s'' serve it as well.
+        varies_with_angle: whether motions that it allows at one cam angle may break it at another.
     """
 
     source: str
@@ -42,6 +43,10 @@ class BoxBound(ABC):
     @property
     @abstractmethod
     def needs_motion_bounds(self) -> bool: ...
+
+    @property
+    def varies_with_angle(self) -> bool:
+        return False
 
     @property
     def known_orders(self) -> int:

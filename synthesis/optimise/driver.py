@@ -186,7 +186,16 @@ def _presolve(state: SolveState) -> tuple[SolveState, bool]:
     if problem.base_circle_conflict:
         proof = problem.base_circle_conflict
         return replace(state, infeasible=True, infeasibility_proof=proof), True
-    return _closed_form(state)
+    return _closed_form(_with_base_circle(state))
+
+
+def _with_base_circle(state: SolveState) -> SolveState:
+    """The state with a bound that is no less than a circle that is a part of every cam."""
+    problem = state.problem
+    if not problem.least_base_circle or problem.objective.norm(problem.machine) is None:
+        return state
+    circle = problem.objective.from_wire(problem.least_base_circle, problem.machine)
+    return state.raise_bound(circle, "every motion law: a dwell below is a part of the base circle")
 
 
 def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
@@ -211,12 +220,8 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
 
 
 def _with_valid_for(state: SolveState) -> SolveState:
-    """The state with what its bound covers: no less than a circle that is a part of the cam."""
-    problem = state.problem
-    if problem.least_base_circle and problem.objective.norm(problem.machine) is not None:
-        circle = problem.objective.from_wire(problem.least_base_circle, problem.machine)
-        valid_for = "every motion law: a dwell below is a part of the base circle"
-        state = state.raise_bound(circle, valid_for)
+    """The state with what its bound covers, and what it leaves out."""
+    state = _with_base_circle(state)  # that of a family of splines took its place
     return replace(state, valid_for=state.valid_for + unmodelled_limits(state))
 
 

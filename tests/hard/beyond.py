@@ -150,7 +150,8 @@ def ask(question: Question, proof: str = "auto") -> Outcome:
             without = put(without, one, None)
         shown = _has_cam(without)
         outcome.necessary.append(shown)
-        if not shown and member not in conflict.unconfirmed:
+        named = member.replace("_", " ")
+        if not shown and not any(each.startswith(named) for each in conflict.unconfirmed):
             outcome.complaints.append(f"without {member} no cam either")
     return outcome
 

@@ -295,6 +295,9 @@ FAMILIES: Mapping[str, Callable[[Scene], Spec]] = MappingProxyType({
         s.roller(), [s.pressure(), _radius(s)], s.program(_named("modified_sine"))),
     "slide, profile radius": _roller_spec(_jerk, _radius),
     "slide, acceleration": _roller_spec(lambda s: s.peak(2, 4.0, 1.15, 2.0)),
+    "slide, acceleration and profile radius": _roller_spec(
+        lambda s: s.peak(2, 4.0, 1.15, 2.0), _radius
+    ),
     "slide, velocity, acceleration and jerk": _roller_spec(
         lambda s: s.peak(1, 2.0, 0.8, 1.2), lambda s: s.peak(2, 5.0, 1.15, 2.0), _jerk),
     "slide, outer radius": _roller_spec(

@@ -55,6 +55,10 @@ class CurvatureBound(BoxBound):
         return self.pressure_term is not None
 
     @property
+    def varies_with_angle(self) -> bool:
+        return self.pressure_term is not None  # as the load does
+
+    @property
     def known_orders(self) -> int:
         return 2 if self.pressure_term is None else 3
 

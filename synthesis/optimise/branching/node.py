@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import inf
 from typing import Self
 
@@ -21,7 +22,7 @@ from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.problem.grid import round_knots, uniform_grid
 from synthesis.optimise.problem.problem import Problem
-from synthesis.optimise.propagation.improving_region import Parts
+from synthesis.optimise.propagation.improving_region import Parts, is_stated
 from synthesis.optimise.propagation.law_tightening import with_value_cap
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.relaxation import size_rows
@@ -130,8 +131,8 @@ class BoundTask:
     """What is to be proven: no cam has a value below ``target`` [problem units].
 
     Attributes:
-        problem: its laws free to jump in their third derivative, as all laws are.
-        incumbent: the best cam. controls: caps of the free laws' third derivatives.
+        problem: its laws free to jump in their controls, as all laws are.
+        incumbent: the best cam. controls: caps of the free laws' controls, of one order.
         deadline: ``time.monotonic()`` at which to stop.
     """
 
@@ -141,24 +142,30 @@ class BoundTask:
     controls: tuple[Control, ...]
     deadline: float
 
+    @property
+    def order(self) -> int:
+        """Of the derivative that is the control."""
+        return self.controls[0].order
+
     @classmethod
     def of(cls, state: SolveState, incumbent: Candidate, deadline: float) -> Self | None:
-        """The task about an incumbent; None where nothing caps the jerk of every free law."""
-        free = {
-            s.index: replace(s, free=replace(s.free, smoothness=2))
-            for s in state.problem.free
-            if s.free is not None
-        }
-        segments = tuple(free.get(s.index, s) for s in state.problem.segments)
-        problem = replace(state.problem, segments=segments)
-        objective, machine = problem.objective, problem.machine
+        """The task about an incumbent; None where no cap is known of every free law's control."""
+        objective, machine = state.problem.objective, state.problem.machine
         value = objective.to_wire(incumbent.value, machine)
         target = objective.from_wire(value - AIM * state.tolerance * abs(value), machine)
-        coarse = [uniform_grid(segment, INTERVALS) for segment in problem.free]
-        capped = law_controls(formulate(with_value_cap(problem, target), coarse))
-        if capped is None or not all(c.order == 3 and np.isfinite(c.cap) for c in capped):
-            return None
-        return cls(problem, incumbent, target, tuple(capped), deadline)
+        for order in (3, 2):
+            free = {
+                s.index: replace(s, free=replace(s.free, smoothness=order - 1))
+                for s in state.problem.free
+                if s.free is not None
+            }
+            segments = tuple(free.get(s.index, s) for s in state.problem.segments)
+            problem = replace(state.problem, segments=segments)
+            coarse = [uniform_grid(segment, INTERVALS) for segment in problem.free]
+            capped = law_controls(formulate(with_value_cap(problem, target), coarse))
+            if capped is not None and all(c.order == order and c.cap < inf for c in capped):
+                return cls(problem, incumbent, target, tuple(capped), deadline)
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +208,10 @@ def _parts_near(x: Array, excess: Array) -> Parts:
     return tuple((float(low), float(high)) for low, high in places)
 
 
-def is_traced(state: SolveState, limit: Limit) -> bool:
-    """Whether a limit implies rows where a traced point is nearly known."""
-    return any(limit.box_bounds(s, state.problem.machine) for s in state.problem.segments)
+def is_traced(state: SolveState, limit: Limit, order: int = 3) -> bool:
+    """Whether a limit implies rows where a traced point is nearly known.
+
+    ``order``: of the control.
+    """
+    of_laws = (limit.box_bounds(s, state.problem.machine) for s in state.problem.segments)
+    return any(is_stated(implied, order) for implied in chain.from_iterable(of_laws))

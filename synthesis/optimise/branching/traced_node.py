@@ -95,8 +95,9 @@ class TracedNode(Node):
         if not binding.pairs and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
         task = BoundTask.of(state, best, state.proof_deadline)
-        if task is None:
-            return None
+        decisive = {problem.limits[number] for _, number in BindingLimits.on([best]).pairs}
+        if task is None or not all(is_traced(state, limit, task.order) for limit in decisive):
+            return None  # a limit that has no rows decides: no bound closes the gap
         region = initial_region(task.problem, task.controls, binding.parts)
         region = replace(region, binding=binding.pairs)
         return cls(
@@ -176,7 +177,8 @@ class TracedNode(Node):
         limits = enumerate(state.problem.limits)
         binding = BindingLimits.on([state.incumbent]).pairs
         missed = {number for _, number in binding - (lowest.region.binding or frozenset())}
-        traced = {x.kind for k, x in limits if is_traced(state, x) and k not in missed}
+        order = lowest.task.order
+        traced = {x.kind for k, x in limits if is_traced(state, x, order) and k not in missed}
         lower = min(lowest.lower, lowest.task.target)
         state = replace(state, modelled_kinds=traced).raise_bound(lower, lowest.valid_for)
         return state.with_stage(
@@ -316,8 +318,8 @@ def solve_relaxation(
         # 2. Its multipliers, distributed over points between the knots: the implied rows hold
         #    there too, and a smoother multiplier gives a better bound over all laws.
         between = node.region.rows_between(model, SPREAD, sparing=True)
-        density = MultiplierDensity.of(model, between, SPREAD)
-        ends = boundary_multipliers(model, solution, 3)
+        density = MultiplierDensity.of(model, between, SPREAD, task.order)
+        ends = boundary_multipliers(model, solution, task.order)
         distributed = replace(
             solution, multipliers=density.distribute_single(solution.multipliers, ends)
         )

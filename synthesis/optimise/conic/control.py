@@ -80,7 +80,10 @@ def law_controls(model: ConicModel) -> list[Control] | None:
         block for block in model.blocks if block.law_matrix is not None and block.highest_order >= 2
     ]
     for order in (3, 2):
-        if any(b.highest_order >= order and np.count_nonzero(b.size) for b in capping):
+        if any(
+            b.highest_order >= order and np.count_nonzero(b.size) and b.kind != "mean"
+            for b in capping
+        ):
             return None  # the size caps it too: a bound over all laws would lose that row
         result = [_control(model, capping, position, order) for position in range(len(model.grids))]
         if any(control is not None for control in result):

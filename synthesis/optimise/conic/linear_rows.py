@@ -54,9 +54,10 @@ class LinearBlock:
     Factors and right-hand sides without their last digits.
 
     Attributes:
-        kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x;
-            control: a bound on the coefficients of the derivative that ``alpha`` names;
-            monotone: coefficients in order; size: no motion in it.
+        kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x; mean:
+            the mean of this along each row's span, all along which it is at most rhs; control: a
+            bound on the coefficients of the derivative that ``alpha`` names; monotone: coefficients
+            in order; size: no motion in it.
         segment: position among the free segments, None for kind size.
         law_matrix: (r, n) over all coefficients of that segment, None for kind size.
         alpha: (4,), or (4, r) where the rows differ. size: (n_size,), or (r, n_size).
@@ -71,7 +72,7 @@ class LinearBlock:
         origin: of rows that hold whatever the region; None of cuts, and of rows of no limit.
     """
 
-    kind: Literal["point", "control", "monotone", "size"]
+    kind: Literal["point", "mean", "control", "monotone", "size"]
     segment: int | None
     law_matrix: Array | None
     x: Array

@@ -22,7 +22,7 @@ from synthesis.catalogue.constraints import (
 )
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.double_double import round_mantissa
-from synthesis.numerics.piecewise import Array, Piecewise
+from synthesis.numerics.piecewise import Array, Piecewise, gauss_points
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.semi_infinite import local_maxima
@@ -104,12 +104,16 @@ def cut_block(
     grid: Grid,
     scales: Scales,
     tightening: Tightening,
+    spans: Array | None = None,
     *,
     bare: bool = False,
 ) -> LinearBlock:
     """Rows at the grid's points, each divided by its natural size.
 
-    ``bare``: without the splines' matrix, which bounds over all laws do not read.
+    Args:
+        spans: (r, 2) of the law all along which the rows hold, none across a knot: then the rows
+            are their means there. bare: without the splines' matrix, which bounds over all laws do
+            not read.
     """
     alpha = cuts.coefficients * (segment.lift / segment.angle ** np.arange(4))[:, None]
     size = cuts.size * scales.size
@@ -120,11 +124,23 @@ def cut_block(
     alpha, size = round_mantissa(alpha / scale), round_mantissa(size / scale)
     laws = np.zeros((len(grid.points), 0 if bare else grid.space.size))
     for k in () if bare else np.flatnonzero(np.any(alpha != 0.0, axis=1)):
-        laws += alpha[k][:, None] * grid.space.basis(grid.points, int(k))
+        laws += alpha[k][:, None] * _basis(grid, int(k), spans)
     return LinearBlock(
-        "point", position, None if bare else laws, grid.points, alpha, size.T, 0.0, rhs,
-        source, tightening.every_row + tightening.sampled_rows,
+        "point" if spans is None else "mean", position, None if bare else laws, grid.points, alpha,
+        size.T, 0.0, rhs, source, tightening.every_row + tightening.sampled_rows, spans,
     )  # fmt: skip
+
+
+def _basis(grid: Grid, order: int, spans: Array | None) -> Array:
+    """A derivative of the grid's splines at its points, or its means over spans (r, 2): (r, n)."""
+    space = grid.space
+    if spans is None:
+        return space.basis(grid.points, order)
+    # exact: splines are polynomials of their degree along a span
+    points, shares = gauss_points(spans.ravel(), space.degree // 2 + 1)
+    points, shares = points[::2], shares[::2] / np.ptp(spans, axis=1)[:, None]
+    table = space.basis(points.ravel(), order).reshape(*points.shape, -1)
+    return np.asarray(np.einsum("ij,ijk->ik", shares, table))
 
 
 def cuts_on_given_law(

@@ -32,8 +32,6 @@ from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import fixed_size_rows, row_functionals
 from synthesis.optimise.dual_bound.switching import mean_absolute
 
-ORDER = 3  # of the control: only capped jerks are handled here
-
 
 @dataclass(frozen=True, eq=False)
 class Quantities:
@@ -75,15 +73,17 @@ class Quantities:
         return mine, rows
 
 
-def solve_boundary_costates(model: ConicModel, quantities: Quantities, multipliers: Array) -> Array:
-    """The solver's costates of g, g' and g'' at the end of every law: (q, laws, 3)."""
+def solve_boundary_costates(
+    model: ConicModel, quantities: Quantities, multipliers: Array, order: int
+) -> Array:
+    """The solver's costates of g to g^(m−1) at the end of every law, m the order: (q, laws, m)."""
     gradients = []
     for position in range(len(model.grids)):
         last = end_coefficients(model, position)
         mine, rows = quantities.rows_of_law(model, position)
         gradients.append(np.zeros((len(multipliers), rows[:, last].shape[1])))
         gradients[-1][mine] = rows[:, last]
-    return end_costates(model, multipliers, gradients, ORDER)
+    return end_costates(model, multipliers, gradients, order)
 
 
 def dual_bounds(
@@ -97,9 +97,10 @@ def dual_bounds(
     """A lower bound of every quantity: (q,), −inf where none follows.
 
     Args:
-        controls: caps of every free law's third derivative. sizes: ranges of the size [length].
+        controls: caps of every free law's control, of one order m. sizes: ranges of the size
+            [length].
         multipliers: (q, m) of the model's rows without its cones; any, good ones bound well.
-        costates: (q, laws, 3) costates of the laws' ends (``solve_boundary_costates``); any.
+        costates: (q, laws, m) costates of the laws' ends (``solve_boundary_costates``); any.
     """
     # 1. The quantities and the rows times their multipliers: linear in all unknowns.
     lagrangian = _lagrangian(model, quantities, multipliers, costates)
@@ -124,18 +125,18 @@ def _lagrangian(
     """The quantities, and the rows times their multipliers projected on λ ≥ 0."""
     z = np.array(multipliers[:, : model.program.equalities + model.program.inequalities])
     z[:, model.program.equalities :] = np.maximum(z[:, model.program.equalities :], 0.0)
-    lagrangian = Lagrangian(model, ORDER, len(z))
+    order = costates.shape[2]
+    lagrangian = Lagrangian(model, order, len(z))
     lagrangian.size += quantities.size
     lagrangian.size_magnitude += np.abs(quantities.size)
     for k in range(len(model.grids)):
         mine = np.flatnonzero(quantities.law == k)
-        weights = np.zeros((len(z), len(mine), ORDER))
-        weights[mine, np.arange(len(mine))] = quantities.alpha[mine]
+        weights = np.zeros((len(z), len(mine), order))
+        weights[mine, np.arange(len(mine))] = quantities.alpha[mine, :order]
         lagrangian.add_functionals(k, quantities.x[mine], weights)
-    for one in row_functionals(model, ORDER):
-        if one.block.highest_order < ORDER:
-            own = z[:, one.first_row : one.first_row + one.count]
-            lagrangian.add_rows(one.point_rows(), own)
+    for one in row_functionals(model, order):
+        own = z[:, one.first_row : one.first_row + one.count]
+        lagrangian.add_rows(one.point_rows(), own)
     for rows, mass in fixed_size_rows(model, z):
         lagrangian.add_rows(rows, mass)
     lagrangian.reduce()
@@ -146,7 +147,10 @@ def _lagrangian(
 def _absolute_pieces(lagrangian: Lagrangian, position: int) -> tuple[Array, Array]:
     """∫ |ψ| of one law, piece by piece: breaks (n+1,) and integrals (q, n)."""
     breaks, poly = lagrangian.psi_pieces(position)
-    shares = mean_absolute(poly.reshape(-1, ORDER), exact=True).reshape(poly.shape[:2])
+    flat = poly.reshape(-1, poly.shape[2])
+    parabolas = np.zeros((len(flat), 3))
+    parabolas[:, : flat.shape[1]] = flat
+    shares = mean_absolute(parabolas, exact=True).reshape(poly.shape[:2])
     return breaks, shares * np.diff(breaks)
 
 
@@ -229,17 +233,22 @@ class MultiplierDensity:
 
     @classmethod
     def of(
-        cls, model: ConicModel, denser: Sequence[tuple[LinearBlock, PointRuns | None]], each: int
+        cls,
+        model: ConicModel,
+        denser: Sequence[tuple[LinearBlock, PointRuns | None]],
+        each: int,
+        order: int,
     ) -> MultiplierDensity:
         """For a model whose last blocks are these with fewer points.
 
         Of the others those that hold all along a law, with the same factors everywhere, too.
+        ``order``: of the control; rows of the derivative just below it make ψ jump.
         """
         result = list[tuple[LinearBlock, PointRuns | None]]()
         for block in model.blocks[: len(model.blocks) - len(denser)]:
             runs = None
             uniform = block.alpha.ndim == 1 and block.spans is None
-            jumps = uniform and block.alpha[2] and not block.alpha[3] and not block.exact
+            jumps = uniform and block.highest_order == order - 1 and not block.exact
             if jumps and block.ascending:
                 runs = PointRuns.of(block.x, ((0.0, 1.0),), each)
                 # the splines' matrix is left out, which bounds do not read

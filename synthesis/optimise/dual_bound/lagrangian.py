@@ -19,7 +19,7 @@ import numpy as np
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.row_functionals import WeightedRows
-from synthesis.optimise.dual_bound.switching import Switching, switching_pieces
+from synthesis.optimise.dual_bound.switching import Switching, add_densities, switching_pieces
 from synthesis.optimise.problem.boundary import junction_rows
 
 
@@ -53,7 +53,7 @@ class Lagrangian:
         self.magnitude += np.abs(amount) if magnitude is None else magnitude
 
     def add_rows(self, rows: WeightedRows, mass: Array) -> None:
-        """Add rows times their multipliers, (n,) or (q, n); densities for q = 1 only."""
+        """Add rows times their multipliers, (n,) or (q, n)."""
         mass = mass.reshape(self.count, -1)
         if not mass.shape[1]:
             return
@@ -67,8 +67,8 @@ class Lagrangian:
             return
         self.add_functionals(rows.position, rows.x, mass[:, :, None] * rows.weights)
         if rows.spans is not None and rows.poly is not None:
-            self._densities[rows.position].append((rows.spans, mass[0, :, None] * rows.poly))
-            self.psi_magnitude[:, rows.position] += absolute @ np.abs(rows.poly[:, 0])
+            self._densities[rows.position].append((rows.spans, mass[:, :, None] * rows.poly))
+            self.psi_magnitude[:, rows.position] += absolute @ np.abs(rows.poly).max(axis=1)
 
     def add_functionals(self, position: int, x: Array, weights: Array) -> None:
         """Add Σ weights[…, i, k] g^(k)(x_i) of one law: x (n,), weights (q, n, m)."""
@@ -116,22 +116,20 @@ class Lagrangian:
         return bool(self._densities[position])
 
     def psi_pieces(self, position: int) -> tuple[Array, Array]:
-        """ψ of one law: breaks (n+1,), polynomials (q, n, m); without densities."""
-        return switching_pieces(*self.functionals(position))
+        """ψ of one law: breaks (n+1,), polynomials (q, n, d)."""
+        breaks, poly = switching_pieces(*self.functionals(position))
+        densities = self._densities[position]
+        if not densities:
+            return breaks, poly
+        more = np.concatenate([each for _, each in densities], axis=1)
+        used = np.flatnonzero(more.any(axis=(0, 1)))
+        more = more[..., : used[-1] + 1] if len(used) else more[..., :1]
+        return add_densities(breaks, poly, np.concatenate([spans for spans, _ in densities]), more)
 
     def psi(self) -> tuple[Switching, ...]:
         """The switching function of every law; of the first set of multipliers."""
-        result = []
-        for position, densities in enumerate(self._densities):
-            breaks, poly = self.psi_pieces(position)
-            psi = Switching(breaks, poly[0])
-            if densities:
-                more = np.concatenate([each for _, each in densities])
-                used = np.flatnonzero(more.any(axis=0))
-                more = more[:, : used[-1] + 1] if len(used) else more[:, :1]
-                psi = psi.with_densities(np.concatenate([spans for spans, _ in densities]), more)
-            result.append(psi)
-        return tuple(result)
+        pieces = (self.psi_pieces(position) for position in range(len(self._densities)))
+        return tuple(Switching(breaks, poly[0]) for breaks, poly in pieces)
 
 
 def sums_at_start(x: Array, weights: Array) -> Array:

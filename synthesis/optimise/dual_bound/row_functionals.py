@@ -150,11 +150,14 @@ class RowFunctional:
             here = slice(first, first + self.count)
             x, slopes = (a[here][which] for a in self.model.grids[block.segment].space.step_slopes)
             weights[:, 1] = slopes
-        elif block.highest_order == order:
-            # Rows of the control itself on a part of a law add to ψ all along it.
+        elif block.highest_order == order or block.kind == "mean":
+            # Rows of the control itself on a part of a law, and means over it, add to ψ all along.
             assert block.spans is not None
-            spans, poly = block.spans[which], np.zeros((len(rhs), DEGREE + 1))
-            x, poly[:, 0] = np.zeros(len(rhs)), block.alpha[order] / np.ptp(spans, axis=1)
+            spans, alpha = block.spans[which], np.zeros((len(rhs), order + 1))
+            alpha[:] = _of_rows(block.alpha.T, which)[..., : order + 1]
+            even = Hats(spans[:, 0], spans[:, 1], np.full(len(rhs), 0.5), alpha[:, :order])
+            x, weights, poly = even.left, even.weights, even.poly
+            poly[:, 0] += alpha[:, order] / np.ptp(spans, axis=1)
         else:
             weights[:] = _of_rows(block.alpha.T, which)[..., :order]
         return WeightedRows(
@@ -239,20 +242,21 @@ class Hats:
     """Hats on intervals of a law, all of one row alpha · (g, g', …) or of one row each.
 
     Attributes:
-        left, right: (n,) a < b. rising: (n,) bool, whether all the weight is at b, else at a.
+        left, right: (n,) a < b. rising: (n,) share of the weight that is at b: 0 of a falling hat,
+            1 of a rising one, 1/2 of an even density.
         alpha: (n, m) factors of g to g^(m−1).
     """
 
     left: Array
     right: Array
-    rising: NDArray[np.bool_]
+    rising: Array
     alpha: Array
 
     @classmethod
     def between(cls, nodes: Array, alpha: Array) -> Self:
         """All between neighbours of ascending nodes (n,): falling ones, then rising ones."""
         count = len(nodes) - 1
-        rising = np.repeat([False, True], count)
+        rising = np.repeat([0.0, 1.0], count)
         return cls(
             np.tile(nodes[:-1], 2), np.tile(nodes[1:], 2), rising, np.tile(alpha, (2 * count, 1))
         )
@@ -269,9 +273,10 @@ class Hats:
         order = self.alpha.shape[1]
         result = self.alpha.copy()
         if order > 1:
-            result[:, 1:] += (MEAN[self.rising * 1] * width)[:, None] * self.alpha[:, :-1]
+            mean = (1.0 + self.rising) / 3.0 * width
+            result[:, 1:] += mean[:, None] * self.alpha[:, :-1]
         if order > 2:
-            result[:, 2] += SQUARE[self.rising * 1] * width**2 * self.alpha[:, 0]
+            result[:, 2] += (1.0 + 2.0 * self.rising) / 12.0 * width**2 * self.alpha[:, 0]
         return result
 
     @property
@@ -283,7 +288,8 @@ class Hats:
         """
         width, order = self.right - self.left, self.alpha.shape[1]
         powers = width[:, None] ** np.arange(order - 1, -1, -1)
-        shapes = np.where(self.rising[:, None, None], RISING[-order:], FALLING[-order:])
+        falling, rising = FALLING[-order:], RISING[-order:]
+        shapes = falling + self.rising[:, None, None] * (rising - falling)
         return np.asarray(np.einsum("nk,nkj->nj", self.alpha * powers, shapes))
 
 
@@ -294,7 +300,6 @@ def _shifted_power(n: int) -> Array:
     return result
 
 
-MEAN, SQUARE = np.array([1.0, 2.0]) / 3.0, np.array([1.0, 3.0]) / 12.0  # falling, rising; over 2!
 FALLING = np.stack([_shifted_power(p + 2) for p in (2, 1, 0)])  # for k = m − 1 − p
 RISING = np.stack([_shifted_power(p + 1) for p in (2, 1, 0)]) - FALLING
 

@@ -52,25 +52,6 @@ class Switching:
         sense = np.where(size > noise * np.max(size), np.sign(value[:, NODES // 2]), 0.0)
         return np.asarray(cuts[1:-1][sense[1:] != sense[:-1]], dtype=float)
 
-    def with_densities(self, spans: Array, poly: Array) -> Switching:
-        """ψ and on each span (r, 2) a polynomial more: (r, d) in s, from 0 to 1 along the span."""
-        breaks = np.unique(np.concatenate([self.breaks, spans.ravel()]))
-        table = np.zeros((len(breaks) - 1, max(poly.shape[1], self.poly.shape[1])))
-        # its own polynomials between the finer breaks
-        left, right = breaks[:-1], breaks[1:]
-        piece = np.searchsorted(self.breaks[1:-1], 0.5 * (left + right), "right")
-        start, width = self.breaks[piece], np.diff(self.breaks)[piece]
-        table[:, : self.poly.shape[1]] = restrict_polynomials(
-            self.poly[piece], (left - start) / width, (right - start) / width
-        )
-        first, last = np.searchsorted(breaks, spans).T
-        own = np.repeat(np.arange(len(spans)), last - first)
-        piece = np.arange(len(own)) - np.repeat(np.cumsum(last - first) - last, last - first)
-        low, high = spans[own].T
-        shares = [(breaks[piece + side] - low) / (high - low) for side in (0, 1)]
-        np.add.at(table[:, : poly.shape[1]], piece, restrict_polynomials(poly[own], *shares))
-        return Switching(breaks, table)
-
     def least_integral(self, cap: float, weight: float) -> float:
         """∫ min over |w| ≤ cap of (weight w² + ψ w): never positive.
 
@@ -115,6 +96,36 @@ class Switching:
                 inside = (root > 0.0) & (root < 1.0)
                 result.append((self.breaks[:-1] + width * root)[inside])
         return sorted_unique(np.concatenate(result))
+
+
+def add_densities(breaks: Array, psi: Array, spans: Array, poly: Array) -> tuple[Array, Array]:
+    """q functions ψ with a polynomial more on each span.
+
+    Args:
+        breaks, psi: (n+1,) and (q, n, m), in s from 0 to 1 along each piece. spans: (r, 2).
+        poly: (q, r, d) in s from 0 to 1 along each span.
+
+    Returns:
+        finer breaks, and the sums.
+    """
+    finer = np.unique(np.concatenate([breaks, spans.ravel()]))
+    table = np.zeros((len(psi), len(finer) - 1, max(poly.shape[2], psi.shape[2])))
+    # its own polynomials between the finer breaks
+    left, right = finer[:-1], finer[1:]
+    piece = np.searchsorted(breaks[1:-1], 0.5 * (left + right), "right")
+    start, width = breaks[piece], np.diff(breaks)[piece]
+    shares = [np.tile((end - start) / width, len(psi)) for end in (left, right)]
+    own = psi[:, piece].reshape(-1, psi.shape[2])
+    table[..., : psi.shape[2]] = restrict_polynomials(own, *shares).reshape(len(psi), len(left), -1)
+    first, last = np.searchsorted(finer, spans).T
+    each = np.repeat(np.arange(len(spans)), last - first)
+    piece = np.arange(len(each)) - np.repeat(np.cumsum(last - first) - last, last - first)
+    low, high = spans[each].T
+    shares = [np.tile((finer[piece + side] - low) / (high - low), len(psi)) for side in (0, 1)]
+    more = restrict_polynomials(poly[:, each].reshape(-1, poly.shape[2]), *shares)
+    more = more.reshape(len(psi), len(each), -1)
+    np.add.at(table.swapaxes(0, 1)[..., : poly.shape[2]], piece, more.swapaxes(0, 1))
+    return finer, table
 
 
 def absolute_integrals(each: Sequence[Switching]) -> list[float]:

@@ -50,7 +50,7 @@ def tighten_bounds(
 
     Args:
         model: rows that every better cam satisfies, without an objective.
-        controls: caps of the free laws' third derivatives.
+        controls: caps of the free laws' controls, of one order.
         positions: positions of the laws to be bounded.
         time_limit: seconds after which nothing more is bounded.
 
@@ -146,8 +146,9 @@ class _LawSubproblem:
             return None
         z = np.stack([each.multipliers for each in result])
         # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
-        between = MultiplierDensity.of(full, self.denser, SPREAD)
-        ends = solve_boundary_costates(full, wanted, z)
+        order = self.controls[0].order
+        between = MultiplierDensity.of(full, self.denser, SPREAD, order)
+        ends = solve_boundary_costates(full, wanted, z, order)
         masses = between.distribute(wanted, z, ends)
         # 3. Their bound over all laws, whatever the multipliers are.
         values = dual_bounds(between.model, self.controls, region.sizes, wanted, masses, ends)

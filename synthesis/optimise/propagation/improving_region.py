@@ -45,7 +45,7 @@ class PointBounds:
 
     Attributes:
         nodes: (n,) in [0, 1]. parts: first and last node of every part of interest.
-        angle: of the law [rad]. cap: cap of |u''| [length/rad²].
+        angle: of the law [rad]. order: m, 2 or 3. cap: of |s^(m)| [length/rad^m].
         monotone: whether X can only rise (1) or fall (−1) along the law; 0: either.
         offsets: least and largest e.
     """
@@ -53,6 +53,7 @@ class PointBounds:
     nodes: Array
     parts: tuple[tuple[float, float], ...]
     angle: float
+    order: int
     cap: float
     monotone: int
     low: Array
@@ -69,19 +70,53 @@ class PointBounds:
         """How far X and u are open at a node, on average [length]."""
         return float(np.mean(self.high[:2] - self.low[:2]))
 
-    def at(self, x: Array) -> tuple[Array, Array]:
-        """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each."""
-        left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
-        before = self.angle * (x - self.nodes[left])
+    def along(self, spans: Array) -> tuple[Array, Array]:
+        """Bounds of (X, u, e) all along spans (r, 2) that follow each other: (3, r) each.
+
+        For order 2 alone.
+        """
+        # divided at nodes, then the widest of each span
+        ends = np.union1d(
+            spans, self.nodes[(spans[0, 0] < self.nodes) & (self.nodes < spans[-1, 1])]
+        )
+        low, high = self.at(ends[:-1], ends[1:])
+        first = np.searchsorted(ends, spans[:, 0])
+        return np.minimum.reduceat(low, first, axis=1), np.maximum.reduceat(high, first, axis=1)
+
+    def at(self, x: Array, until: Array | None = None) -> tuple[Array, Array]:
+        """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each.
+
+        ``until``: (m,) of order 2 alone: bounds all along spans from x, none across a node.
+        """
+        ends = x if until is None else until
+        assert ends is x or self.order == 2
+        left = np.searchsorted(self.nodes, 0.5 * (x + ends), "right") - 1
+        left = np.clip(left, 0, len(self.nodes) - 2)
+        # from the node before to the far end of a span, and to the node behind from its near end
+        before = self.angle * (ends - self.nodes[left])
         after = self.angle * (self.nodes[left + 1] - x)
-        # |u''| is capped: u leaves its chord by no more than this
-        deviation = 0.5 * self.cap * before * after
-        slow = np.interp(x, self.nodes, self.low[1]) - deviation
-        fast = np.interp(x, self.nodes, self.high[1]) + deviation
+        low, high = self.low[1], self.high[1]
+        if self.order == 2:
+            # |u'| is capped: u leaves its value at a node by no more than this
+            slow = np.maximum(low[left] - self.cap * before, low[left + 1] - self.cap * after)
+            fast = np.minimum(high[left] + self.cap * before, high[left + 1] + self.cap * after)
+        else:
+            # |u''| is capped: u leaves its chord by no more than this
+            deviation = 0.5 * self.cap * before * after
+            slow = np.interp(x, self.nodes, low) - deviation
+            fast = np.interp(x, self.nodes, high) + deviation
         least, most = (speed[left] for speed in self._interval_speed_bounds())
-        low = np.maximum(self.low[0, left] + before * least, self.low[0, left + 1] - after * most)
+        # X between two lines from the node before, and two to the node behind: of each the end of
+        # the span where it bounds less
+        length = self.angle * (ends - x)
+        nearer, closer = before - length, after - length
+        low = np.maximum(
+            self.low[0, left] + np.minimum(before * least, nearer * least),
+            self.low[0, left + 1] - np.maximum(after * most, closer * most),
+        )
         high = np.minimum(
-            self.high[0, left] + before * most, self.high[0, left + 1] - after * least
+            self.high[0, left] + np.maximum(before * most, nearer * most),
+            self.high[0, left + 1] - np.minimum(after * least, closer * least),
         )
         one = np.ones_like(x)
         return (
@@ -94,6 +129,8 @@ class PointBounds:
 
         Infinite where they are not known at nodes.
         """
+        if self.order == 2:
+            return np.full_like(x, -self.cap), np.full_like(x, self.cap)
         if len(self.low) < 3:
             return np.full_like(x, -np.inf), np.full_like(x, np.inf)
         left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
@@ -105,7 +142,7 @@ class PointBounds:
     def _interval_speed_bounds(self) -> tuple[Array, Array]:
         """Bounds of X' = u + e over every interval."""
         width = self.angle * np.diff(self.nodes)
-        over = 0.125 * self.cap * width**2
+        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
         slow = np.minimum(self.low[1, :-1], self.low[1, 1:]) - over + self.offsets[0]
         fast = np.maximum(self.high[1, :-1], self.high[1, 1:]) + over + self.offsets[1]
         if self.monotone > 0:
@@ -202,21 +239,26 @@ class ImprovingRegion:
             # at every knot, so that each has a row of its own
             segment, breaks = model.problem.free[position], model.grids[position].space.breaks
             inside = [(low <= breaks) & (breaks <= high) for low, high in bounds.parts]
-            jumps = implied.order > 1
-            own = breaks[np.any(inside, axis=0)]
-            runs = PointRuns.of(own, bounds.parts, each if jumps else 0)
+            own, jumps = breaks[np.any(inside, axis=0)], implied.order == bounds.order - 1
+            spans, runs = None, PointRuns.of(own, bounds.parts, each if jumps else 0)
             x, (low, high) = runs.points, bounds.at(runs.points)
+            if implied.order == bounds.order:
+                # Of the control itself a value at a point says nothing: means over spans.
+                spans = np.stack([breaks[:-1], breaks[1:]], axis=1)
+                x = spans.mean(axis=1)
+                spans = spans[np.any([(low < x) & (x < high) for low, high in bounds.parts], 0)]
+                x, (low, high) = spans.mean(axis=1), bounds.along(spans)
             grid = Grid(model.grids[position].space, x)
             near = list[tuple[Array, Vector]]()  # s, s' and s'' of the reference, and its size
             if self.reference is not None:
                 near.append(self.reference.at(position, segment, x))
-            for about in near if sparing and near and jumps else (None, *near):
+            for about in near if sparing and near and implied.order > 1 else (None, *near):
                 traced = None if about is None else np.stack(implied.coordinates.evaluate(*about))
-                motion = self._motion_bounds(segment, implied, bounds, x, about)
+                motion = self._motion_bounds(segment, implied, bounds, x, spans, about)
                 for cut in implied.linear_relaxation(low, high, traced, motion):
                     block = cuts.cut_block(
                         cut, implied.source, position, segment, grid, model.scales, Tightening(),
-                        bare=each > 0,
+                        spans, bare=each > 0,
                     )  # fmt: skip
                     result.append((block, runs if jumps else None))
         return result
@@ -227,9 +269,9 @@ class ImprovingRegion:
                 if self.binding is not None and (position, number) not in self.binding:
                     continue
                 for implied in limit.box_bounds(segment, problem.machine):
-                    key = position, implied.coordinates
-                    if key in self.point_bounds:
-                        yield position, implied, self.point_bounds[key]
+                    bounds = self.point_bounds.get((position, implied.coordinates))
+                    if bounds is not None and is_stated(implied, bounds.order):
+                        yield position, implied, bounds
 
     def _motion_bounds(
         self,
@@ -237,6 +279,7 @@ class ImprovingRegion:
         implied: BoxBound,
         bounds: PointBounds,
         x: Array,
+        spans: Array | None,
         about: tuple[Array, Vector] | None,
     ) -> MotionBox | None:
         """What is known of motion and size themselves, for rows that ask for it."""
@@ -245,7 +288,9 @@ class ImprovingRegion:
         low, high = (
             np.stack([*ends, bend])
             for ends, bend in zip(
-                implied.coordinates.motion_bounds(*bounds.at(x), self.sizes),
+                implied.coordinates.motion_bounds(
+                    *(bounds.at(x) if spans is None else bounds.along(spans)), self.sizes
+                ),
                 bounds.acceleration_bounds(x),
                 strict=True,
             )
@@ -257,6 +302,14 @@ class ImprovingRegion:
         return MotionBox(segment.start + segment.angle * x, low, high, self.sizes, about)
 
 
+def is_stated(implied: BoxBound, order: int) -> bool:
+    """Whether a limit has rows where a derivative of some order is the control.
+
+    Rows of the control hold along spans, and so say nothing of what changes along them.
+    """
+    return implied.order < order or not implied.varies_with_angle
+
+
 def initial_region(
     problem: Problem, controls: Sequence[Control], parts: Mapping[int, Parts]
 ) -> ImprovingRegion:
@@ -266,7 +319,7 @@ def initial_region(
     unbounded = max(UNBOUNDED * problem.length, FARTHER * largest)
     point_bounds = {}
     for position, ranges in parts.items():
-        segment, cap = problem.free[position], controls[position].cap
+        segment, control = problem.free[position], controls[position]
         assert segment.free is not None
         counts = (1 + max(2, int(np.ceil((b - a) / NODE_DISTANCE))) for a, b in ranges)
         both = zip(ranges, counts, strict=True)
@@ -275,13 +328,13 @@ def initial_region(
         for limit in problem.limits:
             for implied in limit.box_bounds(segment, problem.machine):
                 before = known.get(implied.coordinates, 0)
-                known[implied.coordinates] = max(implied.known_orders, before)
+                known[implied.coordinates] = max(min(implied.known_orders, control.order), before)
         for coordinates, rows in known.items():
             wide = np.full((rows, len(nodes)), unbounded)
             sense = 0 if segment.free.overshoot else int(np.sign(segment.lift)) * coordinates.sign
-            bend = abs(segment.lift) / segment.angle**3 * cap
+            cap = abs(segment.lift) / segment.angle**control.order * control.cap
             point_bounds[position, coordinates] = PointBounds(
-                nodes, ranges, segment.angle, bend, sense, -wide, wide,
+                nodes, ranges, segment.angle, control.order, cap, sense, -wide, wide,
                 coordinates.offset_range(sizes),
             )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))

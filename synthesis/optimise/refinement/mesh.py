@@ -36,7 +36,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState, Stage
 
-MOST_INTERVALS: Final = 240  # of a law: beyond, cone programs take longer than they gain
+MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
 POLISH_INTERVALS: Final = (48, 144)

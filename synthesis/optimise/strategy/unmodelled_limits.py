@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from synthesis.catalogue.limits import Limit
+from synthesis.optimise.propagation.improving_region import is_stated
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState
 
@@ -12,8 +13,9 @@ SAMPLES = 200
 """Points of a segment."""
 BINDS = -1e-2
 """Relative value of a smooth limit from which on it binds."""
+ACCELERATION = 2  # order of the derivative
 OPENING = "; not wholly in it: "
-IN_PROOF = "which a thorough proof takes in where every free law has a jerk limit"
+IN_PROOF = "which a thorough proof takes in where every free law has a limit on {}"
 
 
 def unmodelled_limits(state: SolveState) -> str:
@@ -33,8 +35,10 @@ def unmodelled_limits(state: SolveState) -> str:
     machine, segments = best.problem.machine, best.problem.segments
     by_remedy = dict[str, list[str]]()
     for limit in missing:
-        provable = any(limit.curvature_bounds(segment, machine) for segment in segments)
-        remedy = IN_PROOF if provable and state.problem.free else ""
+        bounds = [one for s in segments for one in limit.curvature_bounds(s, machine)]
+        of_spans = all(is_stated(one, ACCELERATION) for one in bounds)
+        remedy = IN_PROOF.format("jerk or acceleration" if of_spans else "jerk")
+        remedy = remedy if bounds and state.problem.free else ""
         by_remedy.setdefault(remedy, []).append(limit.kind)
     parts = [
         ", ".join([" and ".join(names), *([remedy] if remedy else [])])

@@ -4,27 +4,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synthesis.numerics.piecewise import Array
+from synthesis.catalogue.constraints import PointInequalities
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.linear_rows import Scales, Tightening
+from synthesis.optimise.conic.tangent_cuts import cut_block
 from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (
     Hats,
+    RowFunctional,
     cone_rows,
     distribute_to_intervals,
     energy_tangents,
     fixed_size_rows,
     row_functionals,
 )
-from synthesis.optimise.dual_bound.switching import Switching
-from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.dual_bound.switching import Switching, add_densities
+from synthesis.optimise.problem.grid import Grid, grid_through, uniform_grid
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.dual_bound.test_bound import CASES, FAMILY
 from tests.optimise.dual_bound.test_bound import found as solved_on
@@ -34,25 +39,27 @@ from tests.optimise.scenes import direct, problem
 PARTS = 4000  # masses that stand for a density
 
 
-def hat(left: float, right: float, rising: bool, alpha: Array) -> Hats:
+def hat(left: float, right: float, rising: float, alpha: Array) -> Hats:
     return Hats(np.array([left]), np.array([right]), np.array([rising]), alpha[None])
 
 
 def seen(hats: Hats) -> Switching:
     """ψ of hats of mass 1 each."""
     plain = switching(hats.left, hats.weights)
-    return plain.with_densities(np.stack([hats.left, hats.right], axis=1), hats.poly)
+    spans = np.stack([hats.left, hats.right], axis=1)
+    breaks, poly = add_densities(plain.breaks, plain.poly[None], spans, hats.poly[None])
+    return Switching(breaks, poly[0])
 
 
-def by_masses(left: float, right: float, rising: bool, alpha: Array) -> tuple[Array, Array]:
+def by_masses(left: float, right: float, rising: float, alpha: Array) -> tuple[Array, Array]:
     """The same as many point masses: points, and weights on g, g', …"""
     share = (np.arange(PARTS) + 0.5) / PARTS
-    mass = 2.0 * (share if rising else 1.0 - share) / PARTS
+    mass = 2.0 * (rising * share + (1.0 - rising) * (1.0 - share)) / PARTS
     return left + (right - left) * share, mass[:, None] * alpha
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]), st.booleans())
-def test_a_density_is_many_small_masses(seed: int, order: int, rising: bool) -> None:
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]), st.sampled_from([0.0, 0.5, 1.0]))
+def test_a_density_is_many_small_masses(seed: int, order: int, rising: float) -> None:
     rng = np.random.default_rng(seed)
     left, right = np.sort(rng.uniform(size=2))
     alpha = rng.standard_normal(order)
@@ -64,6 +71,39 @@ def test_a_density_is_many_small_masses(seed: int, order: int, rising: bool) -> 
     starts = sums_at_start(points, weights)
     weights = hat(left, right, rising, alpha).weights
     np.testing.assert_allclose(sums_at_start(np.array([left]), weights), starts, atol=1e-6)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]))
+def test_a_row_s_mean_over_spans_is_that_of_the_law_and_of_the_bound(seed: int, order: int) -> None:
+    """Up to the control itself: by quadrature, by the splines' matrix, and by what ψ gets."""
+    rng = np.random.default_rng(seed)
+    case = problem(CASES["size, fixed offset"])
+    segment, n = case.free[0], 4
+    grid = grid_through(segment, np.array([0.0, 0.2, 0.3, 0.71, 1.0]))
+    spans = np.stack([grid.space.breaks[:-1], grid.space.breaks[1:]], axis=1)
+    cut = PointInequalities(
+        np.vstack([rng.standard_normal((order + 1, n)), np.zeros((3 - order, n))]),
+        rng.standard_normal((2, n)), rng.standard_normal(n),
+    )  # fmt: skip
+    here = Grid(grid.space, spans.mean(axis=1))
+    block = cut_block(cut, "mean", 0, segment, here, Scales(1.0, 1.0), Tightening(), spans)
+    coefficients = rng.standard_normal(grid.space.size)
+    law = grid.space.curve(coefficients)
+    x, weights = gauss_points(grid.space.breaks, 4)
+    shares = weights / np.ptp(spans, axis=1)[:, None]
+    mean = sum(block.alpha[k] * np.sum(shares * law(x, k), axis=1) for k in range(order + 1))
+    assert block.law_matrix is not None
+    np.testing.assert_allclose(block.law_matrix @ coefficients, mean, atol=1e-9)
+    model = SimpleNamespace(problem=case)
+    rows = RowFunctional(model, block, 0, order).point_rows()  # type: ignore[arg-type]
+    start = sum(rows.weights[:, k] * law(rows.x, k) for k in range(order))
+    assert rows.poly is not None
+    along = (x - spans[:, :1]) / np.ptp(spans, axis=1)[:, None]
+    psi = sum(rows.poly[:, [j]] * along**j for j in range(rows.poly.shape[1]))
+    np.testing.assert_allclose(
+        start + np.sum(weights * psi * law(x, order), axis=1), mean, atol=1e-9
+    )
+    np.testing.assert_array_equal(rows.rhs, block.rhs)
 
 
 def test_shared_masses_are_the_same_in_sum_and_in_the_mean() -> None:
@@ -87,7 +127,9 @@ def test_the_least_integral_of_high_degrees(seed: int, order: int) -> None:
     for left, right in pairwise(x):
         own = hat(left, right, bool(rng.integers(2)), 30.0 * rng.standard_normal(order))
         spans = np.stack([own.left, own.right], axis=1)
-        psi = psi.with_densities(spans, own.poly * rng.standard_normal())
+        more = own.poly[None] * rng.standard_normal()
+        breaks, poly = add_densities(psi.breaks, psi.poly[None], spans, more)
+        psi = Switching(breaks, poly[0])
     share, total = (np.arange(PARTS) + 0.5) / PARTS, 0.0
     for left, right in pairwise(psi.breaks):  # ψ jumps from one piece to the next
         total += (right - left) * float(np.mean(np.abs(psi(left + (right - left) * share))))

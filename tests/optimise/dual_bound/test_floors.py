@@ -114,7 +114,7 @@ def test_each_is_what_the_bound_of_a_program_of_its_own_says(model):
             tangents.append(tangent_of(model, ball, -v / max(prices[-1], 1e-300)))
             at += 1 + len(ball.shift)
         full, z = with_rows(model, tangents), np.append(z[:rows], prices)[None]
-        ends = solve_boundary_costates(full, one, z)
+        ends = solve_boundary_costates(full, one, z, 3)
         value = dual_bounds(full, law_controls(model), model.problem.sizing.bounds, one, z, ends)[0]
         if any(limit.kind == "acceleration" for limit in model.problem.limits):
             # the single one spreads multipliers of accelerations by itself
@@ -148,7 +148,7 @@ def test_no_cam_that_keeps_the_rows_is_below_whatever_the_multipliers_are(model)
         z = good * spoilt
         value = dual_bounds(
             model, law_controls(model), model.problem.sizing.bounds, wanted, z,
-            solve_boundary_costates(model, wanted, z),
+            solve_boundary_costates(model, wanted, z, 3),
         )  # fmt: skip
         for each in solved:
             laws, _ = model.recover(each.x)
@@ -158,7 +158,7 @@ def test_no_cam_that_keeps_the_rows_is_below_whatever_the_multipliers_are(model)
                 assert floor <= reached + wanted.size[k] @ each.x[model.size] + 1e-7
     unknown = dual_bounds(
         model, law_controls(model), model.problem.sizing.bounds, wanted, np.nan * good,
-        solve_boundary_costates(model, wanted, good),
+        solve_boundary_costates(model, wanted, good, 3),
     )  # fmt: skip
     assert np.all(unknown == -np.inf)
     spread = good[:, model.program.equalities :]

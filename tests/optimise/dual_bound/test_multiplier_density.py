@@ -31,7 +31,7 @@ def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
     """Those of the last point of a law too: its interval to the next point ran backwards."""
     question = problem(SCENE)
     answer = direct(question, uneven(question, seed))
-    between = MultiplierDensity.of(answer.model, [], EACH)
+    between = MultiplierDensity.of(answer.model, [], EACH, 3)
     ends = boundary_multipliers(answer.model, answer.solution, 3)
     own = between.distribute_single(answer.solution.multipliers, ends)
     shaken = own * np.random.default_rng(seed).uniform(0.5, 1.5, len(own))
@@ -46,21 +46,21 @@ def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
 
 def test_densities_lie_between_points_that_ascend() -> None:
     question = problem(SCENE)
-    model = MultiplierDensity.of(direct(question, uneven(question, 0)).model, [], EACH).model
+    model = MultiplierDensity.of(direct(question, uneven(question, 0)).model, [], EACH, 3).model
     steered = [one for one in row_functionals(model, 3) if one.block.kind == "point"]
     assert any(one.uniform and one.jumps for one in steered)
     assert all(np.all(np.diff(one.block.x) > 0.0) for one in steered)
     # of the program's blocks those with a second derivative alone highest, at points in order
     model = direct(question, uneven(question, 0)).model
-    spread = MultiplierDensity.of(model, [], EACH).point_runs
+    spread = MultiplierDensity.of(model, [], EACH, 3).point_runs
     assert [runs is not None for runs in spread] == [
         bool(b.kind == "point" and b.alpha[2] and not b.alpha[3]) for b in model.blocks
     ]
     assert any(runs is not None for runs in spread)
     for change in ({"kind": "control"}, {}):
         still = tuple(replace(b, x=np.zeros_like(b.x), **change) for b in model.blocks)
-        assert not any(MultiplierDensity.of(replace(model, blocks=still), [], EACH).point_runs)
-    model = MultiplierDensity.of(model, [], EACH).model
+        assert not any(MultiplierDensity.of(replace(model, blocks=still), [], EACH, 3).point_runs)
+    model = MultiplierDensity.of(model, [], EACH, 3).model
     # points in any other order have no neighbours: their rows are taken at the points alone
     mixed = [replace(block, x=block.x[::-1]) for block in model.blocks]
     backwards = replace(model, blocks=tuple(mixed))
@@ -70,7 +70,7 @@ def test_densities_lie_between_points_that_ascend() -> None:
 def test_a_density_at_many_points_is_linear_between_these() -> None:
     """One node in a knot interval is for multipliers of a spline's own rows."""
     question = problem(SCENE)
-    model = MultiplierDensity.of(direct(question, uneven(question, 2)).model, [], EACH).model
+    model = MultiplierDensity.of(direct(question, uneven(question, 2)).model, [], EACH, 3).model
     steered = [one for one in row_functionals(model, 3) if one.uniform and one.jumps]
     assert steered
     for one in steered:
@@ -91,7 +91,7 @@ def test_a_distributed_density_is_bounded_as_it_is(seed: int) -> None:
     """In a bound the masses of dense rows are not gathered again."""
     question = problem(SCENE)
     answer = direct(question, uneven(question, seed))
-    between = MultiplierDensity.of(answer.model, [], EACH)
+    between = MultiplierDensity.of(answer.model, [], EACH, 3)
     ends = boundary_multipliers(answer.model, answer.solution, 3)
     own = between.distribute_single(answer.solution.multipliers, ends)
     spread = replace(answer.solution, multipliers=own)

@@ -167,7 +167,8 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     for name, stub in patch.items():
         monkeypatch.setattr(bound_tightening, name, stub)
     model = SimpleNamespace(scales=SimpleNamespace(size=1.0))
-    law = bound_tightening._LawSubproblem(model, 0, (), [], [])
+    controls = (SimpleNamespace(order=3),)
+    law = bound_tightening._LawSubproblem(model, 0, controls, [], [])
     region = ImprovingRegion(BOX, {}, HalfSpaces.empty(2))
     quantities = SimpleNamespace(scaled=lambda: (wanted, units))
     lost = values - law.lower_bounds(quantities, region, np.inf) / units

@@ -284,14 +284,23 @@ def test_hollow_flanks_that_a_cutter_must_fit():
     assert close.certificate.lower_bound <= quick.objectives["base_radius_mm"]
 
 
-def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
+def test_with_the_acceleration_capped_alone_curvature_is_in_the_bound_too():
+    """Its rows are of the control itself: means over the intervals between knots."""
     scene = deepcopy(SCENE)
     scene["limits"][1] = {"kind": "acceleration", "max_mm_per_s2": 2.5e4}
-    reported = synthesise(DesignSpec.model_validate({**scene, "proof": "thorough"})).certificate
-    assert reported.gap > 0.1
-    start = "all motion laws with a bounded acceleration; not wholly in it: profile_radius, which"
-    assert reported.bound_valid_for.startswith(start)
-    assert "jerk limit" in reported.bound_valid_for
+    quick, close = (
+        synthesise(DesignSpec.model_validate({**scene, "proof": proof})).certificate
+        for proof in ("quick", "auto")
+    )
+    start = "all motion laws with a bounded acceleration"
+    assert quick.gap > 0.1
+    assert quick.bound_valid_for == (
+        f"{start}; not wholly in it: profile_radius, which a thorough proof takes in where every "
+        "free law has a limit on jerk or acceleration"
+    )
+    assert close.gap < 0.02
+    assert close.bound_valid_for == start
+    assert close.value <= quick.value
 
 
 def test_a_ring_s_outer_flank_too():

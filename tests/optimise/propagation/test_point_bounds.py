@@ -31,7 +31,7 @@ def test_motions_that_keep_to_the_nodes_keep_to_what_is_said_between(seed):
     slack = np.random.default_rng(seed).uniform(0.0, 2.0, (2, 2, len(nodes)))
     parts = ((0.2, 0.42), (0.7, 0.75))
     hull = PointBounds(
-        nodes, parts, ANGLE, BEND, 0, at - slack[0], at + slack[1], (e - 0.4, e + 1.1)
+        nodes, parts, ANGLE, 3, BEND, 0, at - slack[0], at + slack[1], (e - 0.4, e + 1.1)
     )
     assert not hull.is_empty
     inside = (x >= 0.2) & (x <= 0.75)
@@ -51,7 +51,7 @@ def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_al
     at = np.stack([np.interp(nodes, x, each) for each in (height, speed, bend)])
     slack = np.random.default_rng(seed).uniform(0.0, 2.0, (2, 3, len(nodes)))
     hull = PointBounds(
-        nodes, ((0.1, 0.9),), ANGLE, BEND, 0, at - slack[0], at + slack[1], (0.0, 0.0)
+        nodes, ((0.1, 0.9),), ANGLE, 3, BEND, 0, at - slack[0], at + slack[1], (0.0, 0.0)
     )
     inside = (x >= 0.1) & (x <= 0.9)
     low, high = hull.acceleration_bounds(x[inside])
@@ -62,7 +62,7 @@ def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_al
     assert np.all(here[0] >= at[2] - slack[0][2] - 1e-9)
     assert np.all(here[1] <= at[2] + slack[1][2] + 1e-9)
     assert hull.width == pytest.approx(np.mean(slack[:, :2].sum(axis=0)))
-    wide = PointBounds(nodes, ((0.1, 0.9),), ANGLE, BEND, 0, at[:2], at[:2], (0.0, 0.0))
+    wide = PointBounds(nodes, ((0.1, 0.9),), ANGLE, 3, BEND, 0, at[:2], at[:2], (0.0, 0.0))
     assert [float(each[0]) for each in wide.acceleration_bounds(x[:1])] == [-np.inf, np.inf]
 
 
@@ -79,7 +79,7 @@ def test_between_exact_nodes_lies_a_motion_at_its_cap_itself(bend, cap, room):
         return np.stack([height, 9.0 + bend * t + 0.5 * cap * t**2])
 
     ends = at(nodes) - room[0], at(nodes) + room[1]
-    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, abs(cap), 0, *ends, (0.0, 0.0))
+    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, 3, abs(cap), 0, *ends, (0.0, 0.0))
     low, high = hull.at(x)
     assert np.all(low[:2] <= at(x) + 1e-9)
     assert np.all(high[:2] >= at(x) - 1e-9)
@@ -87,12 +87,41 @@ def test_between_exact_nodes_lies_a_motion_at_its_cap_itself(bend, cap, room):
         assert said[1] == pytest.approx(known[1])
 
 
+@pytest.mark.parametrize("room", [(0.0, 0.0), (0.0, 5.0), (5.0, 0.0)])
+@pytest.mark.parametrize("switch", [0.05, 0.3, 0.47, 2.0])
+@pytest.mark.parametrize("cap", [-40.0, 40.0])
+def test_of_capped_accelerations_all_along_spans(cap, switch, room):
+    """The acceleration is at its cap, and switches within a span: nothing narrower would hold."""
+    nodes = np.array([0.0, 0.3, 0.8, 1.0])
+    spans = np.array([[0.03, 0.12], [0.12, 0.5], [0.5, 0.95]])  # two of them across nodes
+
+    def at(where):
+        t, late = ANGLE * where, ANGLE * np.maximum(where - switch, 0.0)
+        height = 60.0 - 9.0 * t + cap * (0.5 * t**2 - late**2)
+        return np.stack([height, -9.0 + cap * (t - 2.0 * late)])
+
+    ends = at(nodes) - room[0], at(nodes) + room[1]
+    hull = PointBounds(nodes, ((0.0, 1.0),), ANGLE, 2, abs(cap), 0, *ends, (-1.0, 2.0))
+    for span, low, high in zip(spans, *(each.T for each in hull.along(spans)), strict=True):
+        x = np.linspace(*span, 101)
+        assert np.all(low[:2, None] <= at(x) + 1e-9)
+        assert np.all(high[:2, None] >= at(x) - 1e-9)
+        assert (low[2], high[2]) == (-1.0, 2.0)
+        # as narrow as at the single points of the span
+        points = hull.at(x)
+        assert np.all(low <= points[0].min(axis=1) + 1e-9)
+        assert np.all(points[0].min(axis=1) - low <= 0.7 * abs(cap) * ANGLE * np.ptp(span) * 2.0)
+    assert hull.acceleration_bounds(nodes)[1] == pytest.approx(abs(cap))
+
+
 def test_one_that_can_only_rise_is_narrower():
     nodes = np.array([0.0, 0.5])
     low, high = np.array([[50.0, 60.0], [-6.0, -7.0]]), np.array([[51.0, 62.0], [40.0, 30.0]])
     x = np.array([0.25])
-    either, up = (PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, sense, low, high, (5.0, 6.0)).at(x)
-                  for sense in (0, 1))  # fmt: skip
+    either, up = (
+        PointBounds(nodes, ((0.0, 0.5),), ANGLE, 3, BEND, sense, low, high, (5.0, 6.0)).at(x)
+        for sense in (0, 1)
+    )
     assert up[0][0] > either[0][0]
     assert up[0][0] >= 50.0
     assert up[1][0] <= 62.0
@@ -102,15 +131,15 @@ def test_one_that_can_only_fall_is_its_mirror_image():
     nodes = np.array([0.0, 0.5])
     low, high = np.array([[50.0, 60.0], [-6.0, -7.0]]), np.array([[51.0, 62.0], [40.0, 30.0]])
     x = np.linspace(0.0, 0.5, 21)
-    up = PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, 1, low, high, (5.0, 6.0)).at(x)
-    down = PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, -1, -high, -low, (-6.0, -5.0)).at(x)
+    up = PointBounds(nodes, ((0.0, 0.5),), ANGLE, 3, BEND, 1, low, high, (5.0, 6.0)).at(x)
+    down = PointBounds(nodes, ((0.0, 0.5),), ANGLE, 3, BEND, -1, -high, -low, (-6.0, -5.0)).at(x)
     assert down[0] == pytest.approx(-up[1])
     assert down[1] == pytest.approx(-up[0])
 
 
 def test_crossed_bounds_leave_nothing():
     nodes, low = np.array([0.0, 0.5]), np.array([[50.0, 60.0], [-6.0, -7.0]])
-    hull = PointBounds(nodes, ((0.0, 0.5),), ANGLE, BEND, 1, low, low + 1.0, (5.0, 6.0))
+    hull = PointBounds(nodes, ((0.0, 0.5),), ANGLE, 3, BEND, 1, low, low + 1.0, (5.0, 6.0))
     assert not hull.is_empty
-    assert PointBounds(nodes, hull.parts, ANGLE, BEND, 1, low, low - 1.0, (5.0, 6.0)).is_empty
-    assert PointBounds(nodes, hull.parts, ANGLE, BEND, 1, low, low + 1.0, (6.0, 5.0)).is_empty
+    assert PointBounds(nodes, hull.parts, ANGLE, 3, BEND, 1, low, low - 1.0, (5.0, 6.0)).is_empty
+    assert PointBounds(nodes, hull.parts, ANGLE, 3, BEND, 1, low, low + 1.0, (6.0, 5.0)).is_empty

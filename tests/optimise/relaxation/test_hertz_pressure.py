@@ -295,5 +295,5 @@ def test_without_a_jerk_limit_the_answer_says_what_its_bound_leaves_out():
     assert reported.gap > 5e-3
     assert reported.bound_valid_for == (
         "all motion laws with a bounded acceleration; not wholly in it: hertz_pressure, which a "
-        "thorough proof takes in where every free law has a jerk limit"
+        "thorough proof takes in where every free law has a limit on jerk"
     )
