@@ -38,6 +38,7 @@ from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_c
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 ROUNDING = 1e-12  # strokes: a bound so near to the open end of the size is that
+SAME = 1e-6  # relative: what a cam may lose when its laws are put together again
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that no tightening below repairs
 AUTO_PROGRAMS = 100
 """Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
@@ -76,6 +77,8 @@ class Attempt:
         question: the spec, with numbers in place of what it leaves free.
         chosen_values: these numbers [wire].
         number_bound: of the first objective over all numbers; None where that is not known.
+        start: the cam that the search over all numbers ended with, at those chosen; no better one
+            is sought. None where it ended with numbers alone.
         tables: its measured laws, smoothed.
         solved_spec: what the optimiser solves. final_spec: the spec of the finished cam. Both
             differ from the question where the place of a counter roller is chosen after the size.
@@ -91,6 +94,7 @@ class Attempt:
     final_spec: DesignSpec
     first: Attempt | None = None
     number_bound: Bounded | None = None
+    start: Candidate | None = None
     searches: list[SolveState] = field(default_factory=list)
     best: Candidate | None = None
     bounds: list[Bounded] = field(default_factory=list)
@@ -187,7 +191,8 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     Returns:
         an attempt with nothing solved.
     """
-    question, chosen_values, bounded = NondimensionalSpec.of(spec), list[float](), None
+    question, chosen_values = NondimensionalSpec.of(spec), list[float]()
+    bounded, start = None, None
     free_parameters = spec.free_parameters
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
@@ -201,7 +206,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
         numbered, stage, proof = choose_parameters(by_aim, goal.stop, budget)
         numbered = numbered.model_copy(update={"objective": spec.objective})
         if proof is not None and isfinite(proof.lower) and not by_size:
-            bounded = Bounded(spec.objectives()[0], proof.lower, proof.valid_for)
+            bounded, start = Bounded(spec.objectives()[0], proof.lower, proof.valid_for), proof.cam
         stages.append(Effort(**vars(stage)))
         question = question.with_scaled(numbered)
         physical = question.physical
@@ -209,7 +214,9 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [Effort(**vars(stage)) for stage in tables.stages]
     scaled = question.scaled
-    return Attempt(question, chosen_values, tables, scaled, scaled, number_bound=bounded)
+    return Attempt(
+        question, chosen_values, tables, scaled, scaled, number_bound=bounded, start=start
+    )
 
 
 def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -223,6 +230,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     for tighten in TIGHTENINGS:
         known = attempt
         next_attempt: Attempt | None = unsolved(prepared, spec.without_deferred())
+        start = prepared.start if tighten == TIGHTENINGS[0] else None
         while next_attempt is not None:
             attempt = next_attempt
             # 1. Minimise one objective after the other.
@@ -232,8 +240,8 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                     problem, attempt.tolerance(rank), goal.stop, tighten,
                     proof=_proof_budget(spec, is_last=rank == len(spec.objectives()) - 1),
                     warm_start=goal.warm_start if from_start else None,
-                    earlier=attempt.searches[-1].incumbent if rank else None,
-                    sufficient=sufficient if from_start else -inf,
+                    earlier=attempt.searches[-1].incumbent if rank else start,
+                    sufficient=max(sufficient, _value(start)) if from_start else -inf,
                     mesh=goal.mesh if from_start else (),
                 )  # fmt: skip
                 attempt.searches.append(state)
@@ -255,6 +263,14 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
         mesh = attempt.mesh(attempt.tolerance(0)) or goal.mesh
         goal = replace(goal, warm_start=None, mesh=mesh)
     return attempt
+
+
+def _value(cam: Candidate | None) -> float:
+    """The value of a cam that is good enough [wire]; −∞ without one."""
+    if cam is None:
+        return -inf
+    value = cam.problem.objective.to_wire(cam.value, cam.problem.machine)
+    return value + SAME * abs(value)
 
 
 def unsolved(attempt: Attempt, spec: DesignSpec, first: Attempt | None = None) -> Attempt:

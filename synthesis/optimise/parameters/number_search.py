@@ -9,7 +9,7 @@ cam may be a better incumbent. A box where this no longer helps is divided.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import count
 from math import inf
@@ -26,6 +26,7 @@ from synthesis.optimise.parameters.parametric_bound import (
     parametric_bound,
 )
 from synthesis.optimise.parameters.placement import Placement
+from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState
 
 TOGETHER = 8  # programs that bound a box together: the nearest to it
@@ -48,6 +49,7 @@ class NumberProof:
         valid_for: the laws that this covers. gap: relative, on the wire.
         closed: whether the best cam is within the tolerance of it.
         searches: how many at single numbers it took. exit: why it ended.
+        cam: the best one, where no further search is to better it.
     """
 
     u: Array
@@ -58,6 +60,11 @@ class NumberProof:
     closed: bool
     searches: int
     exit: str
+    cam: Candidate | None = None
+
+    def with_bound(self, other: NumberProof) -> NumberProof:
+        """The same with the better bound of two proofs over all numbers."""
+        return self if other.lower <= self.lower else replace(self, lower=other.lower)
 
 
 @dataclass(frozen=True, eq=False)

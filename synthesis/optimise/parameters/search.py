@@ -27,9 +27,18 @@ from scipy.optimize import minimize, minimize_scalar
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import BundlePoint, Function, minimise
-from synthesis.optimise.parameters.number_search import NumberProof, NumberSearch
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.parameters.longer_moves import LongerMoves
+from synthesis.optimise.parameters.merged_moves import MergedMoves
+from synthesis.optimise.parameters.number_search import (
+    ALL_NUMBERS,
+    NumberProof,
+    NumberSearch,
+)
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.recovery.candidate import enlarge_until_feasible
 from synthesis.optimise.state import QUICK, SINGLE_SHARE, ProofBudget, Stage
 from synthesis.spec.design_spec import DesignSpec
 
@@ -51,6 +60,8 @@ LAST_STEP = 2e-3  # of the box: where a descent by whole searches ends
 WORST = 2.0  # of a start's value: what a point counts where nothing is found
 MISLED = 0.02  # relative: a value on a mesh that differs by more from a whole search misleads
 SHARE_OF_TIME = 0.6  # of what is left: the best point is still to be solved in full
+PROVEN_SHARE = 0.85
+"""The same where the best point was solved in full on the way: the certificate is left."""
 TRIED = 33  # lengths of a machine, to find one that reaches its cam
 ROUGH, FINE = 2e-2, 4e-3  # tolerances of whole searches with free laws, first and last
 FEW, MANY = 8, 33
@@ -82,18 +93,24 @@ def choose_parameters(
     started = time.perf_counter()
     now, parameters = clock.now(), spec.free_parameters
     stop = inf if deadline == inf else now + SHARE_OF_TIME * max(deadline - now, 0.0)
+    last = inf if deadline == inf else now + PROVEN_SHARE * max(deadline - now, 0.0)
     worth = ValueFunction(spec.without_deferred(), parameters, stop)
-    # The program's numbers first, then the machine's lengths one by one.
-    middle, bounded, best = _middle(worth), None, None
-    if len(parameters.machine_indices) < len(parameters.parameters):
-        best, bounded = _search_program(worth, middle, proof)
-    for position in parameters.machine_indices:
-        middle = middle if best is None else best.u
-        best = search_length(worth, middle, position) or best
-    numbers = parameters.values_at(middle if best is None else best.u)
+    merged = MergedMoves.of(spec.without_deferred())
+    found = None if merged is None else _search_merged(worth, merged, last, proof)
+    if found is not None:
+        numbers, bounded, best = *found, None
+    else:
+        # The program's numbers first, then the machine's lengths one by one.
+        middle, bounded, best = _middle(worth), None, None
+        if len(parameters.machine_indices) < len(parameters.parameters):
+            best, bounded = _search_program(worth, middle, last, proof)
+        for position in parameters.machine_indices:
+            middle = middle if best is None else best.u
+            best = search_length(worth, middle, position) or best
+        numbers = parameters.values_at(middle if best is None else best.u)
     freedom = parameters.polytope.directions.shape[1]
     late = clock.now() >= stop
-    if best is None or best.value == inf:
+    if found is None and (best is None or best.value == inf):
         status = "out of time" if late else "nothing found"
     else:
         status = "out of time, with the best so far" if late else "searched"
@@ -103,8 +120,40 @@ def choose_parameters(
         status,
         "angles and lifts by branch and bound, then by cutting planes from several starts and by "
         "whole searches where a coarse mesh misleads; lengths one by one",
+        exit="" if bounded is None else bounded.exit,
     )  # fmt: skip
     return spec.with_values(numbers), stage, bounded
+
+
+def _search_merged(
+    worth: ValueFunction, merged: MergedMoves, deadline: float, proof: ProofBudget
+) -> tuple[list[float], NumberProof] | None:
+    """All numbers, and what is proven of them, of moves solved as one; None without such a cam."""
+    numbered, inner, tolerance = merged.spec, None, ALL_NUMBERS_SHARE * worth.spec.tolerance
+    if numbered.free_parameters.parameters:
+        numbered, _, inner = choose_parameters(numbered, deadline, proof)
+    problem = formulate_problem(numbered, numbered.objectives()[0])
+    state = optimise(
+        problem, tolerance, deadline, proof=QUICK if inner else proof,
+        earlier=None if inner is None else inner.cam,
+    )  # fmt: skip
+    worth.calls += 1
+    bounded = inner is not None or (state.covers_all_laws and not numbered.free_parameters.parameters)
+    if state.incumbent is None or not bounded:
+        return None
+    spec = merged.with_lifts(numbered, state.incumbent)
+    own = formulate_problem(spec, spec.objectives()[0])
+    cam = enlarge_until_feasible(merged.split(own, state.incumbent))
+    numbers = worth.free_parameters.values_in(spec.program, spec.follower)
+    lower, valid_for = state.lower, f"{state.valid_for}, {ALL_NUMBERS}"
+    if inner is not None:
+        lower, valid_for = inner.lower, inner.valid_for
+    value = state.incumbent.value if cam is None else cam.value
+    gap = state.gap_between(state.incumbent if cam is None else cam, lower)
+    return numbers, NumberProof(
+        np.array(numbers), value, lower, valid_for, gap, gap <= tolerance, 1, state.stages[-1].exit,
+        cam,
+    )  # fmt: skip
 
 
 def _middle(worth: ValueFunction) -> Array:
@@ -118,15 +167,17 @@ def _middle(worth: ValueFunction) -> Array:
 
 
 def _search_program(
-    worth: ValueFunction, middle: Array, proof: ProofBudget
+    worth: ValueFunction, middle: Array, deadline: float, proof: ProofBudget
 ) -> tuple[BundlePoint | None, NumberProof | None]:
     """The best point found for angles and lifts, and what is proven of all others."""
     placement = Placement.of(worth.free_parameters, worth.problem)
-    tolerance = worth.spec.tolerance
-    searched = None if placement is None else NumberSearch(
-        placement, worth.state, ALL_NUMBERS_SHARE * tolerance, SINGLE_SHARE * tolerance
-    )  # fmt: skip
-
+    all_numbers, single = (
+        share * worth.spec.tolerance for share in (ALL_NUMBERS_SHARE, SINGLE_SHARE)
+    )
+    searched = longer = None
+    if placement is not None:
+        searched = NumberSearch(placement, worth.state, all_numbers, single)
+        longer = LongerMoves(placement, worth.state, all_numbers, single, proof)
     freedom = worth.free_parameters.polytope.directions.shape[1]
 
     def prove(start: Array, programs: float) -> NumberProof | None:
@@ -135,9 +186,17 @@ def _search_program(
 
     # 1. Branch and bound: with one or two directions it often closes the gap at once.
     first = prove(middle, FIRST_PROGRAMS)
-    if first is not None and (first.closed or first.gap <= LITTLE):
+    if first is not None and first.closed:
         return BundlePoint(first.u, first.value), first
-    # 2. Descents, which cost little, and branch and bound from where they end.
+    # 2. Curved limits are in the bounds of longer moves alone.
+    if first is not None and longer is not None and longer.serves():
+        last = clock.programs_solved() + freedom * proof.programs
+        other = longer.run(first.u, last, deadline)
+        if other is not None and other.gap < first.gap:
+            return BundlePoint(other.u, other.value), other.with_bound(first)
+    if first is not None and first.gap <= LITTLE:
+        return BundlePoint(first.u, first.value), first
+    # 3. Descents, which cost little, and branch and bound from where they end.
     best = _descend(worth, middle)
     more = max(proof.programs, FIRST_PROGRAMS)
     again = None if best is None or best.value == inf else prove(best.u, more)
