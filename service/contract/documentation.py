@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.contract.examples import examples
+from service.contract.sharing import share
 from service.wire.errors import ProblemType
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design.identity import engine_version
@@ -47,11 +47,30 @@ SEVERAL = {
 }
 OPENAPI_URL = "/openapi.json"
 REFERENCE = "#/components/schemas/"
+# What may go wrong with a file: with the request, and where a worker or an optional part makes it.
+FILE_STATUSES = (
+    {
+        404: "nothing has this id",
+        409: "it is not finished, or has no such file",
+        416: "nothing is left of the requested range",
+        422: "a parameter is wrong",
+        429: "the queue is full, try again after `Retry-After`",
+    },
+    {
+        500: "internal error",
+        501: "an optional part is not installed",
+        503: "temporarily unavailable, try again",
+        504: "the time budget ended first",
+    },
+)
 # Models that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
     Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
     *(each.spec for each in LINKAGES.values()),
 )  # fmt: skip
+
+
+PROBLEM_CONTENT = {MEDIA_TYPE: {"schema": {"$ref": f"{REFERENCE}{Problem.__name__}"}}}
 
 
 def problems(*statuses: int) -> dict[int | str, Json]:
@@ -66,26 +85,34 @@ def problems(*statuses: int) -> dict[int | str, Json]:
     return responses
 
 
-def etag_response(status: int = 200, **more: Any) -> dict[int | str, Json]:
+def etag_response(**more: Any) -> dict[int | str, Json]:
     """A response with a strong ETag, and 304 for those who have it."""
     return {
-        status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
+        200: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
         304: {"description": "The caller has it already."},
     }
 
 
-def file_response(**more: Any) -> dict[int | str, Json]:
-    """A file with a tag, of which parts can be requested by Range."""
-    return {
-        **etag_response(**more),
+def file_response(content: Json, may_fail: bool = True) -> dict[int | str, Json]:
+    """A file with a tag, of which parts can be requested by Range; what may go wrong, in ranges.
+
+    Args:
+        may_fail: whether a worker makes it or an optional part, so that making it may fail.
+    """
+    responses = {
+        **etag_response(description="The file.", content=content),
         206: {
             "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
             "requested part, uncompressed.",
             "headers": {"Content-Range": _header("The range and the total size.")},
-            **({"content": more["content"]} if "content" in more else {}),
+            "content": content,
         },
-        **problems(416),
     }
+    for statuses in FILE_STATUSES[: 2 if may_fail else 1]:
+        meanings = "; ".join(f"{status}: {text}" for status, text in statuses.items())
+        one = {"description": f"{meanings}.", "content": PROBLEM_CONTENT}
+        responses[f"{next(iter(statuses)) // 100}XX"] = one
+    return responses
 
 
 def _header(description: str) -> Json:
@@ -114,7 +141,9 @@ def describe(app: FastAPI) -> Json:
             description=DESCRIPTION,
             routes=app.routes,
             tags=[{"name": name, "description": text} for name, text in TAGS.items()],
+            contact={"name": "Camwright founders"},
             license_info={"name": "MIT", "identifier": "MIT"},
+            servers=[{"url": "/", "description": "The service that this document comes from."}],
             separate_input_output_schemas=False,
         )
         _, unnamed = models_json_schema(
@@ -122,65 +151,35 @@ def describe(app: FastAPI) -> Json:
         )
         own = {model.__name__: unnamed["$defs"][model.__name__] for model in UNNAMED}
         schemas = {**unnamed["$defs"], **document["components"]["schemas"], **own}
-        document["components"]["schemas"] = dict(sorted(schemas.items()))
+        document["components"]["schemas"] = schemas
+        document["security"] = []  # nobody signs in
         _tidy(document)
+        share(document)
         app.openapi_schema = document
     return app.openapi_schema
 
 
 def _tidy(document: Json) -> None:
-    """Remove what FastAPI adds, and share what several operations have in common."""
-    components = document["components"]
-    operations = [each for methods in document["paths"].values() for each in methods.values()]
-    lists = [operation.get("parameters", []) for operation in operations]
-    answers = [operation["responses"] for operation in operations]
+    """Remove what FastAPI adds and the service does not do."""
+    schemas = document["components"]["schemas"]
     # FastAPI's own form of 422: the service answers with problem documents.
     for unused in ("HTTPValidationError", "ValidationError"):
-        components["schemas"].pop(unused, None)
-    for responses in answers:
+        schemas.pop(unused, None)
+    for responses in (
+        operation["responses"]
+        for methods in document["paths"].values()
+        for operation in methods.values()
+    ):
         if "application/json" in responses.get("422", {}).get("content", {}):
             del responses["422"]
-    fields = [
-        (name, field)
-        for schema in components["schemas"].values()
-        for name, field in schema.get("properties", {}).items()
-    ]
-    for _, field in fields:
-        # Defaults that are objects become text: client generators drop the schemas of their fields.
-        if isinstance(field.get("default"), dict):
-            default = json.dumps(field.pop("default"))
-            field["description"] = f"{field.get('description', '')} Default: `{default}`.".strip()
-    parameters = [(each["name"], each["schema"]) for one in lists for each in one]
-    for name, field in [*fields, *parameters]:
-        if field.get("title") == name.replace("_", " ").title():  # it only repeats the name
-            del field["title"]
-    places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
-    components["parameters"] = _share(places, "parameters")
-    # Responses of status 200 stay with their operation, for readers.
-    named = [
-        (each, status, f"{'Problem' if status >= '400' else 'Answer'}{status}")
-        for each in answers
-        for status in each
-        if status != "200"
-    ]
-    components["responses"] = _share(named, "responses")
-
-
-def _share(places: list[tuple[Any, Any, str]], kind: str) -> Json:
-    """What occurs at several places, by name; the places become references to it.
-
-    Args:
-        places: container, key and name of each; different ones of a name are numbered.
-        kind: the section of the components.
-    """
-    texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
-    often, names, parts = Counter(texts), dict[str, str](), Json()
-    for (holder, key, name), text in zip(places, texts, strict=True):
-        if often[text] == 1:
-            continue
-        if text not in names:
-            same = sum(each.partition("_no_")[0] == name for each in parts)
-            names[text] = f"{name}_no_{same + 1}" if same else name
-            parts[names[text]] = holder[key]
-        holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
-    return parts
+        for response in responses.values():
+            if response["description"] == "Successful Response":
+                response["description"] = "The answer."
+    for schema in schemas.values():
+        for field in schema.get("properties", {}).values():
+            # Defaults that are objects become text: client generators drop the schemas of their fields.
+            if isinstance(field.get("default"), dict):
+                default = json.dumps(field.pop("default"))
+                field["description"] = (
+                    f"{field.get('description', '')} Default: `{default}`.".strip()
+                )

@@ -246,18 +246,13 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         row, body = await parts.jobs[resource.path].find_done(id)
         return await send_file(request, parts, resource, file, row, body, options)
 
-    statuses = WORKER_STATUSES if file.format.in_worker else ()
-    add_file_route(router, resource, file, handler, statuses)
+    add_file_route(router, resource, file, handler, file.format.in_worker)
 
 
 def add_file_route(
-    router: APIRouter,
-    resource: Resource,
-    file: ResourceFile,
-    handler: Handler,
-    statuses: tuple[int, ...],
+    router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_fail: bool
 ) -> None:
-    """Add the route of a file with a handler; ``statuses``: what may go wrong besides."""
+    """Add the route of a file with a handler, which may or may not fail at making it."""
     media_type = file.format.media_type.partition(";")[0]
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}/{file.path}",
@@ -267,10 +262,7 @@ def add_file_route(
         summary=file.format.title,
         description=file.format.purpose,
         response_class=Response,
-        responses={
-            **file_response(description=file.format.title, content=content_of(media_type)),
-            **problems(404, 409, 422, *statuses),
-        },
+        responses=file_response(content_of(media_type), may_fail),
     )
 
 
