@@ -40,29 +40,13 @@ TAGS = {
 # Statuses of several types of problems.
 SEVERAL = {
     404: "Not found",
-    409: "Conflict with the current state",
+    409: "Conflict with the current state: not finished, no cam, or deleted meanwhile",
     422: "The request is invalid",
     500: "Internal error",
     503: "Temporarily unavailable: try again",
 }
 OPENAPI_URL = "/openapi.json"
 REFERENCE = "#/components/schemas/"
-# What may go wrong with a file: with the request, and where a worker or an optional part makes it.
-FILE_STATUSES = (
-    {
-        404: "nothing has this id",
-        409: "it is not finished, or has no such file",
-        416: "nothing is left of the requested range",
-        422: "a parameter is wrong",
-        429: "the queue is full, try again after `Retry-After`",
-    },
-    {
-        500: "internal error",
-        501: "an optional part is not installed",
-        503: "temporarily unavailable, try again",
-        504: "the time budget ended first",
-    },
-)
 # Models that no handler's signature names.
 UNNAMED: tuple[type[BaseModel], ...] = (
     Problem, LateProblem, MeasuredCam, SpatialCamSpec, SweepSpec, TrainSpec,
@@ -70,19 +54,31 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 )  # fmt: skip
 
 
-PROBLEM_CONTENT = {MEDIA_TYPE: {"schema": {"$ref": f"{REFERENCE}{Problem.__name__}"}}}
+def problems(*statuses: int, late: bool = True) -> dict[int | str, Json]:
+    """Responses that are problem documents, by reference; several of a class as its range.
 
-
-def problems(*statuses: int) -> dict[int | str, Json]:
-    """Responses that are problem documents, by reference."""
+    Args:
+        late: whether 504 brings the best design by then along, and so stands by itself.
+    """
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
     responses: dict[int | str, Json] = {}
-    for status in statuses:
-        model = LateProblem if status == 504 else Problem  # only 504 has a design, which is large
-        schema = {"$ref": f"{REFERENCE}{model.__name__}"}
-        content = {MEDIA_TYPE: {"schema": schema}}
-        responses[status] = {"description": f"{titles[status]}.", "content": content}
+    if late and 504 in statuses:
+        responses[504] = _problem(LateProblem, f"{titles[504]}.")
+    for first in (4, 5):
+        those = [
+            status for status in statuses if status // 100 == first and status not in responses
+        ]
+        if len(those) == 1:
+            responses[those[0]] = _problem(Problem, f"{titles[those[0]]}.")
+        elif those:
+            lines = "\n".join(f"* {status}: {titles[status]}." for status in those)
+            responses[f"{first}XX"] = _problem(Problem, lines)
     return responses
+
+
+def _problem(model: type[BaseModel], description: str) -> Json:
+    schema = {"$ref": f"{REFERENCE}{model.__name__}"}
+    return {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}
 
 
 def etag_response(**more: Any) -> dict[int | str, Json]:
@@ -94,31 +90,33 @@ def etag_response(**more: Any) -> dict[int | str, Json]:
 
 
 def file_response(content: Json, may_fail: bool = True) -> dict[int | str, Json]:
-    """A file with a tag, of which parts can be requested by Range; what may go wrong, in ranges.
+    """A file with a tag, of which parts can be requested by Range, and what may go wrong.
+
+    What HTTP makes of tags and ranges, 304 and 206, is told once, by the headers of all files.
 
     Args:
         may_fail: whether a worker makes it or an optional part, so that making it may fail.
     """
-    responses = {
-        **etag_response(description="The file.", content=content),
-        206: {
-            "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
-            "requested part, uncompressed.",
-            "headers": {"Content-Range": _header("The range and the total size.")},
-            "content": content,
-        },
+    headers = {"ETag": FILE_TAG, "Accept-Ranges": FILE_PARTS}
+    return {
+        200: {"description": "The file.", "headers": headers, "content": content},
+        **problems(404, 409, 416, 422, 429),
+        **(problems(500, 501, 503, 504, late=False) if may_fail else {}),
     }
-    for statuses in FILE_STATUSES[: 2 if may_fail else 1]:
-        meanings = "; ".join(f"{status}: {text}" for status, text in statuses.items())
-        one = {"description": f"{meanings}.", "content": PROBLEM_CONTENT}
-        responses[f"{next(iter(statuses)) // 100}XX"] = one
-    return responses
 
 
 def _header(description: str) -> Json:
     return {"description": description, "schema": {"type": "string"}}
 
 
+FILE_TAG = _header(
+    "Strong: the same tag, the same bytes. Sent back in `If-None-Match`, the answer is 304 without "
+    "a body while that is so."
+)
+FILE_PARTS = _header(
+    "`bytes`: asked with `Range: bytes=…` and, if given, the file's tag in `If-Range`, the answer "
+    "is 206 with the requested part, uncompressed; its `Content-Range` has range and total size."
+)
 UNDER_WAY_HEADERS = {
     "Location": _header("Address to ask again."),
     "Retry-After": _header("Seconds until then."),
@@ -165,21 +163,18 @@ def _tidy(document: Json) -> None:
     # FastAPI's own form of 422: the service answers with problem documents.
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
-    for responses in (
-        operation["responses"]
-        for methods in document["paths"].values()
-        for operation in methods.values()
-    ):
+    operations = [each for methods in document["paths"].values() for each in methods.values()]
+    for responses in (operation["responses"] for operation in operations):
         if "application/json" in responses.get("422", {}).get("content", {}):
             del responses["422"]
         for response in responses.values():
             if response["description"] == "Successful Response":
-                response["description"] = "The answer."
+                response["description"] = "The answer." if "content" in response else "Done."
     for schema in schemas.values():
+        if "description" in schema:  # a docstring; its "Note:" is for readers of the code
+            schema["description"] = schema["description"].partition("\n\nNote:\n")[0]
         for field in schema.get("properties", {}).values():
-            # Defaults that are objects become text: client generators drop the schemas of their fields.
+            # Defaults that are objects become text: client generators drop their fields' schemas.
             if isinstance(field.get("default"), dict):
-                default = json.dumps(field.pop("default"))
-                field["description"] = (
-                    f"{field.get('description', '')} Default: `{default}`.".strip()
-                )
+                said = f" Default: `{json.dumps(field.pop('default'))}`."
+                field["description"] = (field.get("description", "") + said).strip()

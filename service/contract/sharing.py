@@ -13,6 +13,7 @@ from typing import Any
 
 Json = dict[str, Any]
 Place = tuple[Any, Any, str]  # container, key, and what is there is to be called
+FEW = 4  # fields: fewer are read sooner where they are than at another place
 NULL = {"type": "null"}
 # What a place says of a type beyond the type itself.
 BESIDE = ("description", "default")
@@ -30,16 +31,18 @@ NAMED = {
     "Links": "Accepted.links",
     "Numbers": "Design.dimensions",
     "Objective": "SweepSpec.quantities.items",
+    "MeshAngle": "GloboidalIndexer.mesh_angle_deg",
     "Pair": "BorderArc.from_mm",
+    "PivotDirection": "OscillatingRoller.pivot_direction_deg",
     "Pointer": "RangeAxis.pointer",
     "Segment": "DesignSpec.program.items",
+    "RollerDistance": "CylindricalOscillating.roller_distance_mm",
+    "RollerWidth": "CylindricalOscillating.roller_width_mm",
     "SegmentAngle": "Rise.angle_deg",
     "SpecName": "DesignSpec.name",
+    "Speed": "DesignSpec.speed_rpm",
     "StatusOrNone": "DesignSummary.status",
-    "SweepState": "Sweep.state",
     "Swing": "Rise.lift_deg",
-    "Time": "Accepted.created",
-    "WorkState": "Accepted.state",
 }
 
 
@@ -56,6 +59,8 @@ def share(document: Json) -> None:
         _require_kinds(place, schemas)
     for name, at in NAMED.items():
         _name_type(schemas, name, at.split("."))
+    _open_answers(document["paths"], schemas)
+    _inherit(schemas)
     components["schemas"] = dict(sorted(schemas.items()))
     operations = [each for methods in document["paths"].values() for each in methods.values()]
     lists = [operation.get("parameters", []) for operation in operations]
@@ -123,7 +128,10 @@ def _require_kinds(place: Json, schemas: Json) -> None:
         key = told["propertyName"]
         for reference in told["mapping"].values():
             member = schemas[reference.rpartition("/")[2]]
-            member["properties"][key].pop("default", None)
+            kind = member["properties"][key]
+            kind.pop("default", None)
+            if "const" in kind:  # which says the type
+                kind.pop("type", None)
             others = [each for each in member.get("required", []) if each != key]
             member["required"] = [key, *others]
 
@@ -159,6 +167,53 @@ def _kind_of(place: Json) -> str:
     return json.dumps({key: place[key] for key in place if key not in BESIDE}, sort_keys=True)
 
 
+def _open_answers(paths: Json, schemas: Json) -> None:
+    """Leave only what is sent closed and with defaults: answers say all, and later ones more."""
+    bodies = [
+        each["requestBody"]
+        for one in paths.values()
+        for each in one.values()
+        if "requestBody" in each
+    ]
+    sent, open_ends = set[str](), list(_objects(bodies))
+    while open_ends:
+        name = str(open_ends.pop().get("$ref", "")).rpartition("/")[2]
+        if name in schemas and name not in sent:
+            sent.add(name)
+            open_ends += _objects(schemas[name])
+    for name in schemas.keys() - sent:
+        if schemas[name].get("additionalProperties") is False:
+            del schemas[name]["additionalProperties"]
+        for field in schemas[name].get("properties", {}).values():
+            field.pop("default", None)
+
+
+def _inherit(schemas: Json) -> None:
+    """Write an open object that has all fields of another as that one and what it has more."""
+    fields = {
+        name: schema["properties"]
+        for name, schema in schemas.items()
+        if "properties" in schema and "additionalProperties" not in schema
+    }
+    needed = {name: set(schemas[name].get("required", [])) for name in fields}
+    for name, own in fields.items():
+        bases = [
+            base
+            for base in fields
+            if len(own) > len(fields[base]) >= FEW
+            and fields[base].items() <= own.items()
+            and needed[base] <= needed[name]
+        ]
+        if bases:
+            base = max(bases, key=lambda each: len(fields[each]))
+            schema = schemas[name]
+            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}]
+            schema["properties"] = {key: own[key] for key in own if key not in fields[base]}
+            schema["required"] = [
+                key for key in schema.get("required", []) if key not in needed[base]
+            ]
+
+
 def _shorten_parameter(parameter: Json) -> None:
     """Drop what OpenAPI takes as said: not required; and no parameter of a query can be null."""
     schema = parameter["schema"]
@@ -176,14 +231,12 @@ def _shorten_parameter(parameter: Json) -> None:
 
 def _name_of(status: str, response: Json) -> str:
     """What a response is called where several operations have it."""
-    if status >= "400":
-        return f"Problem{status}"
     media_type, content = next(iter(response.get("content", {}).items()), ("", {}))
+    if status >= "400" or not media_type:
+        return status
     schema = content.get("schema", {}).get("$ref", "").rpartition("/")[2]
-    if schema or not media_type:
-        return f"{schema or 'Answer'}{status}"
-    kind = media_type.partition("/")[2].partition("+")[0].split(".")[-1]
-    return f"{kind.capitalize()}{status}"
+    kind = media_type.partition("/")[2].partition("+")[0].split(".")[-1].capitalize()
+    return f"{schema or kind}{'' if status == '200' else status}"
 
 
 def _move(places: list[Place], kind: str) -> Json:

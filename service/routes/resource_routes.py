@@ -47,11 +47,11 @@ POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
 WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
 BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
-WAITING = "202 while it is being worked on; where it failed, the problem that the work ended with."
 UNDER_WAY: dict[int | str, dict[str, Any]] = {
     202: {
         "model": Accepted,
-        "description": "Being worked on; ask again.",
+        "description": "Being worked on: ask again for the answer, or the problem that the work "
+        "ends with.",
         "headers": UNDER_WAY_HEADERS,
     }
 }
@@ -111,7 +111,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
 
 
 def _add_list(router: APIRouter, resource: Resource) -> None:
-    size = Query(ge=1, le=200, description=f"{resource.plural.capitalize()} on a page.")
+    size = Query(ge=1, le=200, description="How many on a page.")
     filters = resource.status is not None
     kind: Any = (resource.status or str) | None
     only = Query(description="Only those with this status.", include_in_schema=filters)
@@ -157,7 +157,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
         name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
-        description=f"{text}\n\n{WAITING}", response_model=resource.answer,
+        description=text, response_model=resource.answer,
         responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
     )  # fmt: skip
 
@@ -240,7 +240,6 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         id: Annotated[str, Path(alias=resource.id_name)],
         parts: Parts,
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
-        if_none_match: KnownTag = None,
     ) -> Response:
         options = file.format.options(**dict(query))
         row, body = await parts.jobs[resource.path].find_done(id)

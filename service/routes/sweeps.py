@@ -104,7 +104,7 @@ async def create_sweep(
 @router.get("", summary="List sweeps", responses=problems(422))
 async def list_sweeps(
     parts: Parts,
-    limit: Annotated[int, Query(ge=1, le=200, description="Sweeps on a page.")] = 50,
+    limit: Annotated[int, Query(ge=1, le=200, description="How many on a page.")] = 50,
     cursor: Cursor = None,
     state: Annotated[
         views.SweepState | None, Query(description="Only those in this state.")
@@ -182,7 +182,7 @@ async def watch_sweep(
 async def list_sweep_items(
     sweep: RequestedSweep,
     parts: Parts,
-    limit: Annotated[int, Query(ge=1, le=1000, description="Items on a page.")] = 100,
+    limit: Annotated[int, Query(ge=1, le=1000, description="How many on a page.")] = 100,
     cursor: Cursor = None,
     status: Annotated[
         views.ItemStatus | None, Query(description="Only those with this status.")
