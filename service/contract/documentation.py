@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.contract.examples import examples
+from service.contract.sharing import share
 from service.wire.errors import ProblemType
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
 from synthesis.design.identity import engine_version
@@ -40,7 +40,7 @@ TAGS = {
 # Statuses of several types of problems.
 SEVERAL = {
     404: "Not found",
-    409: "Conflict with the current state",
+    409: "Conflict with the current state: not finished, no cam, or deleted meanwhile",
     422: "The request is invalid",
     500: "Internal error",
     503: "Temporarily unavailable: try again",
@@ -54,37 +54,54 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 )  # fmt: skip
 
 
-def problems(*statuses: int) -> dict[int | str, Json]:
-    """Responses that are problem documents, by reference."""
+def problems(*statuses: int, late: bool = True) -> dict[int | str, Json]:
+    """Responses that are problem documents, by reference; several of a class as its range.
+
+    Args:
+        late: whether 504 brings the best design by then along, and so stands by itself.
+    """
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
     responses: dict[int | str, Json] = {}
-    for status in statuses:
-        model = LateProblem if status == 504 else Problem  # only 504 has a design, which is large
-        schema = {"$ref": f"{REFERENCE}{model.__name__}"}
-        content = {MEDIA_TYPE: {"schema": schema}}
-        responses[status] = {"description": f"{titles[status]}.", "content": content}
+    if late and 504 in statuses:
+        responses[504] = _problem(LateProblem, f"{titles[504]}.")
+    for first in (4, 5):
+        those = [
+            status for status in statuses if status // 100 == first and status not in responses
+        ]
+        if len(those) == 1:
+            responses[those[0]] = _problem(Problem, f"{titles[those[0]]}.")
+        elif those:
+            lines = "\n".join(f"* {status}: {titles[status]}." for status in those)
+            responses[f"{first}XX"] = _problem(Problem, lines)
     return responses
 
 
-def etag_response(status: int = 200, **more: Any) -> dict[int | str, Json]:
+def _problem(model: type[BaseModel], description: str) -> Json:
+    schema = {"$ref": f"{REFERENCE}{model.__name__}"}
+    return {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}
+
+
+def etag_response(**more: Any) -> dict[int | str, Json]:
     """A response with a strong ETag, and 304 for those who have it."""
     return {
-        status: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
+        200: {"headers": {"ETag": _header("Strong: the same tag, the same bytes.")}, **more},
         304: {"description": "The caller has it already."},
     }
 
 
-def file_response(**more: Any) -> dict[int | str, Json]:
-    """A file with a tag, of which parts can be requested by Range."""
+def file_response(content: Json, may_fail: bool = True) -> dict[int | str, Json]:
+    """A file with a tag, of which parts can be requested by Range, and what may go wrong.
+
+    What HTTP makes of tags and ranges, 304 and 206, is told once, by the headers of all files.
+
+    Args:
+        may_fail: whether a worker makes it or an optional part, so that making it may fail.
+    """
+    headers = {"ETag": FILE_TAG, "Accept-Ranges": FILE_PARTS}
     return {
-        **etag_response(**more),
-        206: {
-            "description": "With `Range: bytes=…` and, if given, the file's tag in `If-Range`: the "
-            "requested part, uncompressed.",
-            "headers": {"Content-Range": _header("The range and the total size.")},
-            **({"content": more["content"]} if "content" in more else {}),
-        },
-        **problems(416),
+        200: {"description": "The file.", "headers": headers, "content": content},
+        **problems(404, 409, 416, 422, 429),
+        **(problems(500, 501, 503, 504, late=False) if may_fail else {}),
     }
 
 
@@ -92,6 +109,14 @@ def _header(description: str) -> Json:
     return {"description": description, "schema": {"type": "string"}}
 
 
+FILE_TAG = _header(
+    "Strong: the same tag, the same bytes. Sent back in `If-None-Match`, the answer is 304 without "
+    "a body while that is so."
+)
+FILE_PARTS = _header(
+    "`bytes`: asked with `Range: bytes=…` and, if given, the file's tag in `If-Range`, the answer "
+    "is 206 with the requested part, uncompressed; its `Content-Range` has range and total size."
+)
 UNDER_WAY_HEADERS = {
     "Location": _header("Address to ask again."),
     "Retry-After": _header("Seconds until then."),
@@ -114,7 +139,9 @@ def describe(app: FastAPI) -> Json:
             description=DESCRIPTION,
             routes=app.routes,
             tags=[{"name": name, "description": text} for name, text in TAGS.items()],
+            contact={"name": "Camwright founders"},
             license_info={"name": "MIT", "identifier": "MIT"},
+            servers=[{"url": "/", "description": "The service that this document comes from."}],
             separate_input_output_schemas=False,
         )
         _, unnamed = models_json_schema(
@@ -122,65 +149,32 @@ def describe(app: FastAPI) -> Json:
         )
         own = {model.__name__: unnamed["$defs"][model.__name__] for model in UNNAMED}
         schemas = {**unnamed["$defs"], **document["components"]["schemas"], **own}
-        document["components"]["schemas"] = dict(sorted(schemas.items()))
+        document["components"]["schemas"] = schemas
+        document["security"] = []  # nobody signs in
         _tidy(document)
+        share(document)
         app.openapi_schema = document
     return app.openapi_schema
 
 
 def _tidy(document: Json) -> None:
-    """Remove what FastAPI adds, and share what several operations have in common."""
-    components = document["components"]
-    operations = [each for methods in document["paths"].values() for each in methods.values()]
-    lists = [operation.get("parameters", []) for operation in operations]
-    answers = [operation["responses"] for operation in operations]
+    """Remove what FastAPI adds and the service does not do."""
+    schemas = document["components"]["schemas"]
     # FastAPI's own form of 422: the service answers with problem documents.
     for unused in ("HTTPValidationError", "ValidationError"):
-        components["schemas"].pop(unused, None)
-    for responses in answers:
+        schemas.pop(unused, None)
+    operations = [each for methods in document["paths"].values() for each in methods.values()]
+    for responses in (operation["responses"] for operation in operations):
         if "application/json" in responses.get("422", {}).get("content", {}):
             del responses["422"]
-    fields = [
-        (name, field)
-        for schema in components["schemas"].values()
-        for name, field in schema.get("properties", {}).items()
-    ]
-    for _, field in fields:
-        # Defaults that are objects become text: client generators drop the schemas of their fields.
-        if isinstance(field.get("default"), dict):
-            default = json.dumps(field.pop("default"))
-            field["description"] = f"{field.get('description', '')} Default: `{default}`.".strip()
-    parameters = [(each["name"], each["schema"]) for one in lists for each in one]
-    for name, field in [*fields, *parameters]:
-        if field.get("title") == name.replace("_", " ").title():  # it only repeats the name
-            del field["title"]
-    places = [(each, at, each[at]["name"]) for each in lists for at in range(len(each))]
-    components["parameters"] = _share(places, "parameters")
-    # Responses of status 200 stay with their operation, for readers.
-    named = [
-        (each, status, f"{'Problem' if status >= '400' else 'Answer'}{status}")
-        for each in answers
-        for status in each
-        if status != "200"
-    ]
-    components["responses"] = _share(named, "responses")
-
-
-def _share(places: list[tuple[Any, Any, str]], kind: str) -> Json:
-    """What occurs at several places, by name; the places become references to it.
-
-    Args:
-        places: container, key and name of each; different ones of a name are numbered.
-        kind: the section of the components.
-    """
-    texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
-    often, names, parts = Counter(texts), dict[str, str](), Json()
-    for (holder, key, name), text in zip(places, texts, strict=True):
-        if often[text] == 1:
-            continue
-        if text not in names:
-            same = sum(each.partition("_no_")[0] == name for each in parts)
-            names[text] = f"{name}_no_{same + 1}" if same else name
-            parts[names[text]] = holder[key]
-        holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
-    return parts
+        for response in responses.values():
+            if response["description"] == "Successful Response":
+                response["description"] = "The answer." if "content" in response else "Done."
+    for schema in schemas.values():
+        if "description" in schema:  # a docstring; its "Note:" is for readers of the code
+            schema["description"] = schema["description"].partition("\n\nNote:\n")[0]
+        for field in schema.get("properties", {}).values():
+            # Defaults that are objects become text: client generators drop their fields' schemas.
+            if isinstance(field.get("default"), dict):
+                said = f" Default: `{json.dumps(field.pop('default'))}`."
+                field["description"] = (field.get("description", "") + said).strip()

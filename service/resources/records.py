@@ -94,8 +94,7 @@ DESIGNS = Resource(
     text="""Chooses base radius, offset and spline laws together and proves that every limit holds.
 
     That nothing fits is a result, not an error: status `infeasible` where it is proven over all
-    that was asked, `unsolved` where no cam was found; both with the conflict. The same spec gives
-    the same id and the same bytes.
+    that was asked, `unsolved` where no cam was found; both with the conflict.
     """,
     answer_text="Dimensions, motion, extremes, certificate, report and links.",
     status=Status,
@@ -128,14 +127,17 @@ ANALYSES = Resource(
 
     The laws, the base radius and the offset must be given; what is left free is a problem (422).
     A limit that is broken is a result, not an error: `holds` is false, `violated` names it,
-    `extremes` says by how much and where, `remedy` which size would help. The same spec gives the
-    same bytes. Its pictures and its report are at `/v1/analyses/{id}/motion.svg`, `contact.svg`, …;
+    `extremes` says by how much and where, `remedy` which size would help.
+    Its pictures and its report are at `/v1/analyses/{id}/motion.svg`, `contact.svg`, …;
     for files of points, send the same spec to `POST /v1/designs`.
     """,
     status=Verdict,
     files=tuple(
         ResourceFile(
-            replace(each, title=f"{each.title}, of an analysis", purpose="", in_worker=True),
+            replace(
+                each, title=f"{each.title}, of an analysis", purpose="The same of a given cam.",
+                in_worker=True,
+            ),
             tasks.write_picture, name, "analysis_",
         )
         for name, each in DRAWINGS.items()
@@ -234,7 +236,7 @@ CAM_SETS = Resource(
 
     `turn_deg` says how a cam is turned on the shaft, `keyway_deg` where its keyway is; `timing`
     says what happens when and which followers move together. The cams share the time budget. The
-    set's status is the worst of its cams'. The same spec gives the same id and the same bytes.
+    set's status is the worst of its cams'.
     """,
     answer_text="Every cam with its design and its place on the shaft, the timing, and links.",
     status=Status,
@@ -286,7 +288,7 @@ SPATIAL_CAMS = Resource(
 
     `walls` says which side of which roller meets the cam when, `extremes` what was measured of
     them: value, cam angle, roller, side and place on the roller's axis. A wall that is undercut
-    makes the cam `infeasible`: a result, not an error. The same spec gives the same id.
+    makes the cam `infeasible`: a result, not an error.
     """,
     answer_text="Dimensions, motion, walls, extremes, certificate, report and links.",
     status=Status,
@@ -313,7 +315,7 @@ def _linkages(linkage: Linkage) -> Resource:
             task=partial(tasks.solve_linkage, linkage.name),
         unknown=ProblemType.UNKNOWN_LINKAGE,
         title=linkage.title,
-        text=f"{linkage.purpose} The same spec gives the same bytes.",
+        text=linkage.purpose,
         answer_text="The answer, with links to its files.",
         status=Status,
         files=tuple(
@@ -343,7 +345,7 @@ TRAIN_RESPONSES = Resource(
     The train is a chain of masses, springs and dampers that the cam drives through the first link.
     Its periodic response and its way there from rest are computed mode by mode in closed form. The
     cam's own limits are its spec's; a law without residual vibration: the limit
-    `residual_vibration`. The same spec gives the same bytes.
+    `residual_vibration`.
     """,
     files=tuple(ResourceFile(each, _write_response, each.name, "train_") for each in TRAIN_FILES),
 )

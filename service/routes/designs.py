@@ -112,7 +112,6 @@ async def _get_report(
     sensitivities: Annotated[
         bool, Query(description="Say what each limit costs too: a few solves more.")
     ] = False,
-    if_none_match: KnownTag = None,
 ) -> Response:
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
     costs = None
@@ -129,5 +128,5 @@ add_file_route(
     DESIGNS,
     ResourceFile(PICTURES[REPORT], write_design, REPORT),
     _get_report,
-    (500, 503, 504),
+    may_fail=True,
 )

@@ -48,11 +48,11 @@ POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
 WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
 BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
-WAITING = "202 while it is being worked on; where it failed, the problem that the work ended with."
 UNDER_WAY: dict[int | str, dict[str, Any]] = {
     202: {
         "model": Accepted,
-        "description": "Being worked on; ask again.",
+        "description": "Being worked on: ask again for the answer, or the problem that the work "
+        "ends with.",
         "headers": UNDER_WAY_HEADERS,
     }
 }
@@ -112,7 +112,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
 
 
 def _add_list(router: APIRouter, resource: Resource) -> None:
-    size = Query(ge=1, le=200, description=f"{resource.plural.capitalize()} on a page.")
+    size = Query(ge=1, le=200, description="How many on a page.")
     filters = resource.status is not None
     kind: Any = (resource.status or str) | None
     only = Query(description="Only those with this status.", include_in_schema=filters)
@@ -158,7 +158,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
         name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
-        description=f"{text}\n\n{WAITING}", response_model=resource.answer,
+        description=text, response_model=resource.answer,
         responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
     )  # fmt: skip
 
@@ -241,24 +241,18 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         id: Annotated[str, Path(alias=resource.id_name)],
         parts: Parts,
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
-        if_none_match: KnownTag = None,
     ) -> Response:
         options = file.format.options(**dict(query))
         row, body = await parts.jobs[resource.path].find_done(id)
         return await send_file(request, parts, resource, file, row, body, options)
 
-    statuses = WORKER_STATUSES if file.format.in_worker else ()
-    add_file_route(router, resource, file, handler, statuses)
+    add_file_route(router, resource, file, handler, file.format.in_worker)
 
 
 def add_file_route(
-    router: APIRouter,
-    resource: Resource,
-    file: ResourceFile,
-    handler: Handler,
-    statuses: tuple[int, ...],
+    router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_fail: bool
 ) -> None:
-    """Add the route of a file with a handler; ``statuses``: what may go wrong besides."""
+    """Add the route of a file with a handler, which may or may not fail at making it."""
     media_type = file.format.media_type.partition(";")[0]
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}/{file.path}",
@@ -268,10 +262,7 @@ def add_file_route(
         summary=file.format.title,
         description=file.format.purpose,
         response_class=Response,
-        responses={
-            **file_response(description=file.format.title, content=content_of(media_type)),
-            **problems(404, 409, 422, *statuses),
-        },
+        responses=file_response(content_of(media_type), may_fail),
     )
 
 

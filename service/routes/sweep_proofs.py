@@ -8,15 +8,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.contract.documentation import file_response, problems
+from service.contract.documentation import file_response
 from service.resources.records import DESIGNS, write_design
-from service.routes.resource_routes import (
-    WORKER_STATUSES,
-    KnownTag,
-    content_of,
-    download_headers,
-    in_worker,
-)
+from service.routes.resource_routes import content_of, download_headers, in_worker
 from service.routes.sweeps import RequestedSweep, find_item
 from service.state import Parts
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
@@ -32,10 +26,7 @@ MAX_PROOFS = 50  # of one archive: each takes as long as its design
 @router.get(
     "/{sweep_id}/proofs.zip",
     response_class=Response,
-    responses={
-        **file_response(description="The archive.", content=content_of(MEDIA_TYPE)),
-        **problems(404, 409, 422, *WORKER_STATUSES),
-    },
+    responses=file_response(content_of(MEDIA_TYPE)),
     summary="Proofs of chosen items",
 )
 async def get_sweep_proofs_zip(
@@ -46,7 +37,6 @@ async def get_sweep_proofs_zip(
         list[int],
         Query(min_length=1, max_length=MAX_PROOFS, description="Item by number; may be repeated."),
     ],
-    if_none_match: KnownTag = None,
 ) -> Response:
     """A ZIP archive with the file `proof.json` of each item's design, named by its number.
 

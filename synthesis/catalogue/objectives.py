@@ -192,9 +192,11 @@ class RmsJerk(RmsDerivative):
 class PeakDriveForce(Objective):
     """Minimise the largest drive G over the turn; pushed both ways, the largest |G|.
 
-    G = m s'' ω² + c s' ω + k s + F0 + P + W is linear in the law, so the least peak is found and
-    bounded like that of the acceleration. Under an upright flat face it is the contact force;
-    elsewhere N = G / cos α lies above it.
+    Under an upright flat face it is the contact force; elsewhere N = G / cos α lies above it.
+
+    Note:
+        G = m s'' ω² + c s' ω + k s + F0 + P + W is linear in the law, so the least peak is found
+        and bounded like that of the acceleration.
     """
 
     kind: Literal["peak_drive_force"] = "peak_drive_force"
@@ -243,11 +245,13 @@ class PeakDriveForce(Objective):
 
 
 class PeakPressureAngle(Objective):
-    """Minimise the largest |α| on rises and returns; the value inside the core is tan |α|.
+    """Minimise the largest |α| on rises and returns.
 
-    A ratio of two linear forms: for a trial slope t the rows ask how far
-    |s' − e| − t (s0 + s) exceeds zero, and t is lowered until it no longer can be (Dinkelbach).
-    On an arm no fixed row says it: there the limit on the pressure angle is what is searched for.
+    Note:
+        The value inside the core is tan |α|, a ratio of two linear forms: for a trial slope t the
+        rows ask how far |s' − e| − t (s0 + s) exceeds zero, and t is lowered until it no longer can
+        be (Dinkelbach). On an arm no fixed row says it: there the limit on the pressure angle is
+        what is searched for.
     """
 
     kind: Literal["peak_pressure_angle"] = "peak_pressure_angle"

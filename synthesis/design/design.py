@@ -272,10 +272,9 @@ class Conflict(AnswerModel):
     )
     program_changes: list[Relaxation] = Field(
         [],
-        description="Numbers of the motion program, and the speed, of which a change mends the "
-        "conflict with all limits as they are: a segment's angle whose degrees a dwell gives or "
-        "takes, all lifts in proportion, an end of a range. Those of one `limit` change together. "
-        "Only changes by a half or less are sought.",
+        description="Changes of the program or the speed, by a half or less, that mend the "
+        "conflict with all limits as they are: a segment's angle at a dwell's cost, all lifts in "
+        "proportion, an end of a range. Those of one `limit` change together.",
     )
     evidence: str = doc("How the conflict is known, and what a proof of it covers.")
     proven: bool = doc(

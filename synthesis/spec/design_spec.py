@@ -109,16 +109,12 @@ class DesignSpec(FiniteModel):
     )
     proof: Literal["auto", "quick", "thorough"] = Field(
         "auto",
-        description="Where curvature binds, the quick lower bound is that of the question "
-        "without it. `thorough` adds rows that curvature implies where a better cam would "
-        "have to lie, and splits the range of the offset, or of a free pivot: a far smaller "
-        "gap, for half a second to some ten seconds more. `auto` begins with the quick one and, "
-        "while the gap is above the tolerance, goes on as `thorough` does: for some three "
-        "seconds, counted in programs solved, so that the answer is the same on every machine "
-        "that needs less than half of the service's time budget for them; with `time_budget_s`, "
-        "for half of that time, and how far it comes depends on the machine. In the base of a "
-        "sweep `quick` is the default. Where nothing fits, `thorough` also brings the values that "
-        "suffice and those that are impossible nearer to each other.",
+        description="quick: where curvature binds, the bound is that of the question without it. "
+        "thorough: a far smaller gap, for half a second to some ten seconds more; where nothing "
+        "fits, values that suffice and values that are impossible come nearer to each other. "
+        "auto: quick and, while the gap is above the tolerance, thorough for some three seconds, "
+        "counted in programs solved so that machines agree; with `time_budget_s`, for half of "
+        "that time. Default in the base of a sweep: quick.",
     )
     report_smoothness_cost: bool = Field(
         False,

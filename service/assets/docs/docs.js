@@ -1,48 +1,55 @@
-// Swagger UI. Whatever is opened is resolved by itself, and not the whole contract with it.
+// Swagger UI. What is opened is resolved here: its own way to do so, made for documents that may
+// refer to others, goes through the contract many times and takes seconds.
 
-/** What a place of the contract refers to, as paths into the contract. */
-function* references(place) {
-  if (place === null || typeof place !== "object") return;
-  const named = [place.$ref, ...Object.values(place.discriminator?.mapping ?? {})];
-  for (const name of named.filter((each) => typeof each === "string" && each.startsWith("#/"))) {
-    yield name.slice(2).split("/").map((key) => key.replaceAll("~1", "/").replaceAll("~0", "~"));
+/** The place that a reference leads to. */
+function placeOf(contract, reference) {
+  const keys = reference.slice(2).split("/");
+  return keys.reduce((at, key) => at?.[key.replaceAll("~1", "/").replaceAll("~0", "~")], contract);
+}
+
+// Fields of a large object: once in an operation it is written out, then it is only named.
+const LARGE = 16;
+
+/**
+ * A place with all that it refers to written out. What stands beside a reference comes before what
+ * is there; schemas without a title are called as in the contract.
+ *
+ * written: the references written out so far, with what they became; null while that goes on.
+ */
+function resolved(contract, place, written = new Map()) {
+  if (Array.isArray(place)) return place.map((each) => resolved(contract, each, written));
+  if (place === null || typeof place !== "object") return place;
+  const { $ref, ...beside } = place;
+  if (typeof $ref !== "string" || !$ref.startsWith("#/")) {
+    const inner = ([key, value]) => [key, key === "examples" ? value : resolved(contract, value, written)];
+    return Object.fromEntries(Object.entries(place).map(inner));
   }
-  for (const inner of Object.values(place)) yield* references(inner);
-}
-
-/** The contract with no more in it than stands at a path and what that refers to. */
-function reached(contract, path) {
-  const part = { openapi: contract.openapi, info: contract.info, paths: {} };
-  const found = new Set();
-  const open = [path];
-  while (open.length > 0) {
-    const keys = open.pop();
-    if (found.has(keys.join(" "))) continue;
-    found.add(keys.join(" "));
-    const place = keys.reduce((at, key) => at?.[key], contract);
-    if (place === undefined) continue; // there are no security schemes
-    const holder = keys.slice(0, -1).reduce((at, key) => (at[key] ??= {}), part);
-    holder[keys.at(-1)] = place;
-    open.push(...references(place));
+  if (!written.has($ref)) {
+    written.set($ref, null);
+    const [, title] = $ref.match(/^#\/components\/schemas\/(.+)$/) ?? [];
+    written.set($ref, { ...(title && { title }), ...resolved(contract, placeOf(contract, $ref), written) });
+  } else if (written.get($ref) === null || Object.keys(written.get($ref).properties ?? {}).length > LARGE) {
+    const { type, description } = placeOf(contract, $ref);
+    return { title: $ref.split("/").at(-1), type, description, ...beside };
   }
-  return part;
+  return { ...written.get($ref), ...beside };
 }
 
-/** As a plugin: for every operation that is opened, Swagger UI goes through all it is given. */
-function Reached({ fn: { resolveSubtree } }) {
-  return {
-    fn: {
-      resolveSubtree: (contract, path, options) =>
-        resolveSubtree(reached(contract, path), path, options),
-    },
-  };
-}
+/** As a plugin. */
+const Resolved = () => ({
+  fn: {
+    resolveSubtree: async (contract, path) => ({
+      spec: resolved(contract, path.reduce((at, key) => at?.[key], contract)) ?? null,
+      errors: [],
+    }),
+  },
+});
 
 globalThis.SwaggerUIBundle?.({
   url: "/openapi.json",
   dom_id: "#swagger-ui",
   presets: [SwaggerUIBundle.presets.apis],
-  plugins: [Reached],
+  plugins: [Resolved],
   layout: "BaseLayout",
   deepLinking: true,
   showExtensions: true,

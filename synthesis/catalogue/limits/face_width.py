@@ -21,8 +21,11 @@ class FaceWidth(Limit):
     """Contact stays on the face: on a slide, so far to both sides of the slide's line.
 
     Left and right are those of an upward follower on a ccw cam, on a cw cam they are exchanged:
-    contact moves to the right on rises. It is linear in the motion and the size. A face that
-    swings begins and ends at so much from the foot of its pivot on it.
+    contact moves to the right on rises. A face that swings begins and ends at so much from the foot
+    of its pivot on it.
+
+    Note:
+        It is linear in the motion and the size.
     """
 
     kind: Literal["face_width"] = "face_width"

@@ -73,10 +73,11 @@ def transmission(path: TracePoint, segment: PlacedSegment, machine: Machine, s: 
 class ContactForce(ForceLimit):
     """``min_n`` ≤ N ≤ ``max_n`` on every flank; at min_n = 0 the follower does not float.
 
-    The drive G = m s'' ω² + c s' ω + k s + F0 + P + W is linear in the law. N is not, but it has
-    the sign of G, so that "no float" is linear; and N ≥ G where nothing shares the load, so that
-    G ≤ max_n is a row that the limit implies. The rest is said in smooth form,
-    G ≤ max_n (λ cos α − friction), which divides by nothing.
+    Note:
+        The drive G = m s'' ω² + c s' ω + k s + F0 + P + W is linear in the law. N is not, but it
+        has the sign of G, so that "no float" is linear; and N ≥ G where nothing shares the load, so
+        that G ≤ max_n is a row that the limit implies. The rest is said in smooth form, G ≤ max_n
+        (λ cos α − friction), which divides by nothing.
     """
 
     kind: Literal["contact_force"] = "contact_force"
@@ -177,7 +178,8 @@ def _max_transmission(machine: Machine) -> float | None:
 class CamshaftTorque(ForceLimit):
     """|T| ≤ ``max_n_m`` at every cam angle: T = G s', with friction G s' λ cos α/(λ cos α − …).
 
-    A product of two derivatives of the law: no row says it, nor is it eased by a larger cam.
+    Note:
+        A product of two derivatives of the law: no row says it, nor is it eased by a larger cam.
     """
 
     kind: Literal["camshaft_torque"] = "camshaft_torque"

@@ -41,13 +41,14 @@ WEAKEST = 1e-3  # φ: a guide that leaves less is nearly locked by its friction
 class HertzPressure(ForceLimit):
     """p ≤ ``max_mpa`` of the line contact, on every flank.
 
-    p² = (N/B)(1/R1 + 1/R2) with 1/R2 = σκ/(1 − Dσκ). Times what does not vanish on a cam without
-    undercut, and with L = G/(B p_max²), a length:
+    Note:
+        p² = (N/B)(1/R1 + 1/R2) with 1/R2 = σκ/(1 − Dσκ). Times what does not vanish on a cam
+        without undercut, and with L = G/(B p_max²), a length:
 
-        roller     L [(1 − Dσκ)/R1 + σκ] ≤ (λ cos α − friction)(1 − Dσκ)
-        flat face  L ≤ (λ cos α) ρ
+            roller     L [(1 − Dσκ)/R1 + σκ] ≤ (λ cos α − friction)(1 − Dσκ)
+            flat face  L ≤ (λ cos α) ρ
 
-    No formula divides by a curvature, so that straight and hollow flanks are nothing special.
+        No formula divides by a curvature, so that straight and hollow flanks are nothing special.
     """
 
     kind: Literal["hertz_pressure"] = "hertz_pressure"

@@ -215,9 +215,11 @@ Amplitude = Annotated[float, Field(ge=0.0, le=1e30)] | None
 class ResidualVibration(TravelLimit):
     """Amplitude ≤ the limit where a dwell begins, of one mode of the follower train.
 
-    Every run of segments between two dwells counts by itself, the train at rest before it. The
-    amplitude is the modulus of an integral that is linear in the motion, so that it is a cone, and
-    0 two equalities.
+    Every run of segments between two dwells counts by itself, the train at rest before it.
+
+    Note:
+        The amplitude is the modulus of an integral that is linear in the motion, so that it is a
+        cone, and 0 two equalities.
     """
 
     kind: Literal["residual_vibration"] = "residual_vibration"

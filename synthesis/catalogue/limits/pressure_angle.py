@@ -23,9 +23,12 @@ Degrees = Annotated[float, Field(gt=0.0, lt=90.0)]
 class PressureAngle(Limit):
     """|α| ≤ the rise's limit on every rise, ≤ the return's on every return; dwells are free.
 
-    Linear in the motion and the size together for a translating roller: |s' − e| ≤
-    tan α_max (s0 + s). On an arm it is not: the follower then says it as curved. Rises and returns
-    are the program's, for a counter cam too, which falls where the main cam rises.
+    Rises and returns are the program's, for a counter cam too, which falls where the main cam
+    rises.
+
+    Note:
+        Linear in the motion and the size together for a translating roller: |s' − e| ≤ tan α_max
+        (s0 + s). On an arm it is not: the follower then says it as curved.
     """
 
     kind: Literal["pressure_angle"] = "pressure_angle"

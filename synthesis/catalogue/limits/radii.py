@@ -72,10 +72,13 @@ class FlankRadius(Limit, ABC):
 class ProfileRadius(FlankRadius):
     """Radius of the convex profile ≥ ``min_mm``: ρ_pitch ≥ Rr + min wherever ρ_pitch is positive.
 
-    The follower says it in linear rows where it can (a flat face: ρ = Rb + s + s''). For a roller
-    it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may vanish; of a
-    flank touched from inside with −κ_pitch, because there a hollow pitch curve is convex. Signed:
-    a hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
+    A hollow flank (negative curvature) is the business of the limit ``cutter_radius``.
+
+    Note:
+        The follower says it in linear rows where it can (a flat face: ρ = Rb + s + s''). For a
+        roller it is written as κ_pitch ≤ 1/(Rr + min), which is free of division by what may
+        vanish; of a flank touched from inside with −κ_pitch, because there a hollow pitch curve is
+        convex.
     """
 
     kind: Literal["profile_radius"] = "profile_radius"
@@ -126,9 +129,11 @@ class ProfileRadius(FlankRadius):
 class CutterRadius(FlankRadius):
     """Hollow flanks must let in a cutter of radius ``radius_mm``: |ρ_profile| ≥ Rg there.
 
-    With ρ_profile = |ρ_pitch| + D on a hollow at the distance D this is σκ_pitch ≥ −1/(Rg − D),
-    σ = 1 where the cam is touched from outside, −1 from inside; a cutter not larger than the
-    roller fits everywhere.
+    A cutter not larger than the roller fits everywhere.
+
+    Note:
+        With ρ_profile = |ρ_pitch| + D on a hollow at the distance D this is σκ_pitch ≥ −1/(Rg − D),
+        σ = 1 where the cam is touched from outside, −1 from inside.
     """
 
     kind: Literal["cutter_radius"] = "cutter_radius"
@@ -157,9 +162,12 @@ class CutterRadius(FlankRadius):
 class OuterRadius(Limit):
     """No point of the profile lies farther from the cam's axis than ``max_mm``.
 
-    Where the profile is outermost its normal is radial, so the pitch curve is outermost there
-    too: the profile's largest radius is the pitch curve's less Rr, or plus Rr where the cam lies
-    around the roller; there the rim that the spec asks for is added.
+    The rim that the spec asks for is counted in.
+
+    Note:
+        Where the profile is outermost its normal is radial, so the pitch curve is outermost there
+        too: the profile's largest radius is the pitch curve's less Rr, or plus Rr where the cam
+        lies around the roller; there the rim that the spec asks for is added.
     """
 
     kind: Literal["outer_radius"] = "outer_radius"

@@ -118,7 +118,8 @@ class WallRadius(SpatialLimit):
 class RibThickness(SpatialLimit):
     """Rib ≥ the limit, from contact to contact of the rollers on its two sides.
 
-    It has no rows: sizing enlarges the cam until the measured rib keeps it.
+    Note:
+        It has no rows: sizing enlarges the cam until the measured rib keeps it.
     """
 
     kind: Literal["rib_thickness"] = "rib_thickness"

@@ -271,10 +271,10 @@ class SweepSpec(FiniteModel):
     )
     warm_start: bool = Field(
         False,
-        description="Where curvature decides, a design's local search begins where that of "
-        "the item before has ended, in chains of eight items: a quarter less time. Values may "
-        "then differ from those of the same spec alone, within the gap that is reported; such a "
-        "design names the other one in started_from and has an id of its own.",
+        description="Where curvature decides, local searches begin where that of the item before "
+        "has ended, in chains of eight: a quarter less time. Values may differ from those of the "
+        "spec alone, within the gap; such a design has an id of its own and names the other one "
+        "in started_from.",
     )
 
     @field_validator("base")

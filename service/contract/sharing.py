@@ -1,0 +1,258 @@
+"""What several places of the OpenAPI document have in common is said once, and by its name.
+
+The document means the same afterwards, in fewer bytes, and client generators find names where
+there were copies.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+Json = dict[str, Any]
+Place = tuple[Any, Any, str]  # container, key, and what is there is to be called
+FEW = 4  # fields: fewer are read sooner where they are than at another place
+NULL = {"type": "null"}
+# What a place says of a type beyond the type itself.
+BESIDE = ("description", "default")
+# Types that are written out at several places, each by one of them.
+NAMED = {
+    "BalancePointer": "RangeAxis.balance_pointer",
+    "CrownRadius": "GloboidalIndexer.crown_radius_mm",
+    "Cursor": "DesignPage.next",
+    "Dimension": "OscillatingRoller.centre_distance_mm",
+    "Follower": "DesignSpec.follower",
+    "Inflection": "Scca.inflection",
+    "Law": "Rise.law",
+    "Lift": "Rise.lift_mm",
+    "LinkedPointers": "RangeAxis.linked_pointers",
+    "Links": "Accepted.links",
+    "Numbers": "Design.dimensions",
+    "Objective": "SweepSpec.quantities.items",
+    "MeshAngle": "GloboidalIndexer.mesh_angle_deg",
+    "Pair": "BorderArc.from_mm",
+    "PivotDirection": "OscillatingRoller.pivot_direction_deg",
+    "Pointer": "RangeAxis.pointer",
+    "Segment": "DesignSpec.program.items",
+    "RollerDistance": "CylindricalOscillating.roller_distance_mm",
+    "RollerWidth": "CylindricalOscillating.roller_width_mm",
+    "SegmentAngle": "Rise.angle_deg",
+    "SpecName": "DesignSpec.name",
+    "Speed": "DesignSpec.speed_rpm",
+    "StatusOrNone": "DesignSummary.status",
+    "Swing": "Rise.lift_deg",
+}
+
+
+def share(document: Json) -> None:
+    """Rewrite a document so that each thing stands once."""
+    components = document["components"]
+    schemas = components["schemas"]
+    for place in _objects([document["paths"], components]):
+        _write_whole_numbers(place)
+    for name, schema in schemas.items():
+        _drop_repetition(name, schema)
+    for place in _objects(schemas):
+        _merge_null(place)
+        _require_kinds(place, schemas)
+    for name, at in NAMED.items():
+        _name_type(schemas, name, at.split("."))
+    _open_answers(document["paths"], schemas)
+    _inherit(schemas)
+    components["schemas"] = dict(sorted(schemas.items()))
+    operations = [each for methods in document["paths"].values() for each in methods.values()]
+    lists = [operation.get("parameters", []) for operation in operations]
+    for parameter in (each for one in lists for each in one):
+        _shorten_parameter(parameter)
+    answers = [operation["responses"] for operation in operations]
+    headers = [each["headers"] for one in answers for each in one.values() if "headers" in each]
+    components["headers"] = _move([(one, at, at) for one in headers for at in one], "headers")
+    components["parameters"] = _move(
+        [(one, at, each["name"]) for one in lists for at, each in enumerate(one)], "parameters"
+    )
+    components["responses"] = _move(
+        [(one, at, _name_of(at, one[at])) for one in answers for at in one], "responses"
+    )
+
+
+def _objects(place: Any) -> Iterator[Json]:
+    """Every object at or below a place, but for what stands below names that are no keywords."""
+    if isinstance(place, dict):
+        yield place
+    for inner in list(place.values()) if isinstance(place, dict) else place:
+        if isinstance(inner, dict | list):
+            yield from _objects(inner)
+
+
+def _write_whole_numbers(place: Json) -> None:
+    """Write 60.0 as 60: the same number in JSON."""
+    for key, value in place.items():
+        if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:  # exact
+            place[key] = int(value)
+        elif isinstance(value, list):
+            place[key] = [
+                int(each) if isinstance(each, float) and each.is_integer() else each
+                for each in value
+            ]
+
+
+def _drop_repetition(name: str, schema: Json) -> None:
+    """Drop titles that repeat names, and the default null of what may be null or left out."""
+    if schema.get("title") == name:
+        del schema["title"]
+    for key, field in schema.get("properties", {}).items():
+        if field.get("title") == key.replace("_", " ").title():
+            del field["title"]
+        if field.get("default", 0) is None:
+            del field["default"]
+
+
+def _merge_null(place: Json) -> None:
+    """Say of a plain type that may be null: of two types, and of pairs that they end there."""
+    several = place.get("anyOf")
+    if isinstance(several, list) and len(several) == 2 and several[1] == NULL:
+        kind = several[0].get("type")
+        if isinstance(kind, str) and "enum" not in several[0] and not place.keys() & several[0]:
+            del place["anyOf"]
+            place |= {**several[0], "type": [kind, "null"]}
+    if "prefixItems" in place and "items" not in place:  # no item follows: maxItems says so
+        place["items"] = place["prefixItems"][-1]
+
+
+def _require_kinds(place: Json, schemas: Json) -> None:
+    """Require what tells the members of a union apart: without it none is recognised."""
+    told = place.get("discriminator")
+    if isinstance(told, dict) and "mapping" in told:
+        key = told["propertyName"]
+        for reference in told["mapping"].values():
+            member = schemas[reference.rpartition("/")[2]]
+            kind = member["properties"][key]
+            kind.pop("default", None)
+            if "const" in kind:  # which says the type
+                kind.pop("type", None)
+            others = [each for each in member.get("required", []) if each != key]
+            member["required"] = [key, *others]
+
+
+def _name_type(schemas: Json, name: str, at: list[str]) -> None:
+    """Give a type that is written out at several places a name; the places refer to it.
+
+    Args:
+        at: schema, field and further keys of one of the places.
+    """
+    schema, field, *keys = at
+    found = schemas[schema]["properties"][field]
+    for key in keys:
+        found = found[key]
+    kind = _kind_of(found)
+    places = [each for each in _objects(schemas) if _kind_of(each) == kind]
+    # What most places say beside the type is said with it; a default where all have it.
+    named = {key: value for key, value in found.items() if key not in BESIDE}
+    texts = Counter(each["description"] for each in places if "description" in each)
+    if texts and texts.most_common(1)[0][1] > 1:
+        named["description"] = texts.most_common(1)[0][0]
+    if all(each.get("default", named) == found.get("default", named) for each in places):
+        named |= {"default": found["default"]} if "default" in found else {}
+    for place in places:
+        beside = {key: place[key] for key in BESIDE if key in place}
+        place.clear()
+        place["$ref"] = f"#/components/schemas/{name}"
+        place |= {key: value for key, value in beside.items() if value != named.get(key)}
+    schemas[name] = named
+
+
+def _kind_of(place: Json) -> str:
+    return json.dumps({key: place[key] for key in place if key not in BESIDE}, sort_keys=True)
+
+
+def _open_answers(paths: Json, schemas: Json) -> None:
+    """Leave only what is sent closed and with defaults: answers say all, and later ones more."""
+    bodies = [
+        each["requestBody"]
+        for one in paths.values()
+        for each in one.values()
+        if "requestBody" in each
+    ]
+    sent, open_ends = set[str](), list(_objects(bodies))
+    while open_ends:
+        name = str(open_ends.pop().get("$ref", "")).rpartition("/")[2]
+        if name in schemas and name not in sent:
+            sent.add(name)
+            open_ends += _objects(schemas[name])
+    for name in schemas.keys() - sent:
+        if schemas[name].get("additionalProperties") is False:
+            del schemas[name]["additionalProperties"]
+        for field in schemas[name].get("properties", {}).values():
+            field.pop("default", None)
+
+
+def _inherit(schemas: Json) -> None:
+    """Write an open object that has all fields of another as that one and what it has more."""
+    fields = {
+        name: schema["properties"]
+        for name, schema in schemas.items()
+        if "properties" in schema and "additionalProperties" not in schema
+    }
+    needed = {name: set(schemas[name].get("required", [])) for name in fields}
+    for name, own in fields.items():
+        bases = [
+            base
+            for base in fields
+            if len(own) > len(fields[base]) >= FEW
+            and fields[base].items() <= own.items()
+            and needed[base] <= needed[name]
+        ]
+        if bases:
+            base = max(bases, key=lambda each: len(fields[each]))
+            schema = schemas[name]
+            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}]
+            schema["properties"] = {key: own[key] for key in own if key not in fields[base]}
+            schema["required"] = [
+                key for key in schema.get("required", []) if key not in needed[base]
+            ]
+
+
+def _shorten_parameter(parameter: Json) -> None:
+    """Drop what OpenAPI takes as said: not required; and no parameter of a query can be null."""
+    schema = parameter["schema"]
+    if parameter.get("required") is False:
+        del parameter["required"]
+    if schema.get("title") == parameter["name"].replace("_", " ").title():
+        del schema["title"]
+    if schema.get("description") == parameter.get("description"):
+        schema.pop("description", None)
+    several = schema.get("anyOf", [])
+    if len(several) == 2 and several[1] == NULL:
+        del schema["anyOf"]
+        schema |= several[0]
+
+
+def _name_of(status: str, response: Json) -> str:
+    """What a response is called where several operations have it."""
+    media_type, content = next(iter(response.get("content", {}).items()), ("", {}))
+    if status >= "400" or not media_type:
+        return status
+    schema = content.get("schema", {}).get("$ref", "").rpartition("/")[2]
+    kind = media_type.partition("/")[2].partition("+")[0].split(".")[-1].capitalize()
+    return f"{schema or kind}{'' if status == '200' else status}"
+
+
+def _move(places: list[Place], kind: str) -> Json:
+    """What occurs at several places, by name; the places become references to it.
+
+    Args:
+        places: different ones of a name are numbered. kind: the section of the components.
+    """
+    texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
+    often, names, parts = Counter(texts), dict[str, str](), Json()
+    for (holder, key, name), text in zip(places, texts, strict=True):
+        if often[text] == 1:
+            continue
+        if text not in names:
+            same = sum(each.partition("_no_")[0] == name for each in parts)
+            names[text] = f"{name}_no_{same + 1}" if same else name
+            parts[names[text]] = holder[key]
+        holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
+    return parts
