@@ -19,7 +19,7 @@ export function showStatus(text, kind = "") {
 }
 
 export function showDesign(design, apply) {
-  showStatus(`${STATUS_TEXT[design.status]} ${proven(design.certificate)}`, design.status);
+  showStatus([STATUS_TEXT[design.status], proven(design.certificate), ...design.assumptions].join(" "), design.status);
   byId("sizes").replaceChildren(...sizes(design));
   byId("margins").replaceChildren(...margins(design));
   byId("conflict").replaceChildren(...(design.conflict ? conflict(design.conflict, apply) : []));
