@@ -11,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import Design, DesignSpec, confirm, sensitivities, synthesise
+from synthesis.certify import certify_size
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.curves.dxf import DrawingOptions
@@ -60,6 +61,14 @@ def test_the_base_circle_is_the_hub(answer: Design) -> None:
     assert extreme.value == pytest.approx(SHAFT, rel=1e-6)
     assert "64.1 mm across" in extreme.evidence
     assert "eq. 6.21" in extreme.evidence
+
+
+def test_a_cam_without_that_room_is_refused(answer: Design) -> None:
+    """The same cam, judged for a shaft a hundredth thicker."""
+    thicker = answer.spec.model_copy(update={"shaft_diameter_mm": 1.01 * SHAFT})
+    found = {line.field: line for line in certify_size(thicker, tuple(answer.size))}
+    assert not found["shaft_diameter_mm"].holds
+    assert found["shaft_diameter_mm"].margin == pytest.approx(-0.01 * SHAFT, rel=1e-4)
 
 
 def test_the_second_judge_agrees(answer: Design) -> None:
