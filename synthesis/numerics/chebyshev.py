@@ -7,6 +7,7 @@ Theory and Approximation Practice*, chapters 2, 5 and 19.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +20,7 @@ POLYNOMIAL_DEGREE: Final = (
     14  # of the polynomial on an interval: even, so that its middle is a point
 )
 EQUAL: Final = 1e-13  # relative: tops of polynomials that differ by less are equally high
+LARGE: Final = 1e300  # for what has no value
 DENSE: Final = 257  # places between which a parabola has its vertex to about 1e-14 of the value
 
 _ANGLES: Final = np.pi * np.arange(POLYNOMIAL_DEGREE + 1) / POLYNOMIAL_DEGREE
@@ -74,24 +76,28 @@ class Grid:
         """Piece of every point."""
         return self.owner.repeat(POLYNOMIAL_DEGREE + 1)
 
-    def highest(self, values: Array) -> tuple[Indices, Array]:
-        """Where functions with these values (k, points) are largest: interval and x, (k,) each.
+    def highest(self, values: Array, signs: Sequence[tuple[int, float]]) -> tuple[Indices, Array]:
+        """Where functions with these values (k, points) are largest: interval and x, (n,) each.
 
-        Of equals the first. What is no number is passed over.
+        ``signs``: of each question which function, and 1 for its largest, −1 for its smallest
+        value. Of equals the first. What is no number is passed over.
         """
-        seen = np.where(np.isnan(values), -np.inf, values).reshape(len(values), -1, len(POINTS))
-        # intervals that may hold the largest value: between two points a function rises above
-        # both by no more than it changes from point to point
-        top = seen.max(axis=2)
-        with np.errstate(invalid="ignore"):
-            spread = np.abs(seen[..., 1:] - seen[..., :-1]).max(axis=2)
-            near = ~(top + spread < top.max(axis=1)[:, None])
-        found = [self._top_of(near[k].nonzero()[0], row) for k, row in enumerate(seen)]
+        seen = values.reshape(len(values), -1, len(POINTS))
+        # intervals that may hold the extreme value: between two points a function leaves what it
+        # is at both by no more than it changes from point to point
+        spread = np.abs(seen[..., 1:] - seen[..., :-1]).max(axis=2)
+        tops, lows = seen.max(axis=2), seen.min(axis=2)
+        found = []
+        for k, sign in signs:
+            top = tops[k] if sign > 0.0 else -lows[k]
+            row = np.where(np.isnan(top), -np.inf, top)
+            near = (~(row + spread[k] < row.max())).nonzero()[0]
+            found.append(self._top_of(near, sign * seen[k]))
         return np.array([k for k, _ in found]), np.array([x for _, x in found])
 
     def _top_of(self, near: Indices, row: Array) -> tuple[int, float]:
         """Of these intervals the one with the highest polynomial, and where its top is."""
-        curve = row[near] @ _TO_DENSE
+        curve = np.nan_to_num(row[near], nan=-LARGE, neginf=-LARGE) @ _TO_DENSE
         tops = curve.max(axis=1)
         best = int((tops >= tops.max() - EQUAL * abs(tops.max())).argmax())
         line, chosen = curve[best], int(near[best])
