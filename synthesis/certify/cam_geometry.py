@@ -31,6 +31,7 @@ from synthesis.units import DEGREE, FULL_TURN
 WIDEST: Final = 0.1  # [rad] of an interval on which a polynomial of degree 12 stands for a figure
 ARC_NODES: Final = 24  # of Gauss's rule along the arc about a corner, of at most half a turn
 STRAIGHT: Final = 1e-9  # curvature times prime radius: less is rounding, neither convex nor hollow
+LARGE: Final = 1e100  # stands for the infinite curvature of a cusp [1/mm]
 PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 MILLI: Final = 1e-3  # metres in a millimetre
 
@@ -195,14 +196,19 @@ class _Measured:
             seen = self._measures(self._points)
             row = {name: k for k, name in enumerate(seen)}
             wanted = [(row[name], sign) for name, sign in extremes.values()]
-            interval, x = grid.highest(np.stack(list(seen.values())), wanted)
+            values = np.stack(list(seen.values()))
+            if not np.isfinite(values).all():  # a cusp of the traced curve
+                values = np.clip(np.nan_to_num(values), -LARGE, LARGE)
+            interval, x = grid.highest(values, wanted)
             piece = grid.owner[interval]
             again = self._measures(self._at(tuple(motion.curve.jet(x, piece, 3))))
+        # the highest and the lowest point of the grid of every measure
+        points = {1.0: values.argmax(axis=1).tolist(), -1.0: values.argmin(axis=1).tolist()}
         peaks = {}
         for k, (title, (name, sign)) in enumerate(extremes.items()):
             # a point of the grid counts where the top found is lower by more than rounding
-            point = int(np.nanargmax(sign * seen[name]))
-            value, other = sign * float(again[name][k]), sign * float(seen[name][point])
+            point = points[sign][row[name]]
+            value, other = sign * float(again[name][k]), sign * float(values[row[name], point])
             at, owner = float(x[k]), int(piece[k])
             if not value >= other - EQUAL * abs(other):
                 value, at, owner = other, float(grid.x[point]), int(grid.piece[point])

@@ -20,7 +20,6 @@ POLYNOMIAL_DEGREE: Final = (
     14  # of the polynomial on an interval: even, so that its middle is a point
 )
 EQUAL: Final = 1e-13  # relative: tops of polynomials that differ by less are equally high
-LARGE: Final = 1e300  # for what has no value
 DENSE: Final = 257  # places between which a parabola has its vertex to about 1e-14 of the value
 
 _ANGLES: Final = np.pi * np.arange(POLYNOMIAL_DEGREE + 1) / POLYNOMIAL_DEGREE
@@ -80,7 +79,7 @@ class Grid:
         """Where functions with these values (k, points) are largest: interval and x, (n,) each.
 
         ``signs``: of each question which function, and 1 for its largest, −1 for its smallest
-        value. Of equals the first. What is no number is passed over.
+        value. Of equals the first. All values are finite numbers.
         """
         seen = values.reshape(len(values), -1, len(POINTS))
         # intervals that may hold the extreme value: between two points a function leaves what it
@@ -90,14 +89,13 @@ class Grid:
         found = []
         for k, sign in signs:
             top = tops[k] if sign > 0.0 else -lows[k]
-            row = np.where(np.isnan(top), -np.inf, top)
-            near = (~(row + spread[k] < row.max())).nonzero()[0]
+            near = (top + spread[k] >= top.max()).nonzero()[0]
             found.append(self._top_of(near, sign * seen[k]))
         return np.array([k for k, _ in found]), np.array([x for _, x in found])
 
     def _top_of(self, near: Indices, row: Array) -> tuple[int, float]:
         """Of these intervals the one with the highest polynomial, and where its top is."""
-        curve = np.nan_to_num(row[near], nan=-LARGE, neginf=-LARGE) @ _TO_DENSE
+        curve = row[near] @ _TO_DENSE
         tops = curve.max(axis=1)
         best = int((tops >= tops.max() - EQUAL * abs(tops.max())).argmax())
         line, chosen = curve[best], int(near[best])
