@@ -1,6 +1,8 @@
 """The motion in numbers: against closed forms of the literature and quadrature by other routes."""
 
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -192,6 +194,15 @@ def test_between_motions_the_reference_meets_the_states():
     own, reference = found.moves[0].coefficients, found.moves[0].reference
     assert reference.law == "polynomial_5"
     assert reference.coefficients == own  # the law is that polynomial, between these states
+
+
+def test_what_rounding_leaves_of_an_opposite_velocity_is_none():
+    """A polynomial from a constant velocity to rest ends at some 1e-14 mm/s."""
+    example = Path(__file__).parents[2] / "openapi" / "examples" / "constant-velocity.json"
+    spec = c.DesignSpec.model_validate(json.loads(example.read_text())["value"])
+    moves = c.synthesise(spec.model_copy(update={"proof": "quick"})).motion_summary.moves
+    assert moves[-1].velocity.smallest.value == pytest.approx(-558.8, rel=1e-12)
+    assert moves[-1].velocity.largest.value == 0.0
 
 
 def test_an_arms_figures_are_in_degrees():
