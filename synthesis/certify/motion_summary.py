@@ -25,6 +25,7 @@ from synthesis.design.summary import (
     ReferenceLaw,
 )
 from synthesis.numerics.piecewise import Array, Indices
+from synthesis.numerics.polynomial_extrema import EQUAL
 from synthesis.units import DEGREE, FULL_TURN
 
 ANGLE_DIGITS: Final = 9  # decimals of a cam angle: drops the rounding of degrees to rad and back
@@ -127,8 +128,8 @@ class _Motion:
         )
         return self._derivative(
             order,
-            max((part.largest for part in parts), key=lambda peak: peak.value),
-            min((part.smallest for part in parts), key=lambda peak: peak.value),
+            _highest([part.largest for part in parts], 1.0),
+            _highest([part.smallest for part in parts], -1.0),
             factor * math.sqrt(square / FULL_TURN),
             np.ones(self.motion.curve.count, dtype=bool),
         )
@@ -137,10 +138,12 @@ class _Motion:
         self, order: int, largest: PeakValue, smallest: PeakValue, rms: float, inside: Array
     ) -> DerivativeSummary:
         """``inside``: of all junctions, those that belong to the segment or the turn."""
-        below = [np.count_nonzero(inside[jump.junctions]) for jump in self.jumps[: order - 1]]
-        jumps = self.jumps[order - 1]
-        kept = np.flatnonzero(inside[jumps.junctions])
-        biggest = None
+        infinite = any(
+            len(jump.junctions) and inside[jump.junctions].any() for jump in self.jumps[: order - 1]
+        )
+        jumps, kept, biggest = self.jumps[order - 1], np.zeros(0, dtype=np.intp), None
+        if len(jumps.junctions):
+            kept = inside[jumps.junctions].nonzero()[0]
         if len(kept):
             k = int(kept[np.argmax(np.abs(jumps.sizes[kept]))])
             junction = int(jumps.junctions[k])
@@ -152,7 +155,7 @@ class _Motion:
             )
         return DerivativeSummary(
             unit=self.machine.derivative_unit(order), largest=largest, smallest=smallest,
-            rms=None if any(below) else rms, jumps=len(kept), largest_jump=biggest,
+            rms=None if infinite else rms, jumps=len(kept), largest_jump=biggest,
         )  # fmt: skip
 
     def _junctions_of(self, segment: PlacedSegment) -> Array:
@@ -209,6 +212,12 @@ def _coefficients(own: LawFigures, finite: Sequence[bool] = (True,) * 3) -> Coef
         Ea=where(2, own.mean_squares[1]),
         Ej=where(3, own.mean_squares[2]),
     )
+
+
+def _highest(peaks: Sequence[PeakValue], sign: float) -> PeakValue:
+    """The first of those that are highest (sign 1) or lowest (−1), but for rounding."""
+    top = max(sign * peak.value for peak in peaks)
+    return next(peak for peak in peaks if sign * peak.value >= top - EQUAL * abs(top))
 
 
 def degrees(angle: float) -> float:

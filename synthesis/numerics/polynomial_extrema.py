@@ -11,6 +11,7 @@ from synthesis.numerics.piecewise import Array, Indices, Piecewise
 
 Extremum = tuple[float, float]  # value and x
 
+EQUAL: Final = 1e-10  # relative: on a plateau values that differ by less are rounding
 NEGLIGIBLE: Final = 1e-14  # of the largest term on a piece: a leading term below moves no root
 NEWTON_STEPS: Final = 3  # from an eigenvalue, exact to 1e-8 at the worst, to rounding
 
@@ -18,7 +19,8 @@ NEWTON_STEPS: Final = 3  # from an eigenvalue, exact to 1e-8 at the worst, to ro
 def extreme_values(curve: Piecewise, order: int = 0) -> tuple[Extremum, Extremum]:
     """Largest and smallest value of f^(order) over the closed pieces, and where first.
 
-    ``curve`` has no sinusoids. A value at a break is one-sided.
+    ``curve`` has no sinusoids. A value at a break is one-sided; on a plateau the place is its
+    beginning.
     """
     poly = _trimmed(_differentiated(curve.poly, order))
     left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
@@ -42,9 +44,8 @@ def extreme_values(curve: Piecewise, order: int = 0) -> tuple[Extremum, Extremum
     found = []
     for sign in (1.0, -1.0):
         top = (sign * value).max()
-        first = np.flatnonzero(sign * value == top)
-        best = first[np.argmin(x[first])]
-        found.append((float(value[best]), float(x[best])))
+        first = np.flatnonzero(sign * value >= top - EQUAL * abs(top))
+        found.append((sign * float(top), float(x[first].min())))
     return found[0], found[1]
 
 

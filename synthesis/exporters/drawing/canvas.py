@@ -107,7 +107,7 @@ def first_fitting(texts: Sequence[str], width: float, size: float) -> str:
 
 def shorten(text: str, width: float, size: float) -> str:
     """The text, cut with an ellipsis if it does not fit."""
-    text = " ".join(text.split())
+    text = SPACE.sub(" ", text).strip()
     if width_of(text, size) <= width:
         return text
     while text and width_of(text + "…", size) > width:

@@ -32,7 +32,9 @@ SVG = "{http://www.w3.org/2000/svg}"
 DPI = 100.0  # pixels per inch of a PNG
 POINTS = 72.0  # in an inch: the unit of a PDF
 MM_PER_INCH = 25.4
-TRUETYPE = 42  # matplotlib's number for fonts whose texts can be searched and copied
+OUTLINES = (
+    3  # matplotlib's number for fonts of outlines: half the time of whole ones, and searchable
+)
 RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
 FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
 FACTORS = {"scale": "scale", "translate": "translate", "rotate": "rotate_deg"}  # of Affine2D
@@ -65,7 +67,7 @@ def as_pdf(drawing: bytes, title: str) -> bytes:
 
     root = ET.fromstring(drawing)
     facts = {"Title": title, "Creator": "Camwright", "Producer": None, "CreationDate": None}
-    with ONE_AT_A_TIME, mpl.rc_context({"pdf.fonttype": TRUETYPE}):
+    with ONE_AT_A_TIME, mpl.rc_context({"pdf.fonttype": OUTLINES}):
         figure = _painted(root, POINTS / MM_PER_INCH, POINTS, texts=True)
         packed = io.BytesIO()
         figure.savefig(packed, format="pdf", metadata=facts)

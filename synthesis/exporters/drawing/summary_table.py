@@ -19,7 +19,7 @@ from synthesis.exporters.drawing.canvas import figure, with_unit
 from synthesis.units import split_unit
 
 DIGITS = 5  # significant ones of a figure
-DASH = "–"
+ROUNDING = 1e-12  # of a torque's rms: a mean that is smaller is 0
 VERDICTS = {
     "optimal": "certified, and proven to be within the tolerance of the best possible",
     "feasible": "certified: every limit holds at every cam angle",
@@ -142,7 +142,7 @@ def geometry_figures(geometry: CamGeometry) -> Iterator[Figure]:
 
 def _flank(flank: FlankGeometry) -> Iterator[Figure]:
     name = f" {flank.flank}" if flank.flank else ""
-    hollows = f" ({flank.hollows} hollows)" if flank.hollows > 1 else ""
+    hollows = f"{name} (of {flank.hollows})" if flank.hollows > 1 else name
 
     def at(title: str, peak: PeakValue | None, unit: str, otherwise: str = "") -> Iterator[Figure]:
         if peak is not None:
@@ -152,7 +152,11 @@ def _flank(flank: FlankGeometry) -> Iterator[Figure]:
 
     yield from at("outer radius", flank.largest_radius_mm, "mm")
     yield from at("least convex radius", flank.convex_radius_mm, "mm", "nowhere convex")
-    yield from at(f"least hollow radius{hollows}", flank.hollow_radius_mm, "mm", "no hollow")
+    hollow = flank.hollow_radius_mm
+    if hollow is None:
+        yield Figure(f"least hollow radius{name}", "no hollow")
+    else:
+        yield Figure(f"least hollow radius{hollows}", hollow.value, "mm", hollow.angle_deg)
     yield from at("sliding speed", flank.sliding_speed_mm_per_s, "mm/s")
     yield from at("roller speed", flank.roller_speed_rpm, "rpm")
     yield from at("roller acceleration", flank.roller_acceleration_rad_per_s2, "rad/s²")
@@ -180,8 +184,10 @@ def force_figures(forces: Forces) -> Iterator[Figure]:
     yield _force("camshaft torque, largest", torque.largest_n_m, "N m")
     yield _force("camshaft torque, least", torque.smallest_n_m, "N m")
     yield Figure("camshaft torque, rms", torque.rms_n_m, "N m")
-    yield Figure("mean power", torque.power_w, "W")
-    yield Figure("energy of a turn", torque.work_j, "J")
+    # what comes back whole leaves a mean that is rounding
+    works = abs(torque.mean_n_m) > ROUNDING * torque.rms_n_m
+    yield Figure("mean power", torque.power_w if works else 0.0, "W")
+    yield Figure("energy of a turn", torque.work_j if works else 0.0, "J")
     if forces.float_onset_rpm is not None:
         yield Figure("floats from", forces.float_onset_rpm, "rpm")
 
@@ -216,5 +222,5 @@ def certificate_words(certificate: Certificate) -> str:
             f"{holds} The {name} is {value}; its infimum lies between {bound} and that, over "
             f"{valid}."
         )
-    gap = figure(100.0 * (certificate.gap or 0.0), 3)
+    gap = figure(round(100.0 * (certificate.gap or 0.0), 7), 3)
     return f"{holds} The {name} is {value}; no cam is below {bound} (gap {gap} %), over {valid}."

@@ -36,7 +36,7 @@ from synthesis.exporters.samples.cam import Cam
 WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 12.0  # A4, ISO 216 [mm]
 INNER = WIDTH - 2.0 * MARGIN
 ROW, GAP = 3.6, 3.4  # [mm] of a line of a table, and between two blocks
-TOP, PICTURE_HEIGHT, PICTURE_WIDTH = 33.0, 80.0, 86.0  # [mm]
+TOP, PICTURE_HEIGHT, PICTURE_WIDTH = 33.0, 83.0, 86.0  # [mm]
 PLOT_HEIGHT, PLOT_STEP, AXIS = 10.5, 17.0, 12.0  # [mm] of a diagram, from one to the next, below
 LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
 FOOT = HEIGHT - MARGIN
@@ -46,8 +46,8 @@ PEAKS = (0.0, 0.18, 0.26, 0.38, 0.48, 0.6, 0.69, 0.79)
 MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
 LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
 MOST_GEOMETRY = 12  # lines of figures where forces follow
-MOST_MOVES = 4  # in the table of coefficients
-CERTIFICATE_LINES, WARNING_LINES = 3, 6  # kept free at the foot, at most
+LEAST_LIMITS = 3  # lines that coefficients leave to limits
+CERTIFICATE_LINES, WARNING_LINES = 3, 5  # at the foot, at most
 
 
 def _sheet(design: Design, theme: Theme) -> bytes:
@@ -59,6 +59,8 @@ def _sheet(design: Design, theme: Theme) -> bytes:
     body.append(svg.picture(drawn, MARGIN, TOP, PICTURE_WIDTH, PICTURE_HEIGHT, "The cam"))
     beside = MARGIN + PICTURE_WIDTH + 6.0
     geometry = [] if design.geometry is None else list(geometry_figures(design.geometry))
+    # what is cut where there is no room comes last
+    geometry.sort(key=lambda each: each.name.startswith(("perimeter", "area", "centroid", "polar")))
     rows = list(figures_table(geometry, "").rows)
     if design.forces is not None:
         rows = _most(rows, MOST_GEOMETRY)
@@ -76,19 +78,20 @@ def _sheet(design: Design, theme: Theme) -> bytes:
         body += [*grounds(design.motion, frame), *diagram(plot, frame)]
     body += angle_axis(frame)
     y = frame.bottom + AXIS + GAP
-    # 3. peaks of the turn, coefficients of the moves
+    # 3. peaks of the turn, coefficients of the moves; at the foot warnings and certificate
+    foot = _foot(design)
+    end = FOOT - ROW * len(foot) - GAP
     if design.motion_summary is not None:
         peaks = motion_table(design, design.motion_summary)
         y, lines = _table(peaks._replace(rows=peaks.rows[:3]), MARGIN, y, INNER, PEAKS, 3)
         body += lines
         moves = coefficient_table(design, design.motion_summary)
-        y, lines = _table(moves, MARGIN, y + GAP, INNER, MOVES, 2 * MOST_MOVES)
+        kept = _fitting(y + GAP, end - GAP - ROW * (LEAST_LIMITS + 1))
+        y, lines = _table(moves, MARGIN, y + GAP, INNER, MOVES, kept)
         body += lines
-    # 4. at the foot, from below: certificate, warnings; limits have what is left
-    foot = _foot(design)
-    room = FOOT - ROW * len(foot) - GAP - (y + GAP)
+    # 4. limits have what is left
     limits = TextTable("", ("Limit", "value", "at", "allowed", "margin", ""), [*_limits(design)])
-    y, lines = _table(limits, MARGIN, y + GAP, INNER, LIMITS, int(room / ROW) - 1)
+    y, lines = _table(limits, MARGIN, y + GAP, INNER, LIMITS, _fitting(y + GAP, end))
     body += lines
     for k, (kind, text) in enumerate(foot):
         body.append(svg.text(kind, MARGIN, FOOT - ROW * (len(foot) - 1 - k), text))
@@ -112,9 +115,9 @@ def _head(design: Design) -> Iterator[str]:
 
 
 def _limits(design: Design) -> Iterator[tuple[str, ...]]:
-    """Limits with a bound; those that are broken first, then those with a field of the spec."""
-    asked = [each for each in design.extremes if each.bound is not None]
-    for each in sorted(asked, key=lambda one: (one.holds, not one.field)):
+    """Limits with a bound: first what is broken, then what the spec limits, then what follows."""
+    bounded = [each for each in design.extremes if each.bound is not None]
+    for each in sorted(bounded, key=lambda one: (one.holds, not one.field.startswith("limits"))):
         shown = partial(svg.with_unit, name=each.unit, digits=5)
         value, bound, margin = (
             "–" if number is None else shown(number).rstrip()
@@ -137,6 +140,11 @@ def _foot(design: Design) -> list[tuple[str, str]]:
         lines = [*lines[: WARNING_LINES - 1], ("alarm", "More warnings are in the report.")]
     words = svg.wrapped(certificate_words(design.certificate), INNER, LABEL)
     return [*lines, *(("quiet", line) for line in words[:CERTIFICATE_LINES])]
+
+
+def _fitting(top: float, bottom: float) -> int:
+    """Lines of a table, besides its head at ``top``, that fit above ``bottom``."""
+    return int((bottom - top) / ROW - 1.0)
 
 
 def _most(rows: Sequence[Sequence[str]], count: int) -> list[Sequence[str]]:
