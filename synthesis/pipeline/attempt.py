@@ -27,6 +27,7 @@ from synthesis.optimise.recovery.candidate import Candidate, given_cam, objectiv
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import FINEST, grids_on_switches, polish_intervals
 from synthesis.optimise.state import (
+    AT_END,
     QUICK,
     SINGLE_SHARE,
     THOROUGH,
@@ -160,7 +161,7 @@ class Attempt:
         tolerance, objectives = self.solved_spec.tolerance, self.solved_spec.objectives()
         if rank == 0 and self.number_bound is not None:
             return SINGLE_SHARE * tolerance
-        if rank == len(objectives) - 1:
+        if rank >= len(objectives) - 1:
             return tolerance
         allowed = objectives[rank].allowed_gap(tolerance)
         return 0.5 * tolerance if allowed == tolerance else max(tolerance, OWN_SHARE * allowed)
@@ -168,6 +169,8 @@ class Attempt:
     def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.
 
+        Where none is named, and the cam is as small as any may be (by the radius of a hub, say), at
+        last the rms jerk again: what it was allowed buys nothing there. No bound comes of that.
         Whoever takes a problem appends its solution to ``searches`` before the next.
         """
         spec, caps = self.solved_spec, tuple[ObjectiveCap, ...]()
@@ -179,6 +182,9 @@ class Attempt:
                 return
             allowed = solution.allowance(objective.allowed_gap(spec.tolerance))
             caps = (*caps, ObjectiveCap(objective, allowed))
+        if spec.objective is None and len(caps) > 1 and _is_least(self.searches[-1]):
+            first, size = spec.objectives()[0], caps[-1:]
+            yield formulate_problem(spec, first, size, self.tables.segments, smallest)
 
 
 def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -230,7 +236,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                 from_start = rank == 0 and attempt.first is None
                 state = optimise(
                     problem, attempt.tolerance(rank), goal.stop, tighten,
-                    proof=_proof_budget(spec, is_last=rank == len(spec.objectives()) - 1),
+                    proof=_proof_budget(spec, is_last=rank >= len(spec.objectives()) - 1),
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else None,
                     sufficient=sufficient if from_start else -inf,
@@ -325,6 +331,12 @@ def _nears_open_end(state: SolveState) -> bool:
     problem = state.problem
     at_end = state.lower <= problem.least_norm + ROUNDING * problem.length
     return at_end and state.is_smallest_sought
+
+
+def _is_least(state: SolveState) -> bool:
+    """Whether the cam of a search for the smallest has the least size that is allowed or sought."""
+    best, least = state.incumbent, state.problem.searched_norm
+    return best is not None and best.value <= least * (1.0 + AT_END)
 
 
 def _take_best(attempt: Attempt) -> None:

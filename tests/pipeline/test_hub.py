@@ -10,7 +10,7 @@ import ezdxf
 import pytest
 from pydantic import ValidationError
 
-from synthesis import Design, DesignSpec, sensitivities, synthesise
+from synthesis import Design, DesignSpec, confirm, sensitivities, synthesise
 from synthesis.errors import InputError
 from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.curves.dxf import DrawingOptions
@@ -60,6 +60,26 @@ def test_the_base_circle_is_the_hub(answer: Design) -> None:
     assert extreme.value == pytest.approx(SHAFT, rel=1e-6)
     assert "64.1 mm across" in extreme.evidence
     assert "eq. 6.21" in extreme.evidence
+
+
+def test_the_second_judge_agrees(answer: Design) -> None:
+    lines = {each.field: each for each in confirm(answer).lines}
+    assert lines["shaft_diameter_mm"].agrees
+
+
+def test_where_the_hub_decides_the_jerk_is_the_least() -> None:
+    """The quarter that rms jerk is allowed would buy nothing."""
+    question = {"limits": [PRESSURE], "shaft_diameter_mm": 60.0}
+    design, fixed = (
+        synthesise(spec(**question)),
+        synthesise(spec(**question, objective={"kind": "rms_jerk"})),
+    )
+    (jerk,) = design.certificate.other_objectives
+    assert design.status == "optimal"
+    assert jerk.value == pytest.approx(fixed.certificate.value, rel=2e-3)
+    assert jerk.gap is not None
+    assert jerk.gap < 3e-2
+    assert design.dimensions["base_radius_mm"] == pytest.approx(55.675, rel=1e-3)
 
 
 def test_a_larger_shaft_costs_its_share(answer: Design) -> None:
@@ -151,11 +171,11 @@ def test_what_does_not_fit_is_refused(name: str) -> None:
 
 def test_files_have_the_bore_of_the_shaft(answer: Design) -> None:
     told = SolidOptions(bore_mm=SHAFT, keyway=True, hub_diameter_mm=HUB, hub_length_mm=4.0)
-    own = SolidOptions(hub_length_mm=4.0)
-    # the hub is as large as the base circle: there is no room for it on the plate's back
-    for options in (told, own):
-        with pytest.raises(InputError, match="hub must stay within"):
-            blank(answer, options)
+    with pytest.raises(InputError, match="hub must stay within"):
+        blank(answer, told)
+    body, hub = blank(answer, SolidOptions(hub_length_mm=4.0)).slabs
+    assert hub.outside.radii[1] == pytest.approx(0.999 * HUB / 2.0, rel=1e-6)
+    assert hub.holes == body.holes
     plain = blank(answer, SolidOptions(thickness_mm=8.0))
     (slab,), (same,) = (each.slabs for each in (plain, blank(
         answer, SolidOptions(thickness_mm=8.0, bore_mm=SHAFT, keyway=True)

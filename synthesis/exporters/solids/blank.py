@@ -24,6 +24,7 @@ from synthesis.exporters.samples.cam import Cam
 from synthesis.spec.design_spec import DesignSpec
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
+INSIDE = 0.999  # of the base circle: a hub as large as that has no edge in common with the cam
 SEARCHED = 7201  # places of a flank at which its least and largest radius are taken
 
 Length = Annotated[float | None, Field(gt=0.0, le=1e6)]
@@ -70,14 +71,17 @@ class SolidOptions(Options):
                 "Make the disc thicker, or the groove less deep.",
             )
 
-    def with_shaft(self, spec: DesignSpec) -> SolidOptions:
+    def with_shaft(self, spec: DesignSpec, room: float) -> SolidOptions:
         """The same with the bore, the keyway and the hub of a spec's shaft where none are given.
 
-        InputError where a hub or a keyway is not wholly given then.
+        The hub stays inside the cam, whose least radius is ``room`` [mm]. InputError where a hub or
+        a keyway is not wholly given then.
         """
         bore = spec.shaft_diameter_mm if self.bore_mm is None else self.bore_mm
         keyway = self.keyway or (spec.keyway and self.bore_mm is None)
-        hub = spec.hub if self.hub_diameter_mm is None else self.hub_diameter_mm
+        hub = self.hub_diameter_mm
+        if hub is None and spec.hub is not None:
+            hub = min(spec.hub, 2.0 * room * INSIDE)
         if (self.hub_length_mm is not None) != (self.hub_diameter_mm is not None):
             missing = "hub_length_mm" if self.hub_length_mm is None else "hub_diameter_mm"
             if missing == "hub_length_mm" or hub is None:
@@ -167,7 +171,6 @@ class Blank:
 
 def blank(design: Design, options: SolidOptions) -> Blank:
     """The slabs of a design's cam; InputError where bore, hub or wall do not fit it."""
-    options = options.with_shaft(design.spec)
     cam = Cam.of(design, PlacedCurve(curve=options.curve))
     flanks = [flank for flank in cam.follower.flanks if flank.path == cam.flank.path]
     edges = {
@@ -176,6 +179,7 @@ def blank(design: Design, options: SolidOptions) -> Blank:
     }
     within, around = edges.get(1), edges.get(-1)
     error = max(edge.error for edge in edges.values())
+    options = options.with_shaft(design.spec, math.inf if within is None else within.radii[0])
     holes = bores(options)
     low = options.z_mm or 0.0
     high = low + options.thickness_mm
