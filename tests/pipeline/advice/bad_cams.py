@@ -106,6 +106,10 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
         "roller_speed", "caution", cam(60.0, 8.0, speed_rpm=3000.0, program=program(5.0)),
     ),
     "pressure angles in radians": ("unit_suspicion", "caution", cam(None, limits=angles(0.52))),
+    "radians, and no cam that keeps them": (
+        "unit_suspicion", "caution",
+        cam(None, limits=[*angles(0.52), {"kind": "outer_radius", "max_mm": 200.0}]),
+    ),
     "a stroke in metres": ("unit_suspicion", "caution", cam(40.0, program=program(0.03))),
     "a slide that jams": ("pressure_angle", "stop", cam(8.0, 4.0, program=program(60.0, 60.0))),
     "a steep arm": (
