@@ -76,6 +76,9 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
         "hub", "caution", cam(None, limits=angles(30.0), shaft_diameter_mm=20.0,
                               load=slide(1.0, 10.0, 5000.0)),
     ),
+    "a bore wider than the base circle": (
+        "hub", "stop", cam(20.0, body={"thickness_mm": 10.0, "bore_mm": 50.0}),
+    ),
     "a nose that is a point": (
         "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0), proof="quick",
                                   program=program(20.0, 30.0)),
