@@ -5,7 +5,8 @@
 
 ``analyse(spec)`` for a cam that is given in full, ``synthesise_set(CamSetSpec…)`` for several cams
 on one shaft, ``confirm(design)`` for a second opinion to the last digit, and ``proof(design)`` for
-a file that ``checker/check.py`` checks without this program.
+a file that ``checker/check.py`` checks without this program. ``cvxpy_model(spec)`` is the cone
+program, to be changed and solved in CVXPY.
 
 Notation, used throughout (lengths in mm, angles in rad, derivatives per radian of cam angle):
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from synthesis.spec.design_spec import DesignSpec
     from synthesis.studies.analyse import analyse
     from synthesis.studies.cam_set import synthesise_set
+    from synthesis.studies.cvxpy_model import cvxpy_model
     from synthesis.studies.sensitivity import sensitivities
     from synthesis.studies.sweeps.spec import SweepSpec
 
@@ -52,6 +54,7 @@ __all__ = [
     "SweepSpec",
     "analyse",
     "confirm",
+    "cvxpy_model",
     "proof",
     "sensitivities",
     "synthesise",
@@ -72,6 +75,7 @@ _HOMES = {
     "analyse": "synthesis.studies.analyse",
     "sensitivities": "synthesis.studies.sensitivity",
     "confirm": "synthesis.certify.second",
+    "cvxpy_model": "synthesis.studies.cvxpy_model",
     "proof": "synthesis.pipeline.proof_file",
     "synthesise": "synthesis.pipeline.synthesise",
     "synthesise_set": "synthesis.studies.cam_set",

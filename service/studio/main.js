@@ -130,8 +130,8 @@ class Studio {
   /** The quick proof first, so that the cam follows; then, unless the spec changes, the gap is closed. */
   async #solve(spec, signal) {
     const proof = spec.proof ?? "auto";
-    const { certificate, spec: { tolerance } } = await this.#post(spec, proof === "auto" ? "quick" : proof, signal);
-    if (proof === "auto" && certificate.gap > tolerance && !this.request.again) await this.#post(spec, proof, signal);
+    const { status } = await this.#post(spec, proof === "auto" ? "quick" : proof, signal);
+    if (proof === "auto" && status === "feasible" && !this.request.again) await this.#post(spec, proof, signal);
   }
 
   async #post(spec, proof, signal) {

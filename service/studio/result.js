@@ -20,7 +20,7 @@ export function showStatus(text, kind = "") {
 
 export function showDesign(design, apply) {
   const stop = design.severity === "stop";
-  const text = `${STATUS_TEXT[design.status]} ${proven(design.certificate)}`;
+  const text = [STATUS_TEXT[design.status], proven(design.certificate), ...design.assumptions].join(" ");
   showStatus(stop ? `STOP, this cam cannot work. ${text}` : text, stop ? "stop" : design.status);
   byId("warnings").replaceChildren(...warnings(design.warnings));
   byId("sizes").replaceChildren(...sizes(design));

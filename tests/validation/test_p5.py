@@ -17,6 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 from service.contract.examples import examples
+from synthesis.machines.linkages.files.shaper import SampledTurn
 from synthesis.machines.linkages.shaper import ShaperSpec, SixBarShaper, analyse_or_size_shaper
 from tests import forty_digits
 
@@ -167,6 +168,23 @@ def test_a_crank_that_changes_its_speed_moves_another_ram(p5: SixBarShaper, alph
     left = min(found.dead_centres, key=lambda one: one.ram_mm)
     turned = left.time_s + 0.5 * alpha * left.time_s**2
     assert turned == pytest.approx(pi + BETA, rel=1e-13)
+
+
+def test_the_block_along_the_guide(p5: SixBarShaper) -> None:
+    """By the cosine rule alone: ρ² = r² + a² + 2 r a sin φ, differentiated twice; at 1 rad/s."""
+    turn = {name: column.values for name, column in SampledTurn.of(p5, 360).columns.items()}
+    phi = np.radians(turn["crank_deg"])
+    rho = np.sqrt(R * R + A * A + 2.0 * R * A * np.sin(phi))
+    first = R * A * np.cos(phi) / rho
+    second = -(R * A * np.sin(phi) + first**2) / rho
+    for name, wanted in (("mm", rho), ("mm_per_s", first), ("mm_per_s2", second)):
+        assert turn[f"slide_{name}"] == pytest.approx(wanted, abs=1e-9)
+    (block,) = (each for each in p5.extremes if each.quantity == "sliding_acceleration")
+    for peak, value, place in (
+        (block.largest, R * A / (A - R), 270.0), (block.smallest, -R * A / (A + R), 90.0),
+    ):  # fmt: skip
+        assert peak.value == pytest.approx(value, rel=1e-10)
+        assert peak.crank_deg == pytest.approx(place, abs=1e-3)
 
 
 def test_the_sliding_velocity_is_largest_where_the_ram_stands(p5: SixBarShaper) -> None:

@@ -103,6 +103,11 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
     pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
     if extreme.limit == "base_radius":
         value, how = _base_radius(design), AT_REST
+    elif extreme.limit.startswith("room_for_"):
+        # across the base circle; of a shaft's hub 7/4 of the shaft and a quarter of an inch
+        value, how = 2 * _base_radius(design), AT_REST
+        if extreme.limit == "room_for_shaft":
+            value = (value - arb("6.35")) * 4 / 7
     elif extreme.limit == "centre_distance" and pivot is not None:
         value = (pivot[0] ** 2 + pivot[1] ** 2) ** 0.5
         how = AT_REST

@@ -23,6 +23,7 @@ from synthesis.pipeline.advice import (
     roller_speed,
     rough_motion,
     sharp_nose,
+    spring_solid,
     unit_suspicion,
 )
 from synthesis.pipeline.advice.rule import Rule
@@ -31,6 +32,7 @@ from synthesis.pipeline.advice.subject import Subject
 RULES: Final[tuple[Rule, ...]] = (
     unit_suspicion.RULE,
     contact_force.RULE,
+    spring_solid.RULE,
     hub.RULE,
     sharp_nose.RULE,
     jumps.RULE,
@@ -46,7 +48,9 @@ RULES: Final[tuple[Rule, ...]] = (
 
 def with_warnings(design: Design) -> Design:
     """The same design with its warnings, and the severity of the worst."""
-    found = sorted(_warnings(Subject(design)), key=lambda one: -SEVERITIES.index(one.severity))
+    # A copy is judged: what it computes once would outlive a later change of the design's spec.
+    subject = Subject(design.model_copy())
+    found = sorted(_warnings(subject), key=lambda one: -SEVERITIES.index(one.severity))
     return design.model_copy(update={"warnings": found, "severity": worst(found)})
 
 

@@ -175,6 +175,21 @@ def test_poses() -> None:
     assert [(t.axis, t.angle_deg) for t in found.torques] == [("upper_arm", 85), ("forearm", 0)]
 
 
+def test_gravity_is_a_field() -> None:
+    """Torques are in proportion to it: a book's g gives the book's."""
+    body = SPEC | {"poses": [{"kind": "joints", "upper_arm_deg": 20, "forearm_deg": 30}]}
+    standard, other, none = (
+        analyse_arm(ArmSpec.model_validate(body | more))
+        for more in ({}, {"gravity_m_per_s2": 9.81}, {"gravity_m_per_s2": 0.0})
+    )
+    for one, by_book in zip(standard.torques, other.torques, strict=True):
+        assert by_book.torque_nm == pytest.approx(one.torque_nm * 9.81 / 9.80665, rel=1e-14)
+    held, by_book = (each.poses[0].solutions[0] for each in (standard, other))
+    assert by_book.torque_upper_nm * 9.80665 == pytest.approx(held.torque_upper_nm * 9.81)
+    assert by_book.torque_forearm_nm * 9.80665 == pytest.approx(held.torque_forearm_nm * 9.81)
+    assert [one.torque_nm for one in none.torques] == [0.0, 0.0]
+
+
 def test_limits_that_exclude_each_other_are_refused() -> None:
     spec = ArmSpec.model_validate({**SPEC, "opening_deg": {"min": 110}})
     with pytest.raises(InputError, match="No arm angles are left") as refused:

@@ -54,6 +54,7 @@ def pusher() -> Spec:
         "limits": angles(30.0),
         "objective": {"kind": "base_radius"},
         "proof": "quick",
+        "tolerance": 0.05,
     }
 
 
@@ -71,8 +72,15 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
             "spring": {"rate_n_per_mm": 10.0, "preload_n": 20000.0}},
             program=program(10.0, 120.0)),
     ),
+    "a shaft that is too thin for the load": (
+        "hub", "caution", cam(None, limits=angles(30.0), shaft_diameter_mm=20.0,
+                              load=slide(1.0, 10.0, 5000.0)),
+    ),
+    "a bore wider than the base circle": (
+        "hub", "stop", cam(20.0, body={"thickness_mm": 10.0, "bore_mm": 50.0}),
+    ),
     "a nose that is a point": (
-        "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0),
+        "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0), proof="quick",
                                   program=program(20.0, 30.0)),
     ),
     "a harmonic at 300 rpm": (
@@ -83,10 +91,17 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
     ),
     "a motion that nothing but size limits": (
         "rough_motion", "caution",
-        cam(None, program=program(law="spline"), limits=[
-            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick"),
+        cam(None, program=program(law="spline"), proof="quick", tolerance=0.1,
+            objective={"kind": "base_radius"},
+            limits=[*angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}]),
     ),
     "float": ("contact_force", "stop", cam(70.0, speed_rpm=400.0, load=slide(8.0))),
+    "a spring beyond solid": (
+        "spring_solid", "stop", cam(70.0, load=slide(1.0, 5.0, 100.0, solid_mm=45.0)),
+    ),
+    "a spring that is nearly solid": (
+        "spring_solid", "caution", cam(70.0, load=slide(1.0, 5.0, 100.0, solid_mm=54.0)),
+    ),
     "hardly no float": (
         "contact_force", "note", cam(70.0, speed_rpm=300.0, load=slide(2.0, 5.0, 37.0)),
     ),
@@ -94,6 +109,10 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
         "roller_speed", "caution", cam(60.0, 8.0, speed_rpm=3000.0, program=program(5.0)),
     ),
     "pressure angles in radians": ("unit_suspicion", "caution", cam(None, limits=angles(0.52))),
+    "radians, and no cam that keeps them": (
+        "unit_suspicion", "caution",
+        cam(None, limits=[*angles(0.52), {"kind": "outer_radius", "max_mm": 200.0}]),
+    ),
     "a stroke in metres": ("unit_suspicion", "caution", cam(40.0, program=program(0.03))),
     "a slide that jams": ("pressure_angle", "stop", cam(8.0, 4.0, program=program(60.0, 60.0))),
     "a steep arm": (

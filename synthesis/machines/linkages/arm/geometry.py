@@ -133,7 +133,9 @@ class Arm:
             yield elbow, upper, upper - math.atan2(sine, cos)
 
 
-def static_moments(parts: Iterable[tuple[float, float, float]]) -> tuple[float, float]:
+def static_moments(
+    parts: Iterable[tuple[float, float, float]], gravity: float = G
+) -> tuple[float, float]:
     """g Σ m p and g Σ m w [N·m]: the torques with both arms horizontal, of parts (m, p, w).
 
     The centre of a mass m [kg] is at distances p, w along both arms [mm]. Elbow plate and tool do
@@ -142,7 +144,7 @@ def static_moments(parts: Iterable[tuple[float, float, float]]) -> tuple[float, 
     τ2 = −g Σ m p sin θ2, τ3 = −g Σ m w cos θ3.
     """
     mass, p, w = np.array([*parts]).T
-    return float(G * METRE * (mass @ p)), float(G * METRE * (mass @ w))
+    return float(gravity * METRE * (mass @ p)), float(gravity * METRE * (mass @ w))
 
 
 def holding_torques(moments: tuple[float, float], upper: Value, fore: Value) -> tuple[Value, Value]:

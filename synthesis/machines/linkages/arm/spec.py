@@ -148,6 +148,10 @@ class ArmSpec(FiniteModel):
     payload_kg: float = Field(
         0.0, ge=0.0, le=LARGEST, description="Load at the tool, including the tool [kg]."
     )
+    gravity_m_per_s2: float = Field(
+        geometry.G, ge=0.0, le=1e3,
+        description="Acceleration by which masses weigh; left out: standard gravity, 9.80665.",
+    )  # fmt: skip
     poses: list[Pose] = Field(
         [], max_length=MAX_POSES, description="Joint angles, or places of the tool."
     )
@@ -174,4 +178,4 @@ class ArmSpec(FiniteModel):
         """Torques of axes 2 and 3 with both arms horizontal, of links and load [N·m]."""
         load = (self.payload_kg, self.upper_arm_mm, self.forearm_mm)
         parts = ((each.mass_kg, each.upper_arm_mm, each.forearm_mm) for each in self.masses)
-        return geometry.static_moments([*parts, load])
+        return geometry.static_moments([*parts, load], self.gravity_m_per_s2)

@@ -88,11 +88,13 @@ class SampledTurn:
                 (f"{name}_{unit}_per_s2", f"{unit}/s²", "its acceleration", acceleration),
             ]
         upright = 0.5 * np.pi - np.abs(np.arcsin(motion.coupler[1]))
-        sliding = drive.first(motion.slide[1], travel)
+        _, first, second = motion.slide
         rows += [
             ("slide_mm", "mm", "crank's pin to the guide's pivot", motion.slide[0]),
             ("slide_mm_per_s", "mm/s", "velocity of the block along the guide, not the ram's",
-             sliding),
+             drive.first(first, travel)),
+            ("slide_mm_per_s2", "mm/s²", "its acceleration along the guide",
+             drive.second(first, second, travel)),
             ("transmission_deg", "deg", "transmission angle at the ram", upright),
         ]  # fmt: skip
         return {

@@ -161,6 +161,7 @@ QUANTITIES: Final = (
     Quantity("coupler_velocity", "deg/s", lambda m, d, t: d.first(m.coupler_turn[0], t)),
     Quantity("coupler_acceleration", "deg/s²", lambda m, d, t: d.second(*m.coupler_turn, t)),
     Quantity("sliding_velocity", "mm/s", lambda m, d, t: d.first(m.slide[1], t)),
+    Quantity("sliding_acceleration", "mm/s²", lambda m, d, t: d.second(m.slide[1], m.slide[2], t)),
 )
 
 
