@@ -74,6 +74,12 @@ def test_a_circle_off_its_axis():
     assert mass.mass_kg == pytest.approx(7800.0 * 12e-9 * (area - hole), rel=1e-12)
     inertia = 7800.0 * 12e-9 * (polar - hole * 18.0**2 / 8.0) * 1e-6
     assert mass.moment_of_inertia_kg_m2 == pytest.approx(inertia, rel=1e-12)
+    # a shaft in the spec is the bore where none is given
+    shafted = {name: value for name, value in body.items() if name != "bore_mm"}
+    same = designed(
+        {"kind": "translating_flat_face"}, 30.0, program, body=shafted, shaft_diameter_mm=18.0
+    )
+    assert geometry(same).mass_properties == mass
     shift = area * e / (area - hole)
     assert math.hypot(*mass.centre_of_gravity_mm) == pytest.approx(shift, rel=1e-12)
 
