@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 SVG = "{http://www.w3.org/2000/svg}"
 DPI = 100.0  # pixels per inch of a PNG
 POINTS = 72.0  # in an inch: the unit of a PDF
-MM_PER_INCH = 25.4
+MM_PER_INCH = 25.4  # mm: by definition of the inch
 OUTLINES = (
     3  # matplotlib's number for fonts of outlines: half the time of whole ones, and searchable
 )
