@@ -252,8 +252,8 @@ def _add_table(
 
 _add_table(
     "csv", "text/csv; charset=utf-8", views.csv_table, "Finished items as CSV",
-    "A row for each item, by number: status, axes, quantities, gap, seconds, design, problem."
-    "\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.",
+    "A row for each item, by number: status, severity, axes, quantities, gap, seconds, design, "
+    "problem.\n\nOnce the sweep has ended, it has a tag, and parts of it can be requested.",
 )  # fmt: skip
 _add_table(
     "parquet", "application/vnd.apache.parquet", views.parquet_table, "Finished items as Parquet",

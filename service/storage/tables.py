@@ -105,6 +105,7 @@ class ItemRow(Base):
     sweep: Mapped[int] = mapped_column(BigInteger)
     number: Mapped[int] = mapped_column(Integer)
     status: Mapped[str] = mapped_column(String(16))
+    severity: Mapped[str] = mapped_column(String(8), server_default="none")
     axis_values: Mapped[list[Any]] = mapped_column(JSON)
     quantities: Mapped[dict[str, float]] = mapped_column(JSON)
     gap: Mapped[float | None] = mapped_column(Float)

@@ -15,6 +15,7 @@ from pydantic import JsonValue, ValidationError
 from service.wire.errors import ProblemType
 from service.workers.tasks import Answer
 from synthesis.design.design import Status
+from synthesis.design.warnings import Severity
 from synthesis.errors import Cancelled, TimeBudgetExceeded
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
@@ -33,6 +34,7 @@ class ItemAnswer:
             bound. seconds: time that it took.
         design_id: the design's id; None where the answer is not that of the spec alone.
         design: the design's body, compressed. problem: why it failed, or why it ended early.
+        severity: of the worst warning of the design.
     """
 
     number: int
@@ -43,6 +45,7 @@ class ItemAnswer:
     design_id: str | None = None
     design: bytes | None = None
     problem: dict[str, Any] | None = None
+    severity: Severity = "none"
 
 
 def solve_items(
@@ -107,10 +110,12 @@ def _answer(
         return ItemAnswer(
             number, best.status, seconds, {**best.dimensions, **best.objectives},
             best.certificate.gap, None, zlib.compress(best.model_dump_json().encode(), 1), problem,
+            best.severity,
         ), None  # fmt: skip
     return ItemAnswer(
         number, answer.status, answer.seconds, answer.quantities,  # type: ignore[arg-type]
         answer.summary["gap"], answer.id, zlib.compress(answer.body, 1),
+        severity=answer.summary.get("severity", "none"),
     ), answer.warm_start if sweep.warm_start else None  # fmt: skip
 
 

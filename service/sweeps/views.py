@@ -25,6 +25,7 @@ from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
 from service.sweeps.sweeps import POLL_S, Sweeps
 from service.wire.errors import ProblemType
 from service.workers.tasks import links_to
+from synthesis.design.warnings import Severity
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
 from synthesis.studies.sweeps import SweepSpec
@@ -35,7 +36,7 @@ ItemStatus = Literal["optimal", "feasible", "unsolved", "infeasible", "failed"]
 FILES = ("items", "items.csv", "items.parquet", "pareto", "events")
 PATH = "/v1/sweeps"
 # Columns of tables before and after those of axes and quantities.
-BEFORE = (("number", "int"), ("status", "text"))
+BEFORE = (("number", "int"), ("status", "text"), ("severity", "text"))
 AFTER = (("gap", "number"), ("seconds", "number"), ("design", "text"), ("problem", "text"))
 Pages = AsyncIterator[Sequence[ItemRow]]
 
@@ -97,6 +98,7 @@ class SweepItem(BaseModel):
 
     number: int = Field(description="Which: 0 upwards, the last axis changes fastest.")
     status: ItemStatus = Field(description="As the design's, or `failed`.")
+    severity: Severity = Field("none", description="That of the design's worst warning.")
     values: dict[str, JsonValue] = Field(description="Value of every axis, by pointer.")
     quantities: dict[str, float] = Field(
         description="Dimensions, objectives and what else the sweep measures, with unit."
@@ -174,7 +176,7 @@ def sweep_of(row: SweepRow, sweeps: Sweeps) -> Sweep:
 
 def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:
     """A finished item with its addresses."""
-    names = ("number", "status", "quantities", "gap", "seconds", "problem")
+    names = ("number", "status", "severity", "quantities", "gap", "seconds", "problem")
     links = {"self": f"{sweep_path(sweep.id)}/items/{row.number}"}
     if row.design_id is not None:
         links["design"] = f"/v1/designs/{row.design_id}"
@@ -237,7 +239,7 @@ class Columns:
         quantities = [item.quantities.get(name) for name in self._quantities]
         problem = None if item.problem is None else item.problem["detail"]
         own = [item.gap, item.seconds, item.design_id, problem]
-        return [item.number, item.status, *values, *quantities, *own]
+        return [item.number, item.status, item.severity, *values, *quantities, *own]
 
 
 async def csv_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:

@@ -31,6 +31,7 @@ from synthesis.units import DEGREE, FULL_TURN
 WIDEST: Final = 0.1  # [rad] of an interval on which a polynomial of degree 12 stands for a figure
 ARC_NODES: Final = 24  # of Gauss's rule along the arc about a corner, of at most half a turn
 STRAIGHT: Final = 1e-9  # curvature times prime radius: less is rounding, neither convex nor hollow
+LARGE: Final = 1e100  # stands for the infinite curvature of a cusp [1/mm]
 PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 MILLI: Final = 1e-3  # metres in a millimetre
 
@@ -98,7 +99,7 @@ class _Measured:
             **self._radii(peaks),
             hollows=self._hollows(),
             sliding_speed_mm_per_s=_larger(peaks, "sliding"),
-            roller_speed_rpm=_larger(peaks, "roller", PER_MINUTE),
+            roller_speed_rpm=_larger(peaks, "spin", PER_MINUTE),
             roller_acceleration_rad_per_s2=_larger(peaks, "spin_up"),
         )
 
@@ -158,44 +159,61 @@ class _Measured:
 
     # extremes
 
-    def _measures(self, at: _FlankPoint) -> dict[str, Array]:
-        """What has a largest value, by name, at n places."""
-        x, y, *_ = at.curve
-        radius, omega = np.hypot(x, y), self.cam.machine.omega
-        found = {"largest_radius": radius, "smallest_radius": -radius}
+    @property
+    def _extremes(self) -> Mapping[str, tuple[str, float]]:
+        """What is sought: of which measure the largest value, or with −1 the smallest."""
+        found = {"largest_radius": ("radius", 1.0), "smallest_radius": ("radius", -1.0)}
         if self.cam.machine.follower.always_convex:
-            found["convex"] = -face_radius(at)
+            found["convex"] = ("face", -1.0)
         else:
-            bend = self.flank.side * at.curvature
-            found |= {"convex": bend, "hollow": -bend}
+            found |= {"convex": ("bend", 1.0), "hollow": ("bend", -1.0)}
+        both = ["sliding"] if flat_face(self.flank.trace) is not None else []
+        both += ["spin", "spin_up"] if self.flank.roller > 0.0 else []
+        for name in both:
+            found |= {f"{name}_forward": (name, 1.0), f"{name}_back": (name, -1.0)}
+        return found
+
+    def _measures(self, at: _FlankPoint) -> dict[str, Array]:
+        """What has extremes, by name, at n places."""
+        x, y, *_ = at.curve
+        omega = self.cam.machine.omega
+        found = {"radius": np.hypot(x, y)}
+        if self.cam.machine.follower.always_convex:
+            found["face"] = face_radius(at)
+        else:
+            found["bend"] = self.flank.side * at.curvature
         if flat_face(at.trace) is not None:
-            speed = omega * self._sliding(at)
-            found |= {"sliding_forward": speed, "sliding_back": -speed}
+            found["sliding"] = omega * self._sliding(at)
         if self.flank.roller > 0.0:
             spin, rate = self._rolling(at)
-            found |= {"roller_forward": omega * spin, "roller_back": -omega * spin}
-            found |= {"spin_up_forward": omega**2 * rate, "spin_up_back": -(omega**2) * rate}
-        return {name: np.broadcast_to(value, radius.shape) for name, value in found.items()}
+            found |= {"spin": omega * spin, "spin_up": omega**2 * rate}
+        return found
 
     def _peaks(self) -> dict[str, PeakValue]:
-        """The largest value of each measure, at a point of the grid or at the top between."""
-        grid, curve = self.grid, self.cam.motion.curve
-        with np.errstate(divide="ignore", invalid="ignore"):
+        """Every extreme times its sign, at a point of the grid or at the top between."""
+        grid, motion, extremes = self.grid, self.cam.motion, self._extremes
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             seen = self._measures(self._points)
+            row = {name: k for k, name in enumerate(seen)}
+            wanted = [(row[name], sign) for name, sign in extremes.values()]
             values = np.stack(list(seen.values()))
-            interval, x = grid.highest(values)
+            if not np.isfinite(values).all():  # a cusp of the traced curve
+                values = np.clip(np.nan_to_num(values), -LARGE, LARGE)
+            interval, x = grid.highest(values, wanted)
             piece = grid.owner[interval]
-            again = self._measures(self._at(tuple(curve.jet(x, piece, 3))))
-        # the highest point of the grid counts where the top found is lower by more than rounding
-        points = np.where(np.isnan(values), -np.inf, values).argmax(axis=1)
+            again = self._measures(self._at(tuple(motion.curve.jet(x, piece, 3))))
+        # the highest and the lowest point of the grid of every measure
+        points = {1.0: values.argmax(axis=1).tolist(), -1.0: values.argmin(axis=1).tolist()}
         peaks = {}
-        for k, (name, point) in enumerate(zip(seen, points.tolist(), strict=True)):
-            value, other = float(again[name][k]), float(values[k, point])
+        for k, (title, (name, sign)) in enumerate(extremes.items()):
+            # a point of the grid counts where the top found is lower by more than rounding
+            point = points[sign][row[name]]
+            value, other = sign * float(again[name][k]), sign * float(values[row[name], point])
             at, owner = float(x[k]), int(piece[k])
             if not value >= other - EQUAL * abs(other):
                 value, at, owner = other, float(grid.x[point]), int(grid.piece[point])
-            segment = int(self.cam.motion.segment_of_piece[owner])
-            peaks[name] = PeakValue(value=value + 0.0, angle_deg=degrees(at), segment=segment)
+            segment = int(motion.segment_of_piece[owner])
+            peaks[title] = PeakValue(value=value + 0.0, angle_deg=degrees(at), segment=segment)
         return peaks
 
     def _radii(self, peaks: Mapping[str, PeakValue]) -> dict[str, PeakValue | None]:

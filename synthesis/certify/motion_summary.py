@@ -138,10 +138,12 @@ class _Motion:
         self, order: int, largest: PeakValue, smallest: PeakValue, rms: float, inside: Array
     ) -> DerivativeSummary:
         """``inside``: of all junctions, those that belong to the segment or the turn."""
-        below = [np.count_nonzero(inside[jump.junctions]) for jump in self.jumps[: order - 1]]
-        jumps = self.jumps[order - 1]
-        kept = np.flatnonzero(inside[jumps.junctions])
-        biggest = None
+        infinite = any(
+            len(jump.junctions) and inside[jump.junctions].any() for jump in self.jumps[: order - 1]
+        )
+        jumps, kept, biggest = self.jumps[order - 1], np.zeros(0, dtype=np.intp), None
+        if len(jumps.junctions):
+            kept = inside[jumps.junctions].nonzero()[0]
         if len(kept):
             k = int(kept[np.argmax(np.abs(jumps.sizes[kept]))])
             junction = int(jumps.junctions[k])
@@ -153,7 +155,7 @@ class _Motion:
             )
         return DerivativeSummary(
             unit=self.machine.derivative_unit(order), largest=largest, smallest=smallest,
-            rms=None if any(below) else rms, jumps=len(kept), largest_jump=biggest,
+            rms=None if infinite else rms, jumps=len(kept), largest_jump=biggest,
         )  # fmt: skip
 
     def _junctions_of(self, segment: PlacedSegment) -> Array:
@@ -167,8 +169,7 @@ class _Motion:
         start, end = self._end(segment, at_start=True), self._end(segment, at_start=False)
         ends = f"{start[0]}-{end[0]}"
         law: MotionLaw = LAWS[REFERENCES.get(ends, OTHERWISE)]
-        if ends == "U-R":
-            law = law.model_copy(update={"turn": "bottom"})
+        # a law run backwards, U-R for R-U, has the same figures
         curve = law.with_end_derivatives("rise", start[1], end[1])
         return ReferenceLaw(
             law=law.kind, ends=ends, source=law.entry.source,

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -194,8 +194,8 @@ class MeasuredCam:
     @classmethod
     def of(cls, motion: Motion, machine: Machine, size: Size) -> MeasuredCam:
         """The motion is cut where the process force bends or jumps: P is linear on each piece."""
-        cuts = () if machine.load is None else machine.load.process.breaks[1:-1].tolist()
-        return cls(PiecewiseMotion(motion, cuts), machine, tuple(float(z) for z in size))
+        cuts = () if machine.load is None else tuple(machine.load.process.breaks[1:-1].tolist())
+        return cls(_pieces(motion, cuts), machine, tuple(float(z) for z in size))
 
     @cached_property
     def traces(self) -> Mapping[str, TracePoint]:
@@ -271,6 +271,12 @@ class MeasuredCam:
             lambda piece, x, wanted: self.values([subjects[k] for k in wanted], piece, x),
             [quantity.absolute_width + quantity.width_per_size * scale for quantity, _ in subjects],
         )
+
+
+@lru_cache(maxsize=4)
+def _pieces(motion: Motion, cuts: tuple[float, ...]) -> PiecewiseMotion:
+    """Certificate, objectives, forces and summary of one motion share its tables."""
+    return PiecewiseMotion(motion, cuts)
 
 
 def infinite_by_jump(

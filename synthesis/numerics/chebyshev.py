@@ -7,6 +7,7 @@ Theory and Approximation Practice*, chapters 2, 5 and 19.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -74,19 +75,22 @@ class Grid:
         """Piece of every point."""
         return self.owner.repeat(POLYNOMIAL_DEGREE + 1)
 
-    def highest(self, values: Array) -> tuple[Indices, Array]:
-        """Where functions with these values (k, points) are largest: interval and x, (k,) each.
+    def highest(self, values: Array, signs: Sequence[tuple[int, float]]) -> tuple[Indices, Array]:
+        """Where functions with these values (k, points) are largest: interval and x, (n,) each.
 
-        Of equals the first. What is no number is passed over.
+        ``signs``: of each question which function, and 1 for its largest, −1 for its smallest
+        value. Of equals the first. All values are finite numbers.
         """
-        seen = np.where(np.isnan(values), -np.inf, values).reshape(len(values), -1, len(POINTS))
-        # intervals that may hold the largest value: between two points a function rises above
-        # both by no more than it changes from point to point
-        top = seen.max(axis=2)
-        with np.errstate(invalid="ignore"):
-            spread = np.abs(seen[..., 1:] - seen[..., :-1]).max(axis=2)
-            near = ~(top + spread < top.max(axis=1)[:, None])
-        found = [self._top_of(near[k].nonzero()[0], row) for k, row in enumerate(seen)]
+        seen = values.reshape(len(values), -1, len(POINTS))
+        # intervals that may hold the extreme value: between two points a function leaves what it
+        # is at both by no more than it changes from point to point
+        spread = np.abs(seen[..., 1:] - seen[..., :-1]).max(axis=2)
+        tops, lows = seen.max(axis=2), seen.min(axis=2)
+        found = []
+        for k, sign in signs:
+            top = tops[k] if sign > 0.0 else -lows[k]
+            near = (top + spread[k] >= top.max()).nonzero()[0]
+            found.append(self._top_of(near, sign * seen[k]))
         return np.array([k for k, _ in found]), np.array([x for _, x in found])
 
     def _top_of(self, near: Indices, row: Array) -> tuple[int, float]:

@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 
 import synthesis as c
 from synthesis.catalogue.forces.reduced import history
+from synthesis.certify.quantities import TracedPoint, contact
 from synthesis.design.design import Design
 from synthesis.design.summary import CamGeometry
 from synthesis.exporters.samples.cam import Cam
@@ -73,6 +74,12 @@ def test_a_circle_off_its_axis():
     assert mass.mass_kg == pytest.approx(7800.0 * 12e-9 * (area - hole), rel=1e-12)
     inertia = 7800.0 * 12e-9 * (polar - hole * 18.0**2 / 8.0) * 1e-6
     assert mass.moment_of_inertia_kg_m2 == pytest.approx(inertia, rel=1e-12)
+    # a shaft in the spec is the bore where none is given
+    shafted = {name: value for name, value in body.items() if name != "bore_mm"}
+    same = designed(
+        {"kind": "translating_flat_face"}, 30.0, program, body=shafted, shaft_diameter_mm=18.0
+    )
+    assert geometry(same).mass_properties == mass
     shift = area * e / (area - hole)
     assert math.hypot(*mass.centre_of_gravity_mm) == pytest.approx(shift, rel=1e-12)
 
@@ -106,11 +113,30 @@ def test_integrals_are_steiners_and_those_of_many_triangles(rotation):
 
 
 def polygon_moments(design: Design, count: int) -> tuple[complex, float]:
-    """Centroid and polar moment of a polygon, by its triangles from the axis."""
-    theta = TURN * np.arange(count) / count
+    """Centroid and polar moment of the polygon through points of the exported profile."""
     cam = Cam.of(design)
-    x, y = cam.place(cam.at(theta))
-    p, q = x + 1j * y, np.roll(x + 1j * y, -1)
+    x, y = cam.place(cam.at(TURN * np.arange(count) / count))
+    return polygon(x + 1j * y)
+
+
+def bridged_polygon(design: Design, count: int) -> np.ndarray:
+    """Points of the profile, so many on each piece, and on arcs about the roller's centre."""
+    cam, found = Cam.of(design), []
+    share = np.linspace(0.0, 1.0, count)
+    for low, high in pairwise(design.curve.curve.breaks.tolist()):
+        at = cam.at(low + (high - low) * share, np.arange(count) == count - 1)
+        found.append(at.x + 1j * at.y)
+        before, after = cam.at(np.array([high]), np.array([True])), cam.at(np.array([high % TURN]))
+        centre = (after.pitch_x + 1j * after.pitch_y)[0]
+        start, end = ((each.normal_x + 1j * each.normal_y)[0] for each in (before, after))
+        turn = np.angle(end / start)
+        found.append(centre - cam.gap * start * np.exp(1j * turn * share))
+    return np.concatenate(found)
+
+
+def polygon(p: np.ndarray) -> tuple[complex, float]:
+    """Centroid and polar moment of a polygon, by its triangles from the axis."""
+    q = np.roll(p, -1)
     cross = (np.conj(p) * q).imag
     area = 0.5 * cross.sum()
     polar = abs((cross * (abs(p) ** 2 + abs(q) ** 2 + (p * np.conj(q)).real)).sum()) / 12.0
@@ -176,6 +202,63 @@ def _with_load(spec: c.DesignSpec) -> dict:
     return spec.model_dump(exclude_none=True) | {"load": load}
 
 
+SWING = [{k.replace("_mm", "_deg"): v for k, v in s.items()} for s in RISE_RETURN]
+ARM = {"kind": "oscillating_roller", "roller_radius_mm": 9.0, "arm_mm": 80.0,
+       "centre_distance_mm": 100.0}  # fmt: skip
+FACE = {"kind": "oscillating_flat_face", "centre_distance_mm": 110.0, "face_offset_mm": 6.0}
+
+
+@pytest.mark.parametrize("sense", ["opposite", "same"])
+def test_an_arms_roller_turns_as_the_forces_have_it(sense):
+    """Speed against ``history``, acceleration against differences of that, at every angle."""
+    load = {"kind": "arm", "moment_of_inertia_kg_m2": 0.01,
+            "spring": {"rate_n_m_per_rad": 5.0, "preload_n_m": 20.0}}  # fmt: skip
+    design = designed({**ARM, "sense": sense}, 30.0, SWING, load=load)
+    (flank,), machine = geometry(design).flanks, design.completed_spec.machine()
+
+    def rolling(theta):
+        size = tuple(design.size)
+        args = machine.follower, machine.load, machine.omega, design.curve, size
+        return history(*args, theta % TURN).rolling[""]
+
+    theta = TURN * (np.arange(4000) + 0.5) / 4000
+    assert flank.roller_speed_rpm.value * TURN / 60.0 >= rolling(theta).max() * (1.0 - 1e-12)
+    at = np.array([math.radians(flank.roller_speed_rpm.angle_deg)])
+    assert flank.roller_speed_rpm.value * TURN / 60.0 == pytest.approx(rolling(at)[0], rel=1e-12)
+    step = 1e-4
+    slopes = np.abs(rolling(theta + step) - rolling(theta - step)) / (2.0 * step) * machine.omega
+    largest = flank.roller_acceleration_rad_per_s2.value
+    assert largest >= slopes.max() * (1.0 - 1e-6)
+    assert largest == pytest.approx(slopes.max(), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("face", "program"),
+    [(FACE, SWING), ({**FACE, "sense": "same"}, SWING),
+     ({"kind": "translating_flat_face", "tilt_deg": 12.0, "offset_mm": 3.0}, RISE_RETURN)],
+)  # fmt: skip
+def test_a_face_slides_by_what_contact_runs_on_the_cam_and_not_on_the_face(face, program):
+    """Contact runs at |T| along the cam and at the rate of its reach along the face."""
+    design = designed(face, 40.0, program)
+    (flank,), cam = geometry(design).flanks, Cam.of(design)
+    machine, omega = design.completed_spec.machine(), 300.0 * TURN / 60.0
+    size = tuple(design.size)
+
+    def reach(theta):
+        s = tuple(design.curve.derivatives(theta % TURN, 3))
+        return contact(TracedPoint(machine.follower, size, s))
+
+    theta, step = TURN * (np.arange(4000) + 0.5) / 4000, 1e-4
+    rate = (reach(theta + step) - reach(theta - step)) / (2.0 * step)
+    # the face's unit vector along the tangent of the curve, which runs clockwise
+    s = tuple(design.curve.derivatives(theta, 3))
+    at = TracedPoint(machine.follower, size, s)
+    along = machine.follower.face_axis(s, size)[1]
+    sense = np.sign(at.tangent[0] * along[0] + at.tangent[1] * along[1])
+    speeds = np.abs(sense * np.abs(cam.at(theta).speed) - rate) * omega
+    assert flank.sliding_speed_mm_per_s.value == pytest.approx(speeds.max(), rel=1e-5)
+
+
 def test_nothing_on_a_fine_grid_is_beyond_an_extreme():
     """Every figure of an arm's cam against 20,000 samples of the exporters' profile."""
     design = example("oscillating-roller")
@@ -218,3 +301,7 @@ def test_a_corner_is_bridged_by_an_arc_about_the_rollers_centre():
         turns.append(before - after)
     backwards = sum(turn for turn in turns if turn > 0.0)
     assert flank.perimeter_mm == pytest.approx(length - 8.0 * (TURN - 2.0 * backwards), rel=1e-12)
+    # the centroid of the polygon through pieces and arcs, in the cam's frame
+    first, second = (bridged_polygon(design, count) for count in (2000, 4000))
+    centroid = (4.0 * polygon(second)[0] - polygon(first)[0]) / 3.0
+    assert complex(*flank.centroid_mm) == pytest.approx(centroid, abs=1e-8)

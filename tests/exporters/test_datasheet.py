@@ -91,7 +91,12 @@ def crowded(design: Design) -> Design:
     )  # fmt: skip
     limits = [extreme(f"limit_{k}", "mm/s³", 1.23456789e9, 123.4567, 2e9, "x") for k in range(40)]
     return solved(moves).model_copy(
-        update={"name": NASTY * 9, "warnings": [warning] * 10, "extremes": limits}
+        update={
+            "name": NASTY * 9,
+            "warnings": [warning] * 10,
+            "extremes": limits,
+            "assumptions": ["Much was assumed, " * 20 + "indeed. Ask otherwise."],
+        }
     )
 
 
@@ -119,6 +124,7 @@ def test_all_of_it_is_on_one_page_and_no_line_lies_on_another(design: Design, fu
     if full:
         assert "more in the report" in words(root)
         assert "More warnings are in the report." in words(root)
+        assert "Much was assumed" in words(root)
 
 
 def test_a_stop_stands_beside_the_status(design: Design) -> None:

@@ -31,8 +31,10 @@ if TYPE_CHECKING:
 SVG = "{http://www.w3.org/2000/svg}"
 DPI = 100.0  # pixels per inch of a PNG
 POINTS = 72.0  # in an inch: the unit of a PDF
-MM_PER_INCH = 25.4
-OUTLINES = 3  # matplotlib's number for fonts of outlines: half the time of whole ones, and searchable
+MM_PER_INCH = 25.4  # mm: by definition of the inch
+OUTLINES = (
+    3  # matplotlib's number for fonts of outlines: half the time of whole ones, and searchable
+)
 RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
 FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
 FACTORS = {"scale": "scale", "translate": "translate", "rotate": "rotate_deg"}  # of Affine2D

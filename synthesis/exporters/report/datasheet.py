@@ -47,7 +47,7 @@ MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
 LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
 MOST_GEOMETRY = 12  # lines of figures where forces follow
 LEAST_LIMITS = 3  # lines that coefficients leave to limits
-CERTIFICATE_LINES, WARNING_LINES = 3, 5  # at the foot, at most
+CERTIFICATE_LINES, ASSUMPTION_LINES, WARNING_LINES = 3, 2, 5  # at the foot, at most
 
 
 def _sheet(design: Design, theme: Theme) -> bytes:
@@ -130,16 +130,25 @@ def _limits(design: Design) -> Iterator[tuple[str, ...]]:
 
 
 def _foot(design: Design) -> list[tuple[str, str]]:
-    """Warnings, then the certificate in words: kind of letters and text of every line."""
+    """Warnings, assumptions, the certificate in words: kind of letters and text of every line."""
     lines: list[tuple[str, str]] = []
     for each in sorted(design.warnings, key=lambda one: -SEVERITIES.index(one.severity)):
         kind = "label" if each.severity == "note" else "alarm"
-        text = svg.wrapped(f"{each.severity}: {each.sentence}", INNER, LABEL)
-        lines += [(kind, line) for line in text]
+        lines += _lines(kind, f"{each.severity}: {each.sentence}", WARNING_LINES)
     if len(lines) > WARNING_LINES:
         lines = [*lines[: WARNING_LINES - 1], ("alarm", "More warnings are in the report.")]
-    words = svg.wrapped(certificate_words(design.certificate), INNER, LABEL)
-    return [*lines, *(("quiet", line) for line in words[:CERTIFICATE_LINES])]
+    # of an assumption the first sentence says what was assumed, the others how to ask otherwise
+    assumed = " ".join(f"{each.split('. ')[0].rstrip('.')}." for each in design.assumptions)
+    lines += _lines("label", assumed, ASSUMPTION_LINES)
+    return lines + _lines("quiet", certificate_words(design.certificate), CERTIFICATE_LINES)
+
+
+def _lines(kind: str, text: str, most: int) -> list[tuple[str, str]]:
+    """A text in lines, cut with an ellipsis where there are more."""
+    found = svg.wrapped(text, INNER, LABEL)
+    if len(found) > most:
+        found = [*found[: most - 1], svg.shorten(f"{found[most - 1]} …", INNER, LABEL)]
+    return [(kind, line) for line in found]
 
 
 def _fitting(top: float, bottom: float) -> int:

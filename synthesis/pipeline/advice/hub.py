@@ -18,29 +18,30 @@ def _find(subject: Subject) -> Iterator[Finding]:
     if not subject.is_touched_from_outside:
         return
     radius, stroke, field = subject.base_radius, subject.stroke, "base_radius_mm"
-    needed, why = _shaft(subject)
-    hub, given = hub_diameter(needed), subject.spec.shaft_diameter_mm
-    room = max(shaft_of_hub(2.0 * radius), 0.0)
-    if radius <= 0.5 * needed:
+    given, body, loaded = subject.spec.shaft_diameter_mm, subject.spec.body, _loaded(subject)
+    bore = 0.0 if body is None else body.bore_mm or 0.0
+    shaft, why = max(loaded, (bore, " (the bore of body)"))
+    hub, room = hub_diameter(shaft), max(shaft_of_hub(2.0 * radius), 0.0)
+    if radius <= 0.5 * shaft:
         yield Finding(
             "stop", field,
             f"The base radius of {number(radius)} mm lies inside the shaft of "
-            f"{number(needed)} mm diameter{why}.",
+            f"{number(shaft)} mm diameter{why}.",
             f"Ask for a base radius of at least {number(0.5 * hub)} mm.",
         )  # fmt: skip
-    elif given is not None and given < needed:
+    elif given is not None and given < loaded[0]:
         yield Finding(
             "caution", "shaft_diameter_mm",
-            f"The shaft of {number(given)} mm diameter is thinner than that of {number(needed)} "
-            f"mm{why}.",
-            f"Give a shaft of {number(needed)} mm or more, or lower the load.",
+            f"The shaft of {number(given)} mm diameter is thinner than that of "
+            f"{number(loaded[0])} mm{loaded[1]}.",
+            f"Give a shaft of {number(loaded[0])} mm or more, or lower the load.",
         )  # fmt: skip
     elif subject.base_radius_is_set:
         return
-    elif radius < 0.5 * hub and needed > 0.0:
+    elif radius < 0.5 * hub and shaft > 0.0:
         yield Finding(
             "caution", field,
-            f"A shaft of {number(needed)} mm diameter{why} asks for a hub of {number(hub)} mm in "
+            f"A shaft of {number(shaft)} mm diameter{why} asks for a hub of {number(hub)} mm in "
             f"cast iron; the base circle has {number(2.0 * radius)} mm.",
             f"Give the shaft (shaft_diameter_mm) or a base radius of at least {number(0.5 * hub)} "
             "mm, in steel slightly less; or make cam and shaft in one piece.",
@@ -56,8 +57,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _shaft(subject: Subject) -> tuple[float, str]:
-    """Diameter of the shaft [mm], and how it is known; 0 where nothing says it."""
+def _loaded(subject: Subject) -> tuple[float, str]:
+    """Least diameter of the shaft under the load [mm], and how it is known; 0 without a load."""
     forces = subject.design.forces
     peaks = () if forces is None else (forces.torque.largest_n_m, forces.torque.smallest_n_m)
     torque = max((abs(peak.value) for peak in peaks if peak is not None), default=0.0)
@@ -70,11 +71,11 @@ def _shaft(subject: Subject) -> tuple[float, str]:
 
 RULE = Rule(
     code="hub",
-    thresholds="stop: the base circle inside the shaft that the load needs, the thinnest that "
-    "carries the largest torque at 40 N/mm²; caution: a given shaft that is thinner than that, or "
-    "a base circle below its hub's 1.75 shaft diameters plus 1/4 in. And by size alone: caution "
-    "where the shaft for which this rule leaves room is thinner than a fifth of the stroke, stop: "
-    "than a tenth.",
+    thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
+    "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
+    "thinner than that, or a base circle below the hub's 1.75 diameters of these plus 1/4 in. And "
+    "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
+    "fifth of the stroke, stop: than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
     "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway.",

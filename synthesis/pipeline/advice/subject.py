@@ -1,8 +1,8 @@
 """The cam that rules judge: its spec, and its curves over the turn, each computed once.
 
-Curves are sampled: at every degree, and on both sides of every end of a piece of the motion, where
-the derivatives of splines have their extremes. A rule compares them with rules of thumb, so that a
-sample's error does not matter; what the certificate has enclosed is taken from there.
+Pressure angles are sampled: at every degree, and on both sides of every end of a piece of the
+motion. A rule compares them with rules of thumb, so that a sample's error does not matter; what the
+certificate has enclosed, or the summary has, is taken from there.
 """
 
 from __future__ import annotations

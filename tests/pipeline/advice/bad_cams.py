@@ -76,6 +76,9 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
         "hub", "caution", cam(None, limits=angles(30.0), shaft_diameter_mm=20.0,
                               load=slide(1.0, 10.0, 5000.0)),
     ),
+    "a bore wider than the base circle": (
+        "hub", "stop", cam(20.0, body={"thickness_mm": 10.0, "bore_mm": 50.0}),
+    ),
     "a nose that is a point": (
         "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0), proof="quick",
                                   program=program(20.0, 30.0)),
@@ -106,6 +109,10 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
         "roller_speed", "caution", cam(60.0, 8.0, speed_rpm=3000.0, program=program(5.0)),
     ),
     "pressure angles in radians": ("unit_suspicion", "caution", cam(None, limits=angles(0.52))),
+    "radians, and no cam that keeps them": (
+        "unit_suspicion", "caution",
+        cam(None, limits=[*angles(0.52), {"kind": "outer_radius", "max_mm": 200.0}]),
+    ),
     "a stroke in metres": ("unit_suspicion", "caution", cam(40.0, program=program(0.03))),
     "a slide that jams": ("pressure_angle", "stop", cam(8.0, 4.0, program=program(60.0, 60.0))),
     "a steep arm": (

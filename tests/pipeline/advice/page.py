@@ -22,8 +22,9 @@ severe first, and beside `status` the `severity` of the worst.
 A warning has a `code` (the rule), `severity`, the `field` of the spec where it is mended, a
 `sentence` with the values, a `remedy` and the `source` of the rule. A rule is silent where the spec
 sets on purpose what it would warn of. Warnings change neither the cam nor its status: they speak of
-what the limits do not say. Pressure angles and roller speeds are sampled at every degree and at
-both sides of every end of a piece of the motion; all else is taken from what was enclosed.
+what the limits do not say. Where no limit encloses the pressure angle it is sampled, at every
+degree and at both sides of every end of a piece of the motion; all else is taken from the
+certificate, the forces and the [summary](datasheet.md).
 
 """
 FOOT = """

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from synthesis import DesignSpec, synthesise
+from synthesis import DesignSpec, analyse, synthesise
+from synthesis.catalogue.limits.motion import Acceleration
+from synthesis.design.design import Design
+from synthesis.pipeline.advice import with_warnings
 from tests.pipeline.advice.bad_cams import angles, cam, program, slide
 
 Spec = dict[str, Any]
@@ -105,6 +108,23 @@ def sharp(ratio: float) -> Spec:
     return cam(prime - 20.0, 20.0, program=program(20.0, 60.0), limits=angles(80.0))
 
 
+def roller(radius: float = 10.0, **closure: Any) -> Spec:
+    return {
+        "kind": "translating_roller", "roller_radius_mm": radius, "offset_mm": 0.0,
+        "closure": closure,
+    }  # fmt: skip
+
+
+RISE_MEANT = [{"kind": "pressure_angle", "rise_deg": 80.0}]
+GROOVE = roller(2.0, kind="groove")
+RING = roller(kind="force", contact="inside")
+
+
+def jamming(coefficient: float) -> Spec:
+    """A guide of no overhang; at 45° it locks from a friction of 1 on."""
+    return steep(45.0, load={**slide(), "friction": {"coefficient": coefficient}})
+
+
 def floating(reserve: float) -> Spec:
     """A spring without rate that holds to so many times the speed."""
     peak = 2.0 * pi * LIFT / RISE**2 * (10.0 * pi) ** 2 * 1e-3  # m/s² of the cycloidal at 300 rpm
@@ -130,6 +150,19 @@ EDGES: list[tuple[str, Spec, str | None]] = [
     ("hub", torque((80.0 - 6.35) / 1.75 * 1.001), "caution"),
     ("hub", torque(79.9), "caution"), ("hub", torque(80.1), "stop"),
     ("pressure_angle", steep(29.99), None), ("pressure_angle", steep(30.01), "caution"),
+    ("pressure_angle", steep(44.9, limits=RISE_MEANT), None),
+    ("pressure_angle", steep(45.1, limits=RISE_MEANT), "note"),
+    ("pressure_angle", steep(69.9, limits=RISE_MEANT), "note"),
+    ("pressure_angle", steep(70.1, limits=RISE_MEANT), "caution"),
+    ("pressure_angle", steep(40.0, limits=RISE_MEANT, follower=GROOVE), "caution"),
+    ("hub", cam(110.0, follower=RING, load=slide(0.0, 0.0, 1e7)), None),
+    ("spring_solid", cam(110.0, follower=RING, load=slide(0.1, 5.0, 250.0, solid_mm=58.0)), None),
+    ("spring_solid", cam(110.0, follower=RING, load=slide(0.1, 5.0, 250.0, solid_mm=57.0)), "note"),
+    ("lift_to_base_radius", faced(20.0, 140.0, 2.0), None),
+    ("lift_to_base_radius",
+     cam(None, program=program(20.0, 120.0), limits=[{"kind": "profile_radius", "min_mm": 5.0}]),
+     "note"),
+    ("contact_force", jamming(0.9), None), ("contact_force", jamming(1.1), "stop"),
     ("pressure_angle", steep(69.9), "caution"), ("pressure_angle", steep(70.1), "stop"),
     ("sharp_nose", sharp(2.001), None), ("sharp_nose", sharp(1.999), "note"),
     ("sharp_nose", sharp(1.251), "note"), ("sharp_nose", sharp(1.249), "caution"),
@@ -144,3 +177,63 @@ def test_a_rule_speaks_from_its_threshold_on(code: str, body: Spec, severity: st
     design = synthesise(DesignSpec.model_validate(body))
     said = [one.severity for one in design.warnings if one.code == code]
     assert said[:1] == ([] if severity is None else [severity])
+
+
+@pytest.fixture(scope="module")
+def calm() -> Design:
+    """A chosen law of which nothing is to be said."""
+    design = synthesise(DesignSpec.model_validate(cam(70.0, program=program(law="spline"))))
+    assert design.warnings == []
+    return design
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "jerk", "limited", "severity"),
+    [
+        (1.99, 3.99, False, "none"), (2.01, 1.0, False, "caution"), (1.0, 4.01, False, "caution"),
+        (2.01, 1.0, True, "none"), (1.0, 4.01, True, "note"), (1.0, 10.1, True, "caution"),
+    ],
+)  # fmt: skip
+def test_peaks_are_compared_with_the_reference_law(
+    calm: Design, acceleration: float, jerk: float, limited: bool, severity: str
+) -> None:
+    assert calm.motion_summary is not None
+    moves = []
+    for move in calm.motion_summary.moves:
+        assert move.reference is not None
+        usual = move.reference.coefficients
+        own = {"Ca": acceleration * usual.Ca, "Cj": jerk * usual.Cj}
+        coefficients = move.coefficients.model_copy(update=own)
+        moves.append(move.model_copy(update={"coefficients": coefficients}))
+    summary = calm.motion_summary.model_copy(update={"moves": moves})
+    limits = [Acceleration(max_mm_per_s2=1e6)] if limited else []
+    spec = calm.spec.model_copy(update={"limits": limits})
+    rough = calm.model_copy(update={"motion_summary": summary, "spec": spec})
+    assert with_warnings(rough).severity == severity
+
+
+@pytest.mark.parametrize(
+    ("status", "gap", "proof", "valid_for", "said"),
+    [
+        ("feasible", 0.01, "auto", "needs a jerk limit", ["limits/jerk"]),
+        ("feasible", 0.01, "auto", "all laws", []),
+        ("feasible", 0.0009, "auto", "needs a jerk limit", []),
+        ("feasible", 0.01, "quick", "needs a jerk limit", []),
+        ("optimal", 0.01, "auto", "needs a jerk limit", []),
+    ],
+)
+def test_a_gap_is_told_where_something_closes_it(
+    calm: Design, status: str, gap: float, proof: str, valid_for: str, said: list[str]
+) -> None:
+    certificate = calm.certificate.model_copy(update={"gap": gap, "bound_valid_for": valid_for})
+    spec = calm.spec.model_copy(update={"proof": proof})
+    changes = {"status": status, "certificate": certificate, "spec": spec}
+    judged = with_warnings(calm.model_copy(update=changes))
+    assert [one.field for one in judged.warnings if one.code == "gap_open"] == said
+
+
+def test_of_undercut_the_certificate_speaks_and_no_rule() -> None:
+    given = cam(20.0, 20.0, program=program(30.0, 40.0))
+    found = analyse(DesignSpec.model_validate(given))
+    assert "profile_radius" in found.violated
+    assert "sharp_nose" not in {one.code for one in found.warnings}

@@ -73,6 +73,15 @@ def test_it_designs_the_parabolic_harmonic_cam(
     assert any(row.startswith("pressure angle rise") and "30 deg" in row for row in rows)
     expect(studio.locator("#charts canvas").first).to_be_visible()
     assert studio.locator("#charts figure").count() == 6
+    studio.locator("#summary summary").click()
+    peaks = studio.locator("#peaks tbody tr").all_inner_texts()
+    assert peaks[0].split("\t")[:4] == ["velocity, turn", "mm/s", "68.755", "50°"]
+    moves = studio.locator("#coefficients tbody tr").all_inner_texts()
+    assert moves[0].split("\t") == ["rise 0–100°", "2", "4", "infinite", "8", "16", "infinite"]
+    assert moves[1].startswith("reference: modified sine, R-R")
+    figures = studio.locator("#body-figures tbody tr").all_inner_texts()
+    perimeter = design["geometry"]["flanks"][0]["perimeter_mm"]
+    assert any(row.split("\t")[:2] == ["perimeter", f"{perimeter:.3f} mm"] for row in figures)
     picture(studio, tmp_path, "studio")
 
 

@@ -344,7 +344,7 @@ def test_a_worker_answers_item_by_item() -> None:
             id=f"id of {name}",
             status="optimal",
             body=b"body",
-            summary={"gap": 0.25},
+            summary={"gap": 0.25, "severity": "stop"},
             seconds=0.5,
             quantities={"mm": 1.0},
             warm_start=f"left by {name}",
@@ -358,6 +358,7 @@ def test_a_worker_answers_item_by_item() -> None:
     ]  # fmt: skip
     first, second, _ = answers
     assert (first.design_id, first.gap, first.quantities) == ("id of a", 0.25, {"mm": 1.0})
+    assert (first.severity, second.severity) == ("stop", "none")
     assert zlib.decompress(first.design or b"") == b"body"
     assert (second.design_id, second.design) == (None, None)
     assert second.problem is not None

@@ -280,6 +280,7 @@ def test_tables_hold_every_item_as_it_is(client: httpx2.Client) -> None:
     for row, other in zip(rows, frame.to_pylist(), strict=True):
         item = items[int(row["number"])]
         assert row["status"] == other["status"] == item["status"]
+        assert row["severity"] == other["severity"] == item["severity"]
         assert row["/name"] == other["/name"] == item["values"]["/name"]
         for name, value in {**item["values"], **item["quantities"]}.items():
             if name != "/name":

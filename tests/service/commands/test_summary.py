@@ -1,0 +1,36 @@
+"""The summary as the terminal prints it: numbers in their units, beside those of the usual law."""
+
+from rich.table import Table
+
+import synthesis as c
+from service.commands.tables import describe_design
+from synthesis.design.design import Design
+
+
+def design() -> Design:
+    law = {"kind": "cycloidal"}
+    program = [
+        {"kind": "rise", "angle_deg": 120, "lift_mm": 20, "law": law},
+        {"kind": "dwell", "angle_deg": 60},
+        {"kind": "return", "angle_deg": 100, "lift_mm": 20, "law": law},
+        {"kind": "dwell", "angle_deg": 80},
+    ]
+    follower = {"kind": "translating_roller", "roller_radius_mm": 12.0, "offset_mm": 0.0}
+    spec = {"speed_rpm": 60, "program": program, "follower": follower, "base_radius_mm": 50.0}
+    return c.synthesise(c.DesignSpec.model_validate(spec))
+
+
+def test_the_tables_of_the_summary_follow_the_lines() -> None:
+    printed = list(describe_design(design(), 0.01))
+    tables = {each.title: each for each in printed if isinstance(each, Table)}
+    assert list(tables) == ["Motion", "Coefficients", "Geometry"]
+    rows = list(zip(*(column.cells for column in tables["Motion"].columns), strict=True))
+    # Cv h ω/β = 2 · 20 mm / (120°/360 s)
+    assert rows[3] == (
+        "velocity, rise 0–120°", "mm/s", "120", "60.000", "0", "0.000", "73.4847", "0",
+    )  # fmt: skip
+    names, *_ = (list(column.cells) for column in tables["Coefficients"].columns)
+    assert names[:2] == ["rise 0–120°", "  reference: modified sine, R-R"]
+    figures = list(zip(*(column.cells for column in tables["Geometry"].columns), strict=True))
+    assert ("outer radius", "70", "mm", "120.000") in figures
+    assert ("least hollow radius", "no hollow", "", "–") in figures
