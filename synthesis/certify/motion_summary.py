@@ -169,8 +169,7 @@ class _Motion:
         start, end = self._end(segment, at_start=True), self._end(segment, at_start=False)
         ends = f"{start[0]}-{end[0]}"
         law: MotionLaw = LAWS[REFERENCES.get(ends, OTHERWISE)]
-        if ends == "U-R":
-            law = law.model_copy(update={"turn": "bottom"})
+        # a law run backwards, U-R for R-U, has the same figures
         curve = law.with_end_derivatives("rise", start[1], end[1])
         return ReferenceLaw(
             law=law.kind, ends=ends, source=law.entry.source,

@@ -13,7 +13,6 @@ Extremum = tuple[float, float]  # value and x
 
 EQUAL: Final = 1e-10  # relative: on a plateau values that differ by less are rounding
 NEGLIGIBLE: Final = 1e-14  # of the largest term on a piece: a leading term below moves no root
-NEWTON_STEPS: Final = 3  # from an eigenvalue, exact to 1e-8 at the worst, to rounding
 
 
 def extreme_values(curve: Piecewise, order: int = 0) -> tuple[Extremum, Extremum]:
@@ -88,12 +87,8 @@ def _roots(slope: Array, kept: Indices, left: Array, right: Array) -> tuple[Indi
             )
         owner = np.broadcast_to(kept, t.shape)
     else:
+        # an eigenvalue's error counts twice in the value, whose slope vanishes there
         t, owner = _companion_roots(slope, kept, np.maximum(np.abs(left), np.abs(right)))
-        for _ in range(NEWTON_STEPS):
-            rate = slope[:, 1:] * np.arange(1.0, slope.shape[1])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                step = _horner(slope, owner, t) / _horner(rate, owner, t)
-            t = t - np.where(np.isfinite(step), step, 0.0)
     inside = (t > left[owner]) & (t < right[owner])
     return owner[inside], t[inside]
 

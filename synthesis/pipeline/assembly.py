@@ -287,6 +287,7 @@ def design(
     # Where no objective is named, the size is what is asked for, and the rms jerk its condition.
     shown = objective_proofs if spec.objective is not None else objective_proofs[::-1]
     first = shown[0] if shown else _unproven(spec)
+    body = None if spec.body is None else spec.body.on_shaft(spec.shaft_diameter_mm)
     finished = None if cam is None else MeasuredCam.of(cam.motion, spec.machine(), cam.size)
     return Design(
         id=design_id(spec),
@@ -304,9 +305,7 @@ def design(
         else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
         extremes=list(extremes),
         motion_summary=None if finished is None else summarise_motion(finished),
-        geometry=None
-        if finished is None
-        else summarise_geometry(finished, spec.rotation, spec.body),
+        geometry=None if finished is None else summarise_geometry(finished, spec.rotation, body),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
             certified=certified, other_objectives=list(shown[1:]), **first.model_dump()

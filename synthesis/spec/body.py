@@ -15,5 +15,11 @@ class CamBody(FiniteModel):
         7850.0, gt=0.0, le=1e5, description="Density of the material; steel where left out."
     )
     bore_mm: float | None = Field(
-        None, gt=0.0, le=1e6, description="Diameter of the bore around the axis; left out: none."
+        None, gt=0.0, le=1e6, description="Diameter of the bore; left out: the shaft's, if any."
     )
+
+    def on_shaft(self, diameter: float | None) -> CamBody:
+        """The same with the bore of a shaft [mm], where none is given."""
+        if diameter is None or self.bore_mm is not None:
+            return self
+        return self.model_copy(update={"bore_mm": diameter})

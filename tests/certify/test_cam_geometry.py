@@ -74,6 +74,12 @@ def test_a_circle_off_its_axis():
     assert mass.mass_kg == pytest.approx(7800.0 * 12e-9 * (area - hole), rel=1e-12)
     inertia = 7800.0 * 12e-9 * (polar - hole * 18.0**2 / 8.0) * 1e-6
     assert mass.moment_of_inertia_kg_m2 == pytest.approx(inertia, rel=1e-12)
+    # a shaft in the spec is the bore where none is given
+    shafted = {name: value for name, value in body.items() if name != "bore_mm"}
+    same = designed(
+        {"kind": "translating_flat_face"}, 30.0, program, body=shafted, shaft_diameter_mm=18.0
+    )
+    assert geometry(same).mass_properties == mass
     shift = area * e / (area - hole)
     assert math.hypot(*mass.centre_of_gravity_mm) == pytest.approx(shift, rel=1e-12)
 
@@ -107,11 +113,30 @@ def test_integrals_are_steiners_and_those_of_many_triangles(rotation):
 
 
 def polygon_moments(design: Design, count: int) -> tuple[complex, float]:
-    """Centroid and polar moment of a polygon, by its triangles from the axis."""
-    theta = TURN * np.arange(count) / count
+    """Centroid and polar moment of the polygon through points of the exported profile."""
     cam = Cam.of(design)
-    x, y = cam.place(cam.at(theta))
-    p, q = x + 1j * y, np.roll(x + 1j * y, -1)
+    x, y = cam.place(cam.at(TURN * np.arange(count) / count))
+    return polygon(x + 1j * y)
+
+
+def bridged_polygon(design: Design, count: int) -> np.ndarray:
+    """Points of the profile, so many on each piece, and on arcs about the roller's centre."""
+    cam, found = Cam.of(design), []
+    share = np.linspace(0.0, 1.0, count)
+    for low, high in pairwise(design.curve.curve.breaks.tolist()):
+        at = cam.at(low + (high - low) * share, np.arange(count) == count - 1)
+        found.append(at.x + 1j * at.y)
+        before, after = cam.at(np.array([high]), np.array([True])), cam.at(np.array([high % TURN]))
+        centre = (after.pitch_x + 1j * after.pitch_y)[0]
+        start, end = ((each.normal_x + 1j * each.normal_y)[0] for each in (before, after))
+        turn = np.angle(end / start)
+        found.append(centre - cam.gap * start * np.exp(1j * turn * share))
+    return np.concatenate(found)
+
+
+def polygon(p: np.ndarray) -> tuple[complex, float]:
+    """Centroid and polar moment of a polygon, by its triangles from the axis."""
+    q = np.roll(p, -1)
     cross = (np.conj(p) * q).imag
     area = 0.5 * cross.sum()
     polar = abs((cross * (abs(p) ** 2 + abs(q) ** 2 + (p * np.conj(q)).real)).sum()) / 12.0
@@ -276,3 +301,7 @@ def test_a_corner_is_bridged_by_an_arc_about_the_rollers_centre():
         turns.append(before - after)
     backwards = sum(turn for turn in turns if turn > 0.0)
     assert flank.perimeter_mm == pytest.approx(length - 8.0 * (TURN - 2.0 * backwards), rel=1e-12)
+    # the centroid of the polygon through pieces and arcs, in the cam's frame
+    first, second = (bridged_polygon(design, count) for count in (2000, 4000))
+    centroid = (4.0 * polygon(second)[0] - polygon(first)[0]) / 3.0
+    assert complex(*flank.centroid_mm) == pytest.approx(centroid, abs=1e-8)

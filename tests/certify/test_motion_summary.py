@@ -1,11 +1,16 @@
 """The motion in numbers: against closed forms of the literature and quadrature by other routes."""
 
+import json
 import math
+from pathlib import Path
 
+import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
 import synthesis as c
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.figures import figures
 from synthesis.design.summary import MotionSummary
 from synthesis.numerics.polynomial_extrema import product
 from tests.numerics.test_polynomial_extrema import by_roots
@@ -191,6 +196,15 @@ def test_between_motions_the_reference_meets_the_states():
     assert reference.coefficients == own  # the law is that polynomial, between these states
 
 
+def test_what_rounding_leaves_of_an_opposite_velocity_is_none():
+    """A polynomial from a constant velocity to rest ends at some 1e-14 mm/s."""
+    example = Path(__file__).parents[2] / "openapi" / "examples" / "constant-velocity.json"
+    spec = c.DesignSpec.model_validate(json.loads(example.read_text())["value"])
+    moves = c.synthesise(spec.model_copy(update={"proof": "quick"})).motion_summary.moves
+    assert moves[-1].velocity.smallest.value == pytest.approx(-558.8, rel=1e-12)
+    assert moves[-1].velocity.largest.value == 0.0
+
+
 def test_an_arms_figures_are_in_degrees():
     program = [
         {"kind": "rise", "angle_deg": 120.0, "lift_deg": 15.0, "law": {"kind": "cycloidal"}},
@@ -207,3 +221,24 @@ def test_an_arms_figures_are_in_degrees():
     assert velocity.unit == "deg/s"
     assert velocity.largest.value == pytest.approx(2.0 * 15.0 * RPM * 6.0 / 120.0, rel=1e-12)
     assert velocity.largest.angle_deg == pytest.approx(60.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_no_sample_of_a_law_is_beyond_its_figures(kind):
+    """Peaks, C_va and mean squares of every law, its inflection moved, against 40,000 samples."""
+    law = LAWS[kind]
+    if hasattr(law, "inflection"):
+        law = law.model_copy(update={"inflection": 0.4})
+    curve = law.curve("rise")
+    found = figures(curve)
+    count = 40_000
+    x = (np.arange(count) + 0.5) / count
+    g = curve.derivatives(x, 3)
+    for order in (1, 2, 3):
+        assert found.peak(order) >= np.abs(g[order]).max() * (1.0 - 1e-12)
+        assert found.peak(order) == pytest.approx(np.abs(g[order]).max(), rel=3e-3, abs=1e-12)
+        mean = float(np.mean(g[order] ** 2))
+        assert found.mean_squares[order - 1] == pytest.approx(mean, rel=1e-5, abs=1e-20)
+    product = np.abs(g[1] * g[2]).max()
+    assert found.product_peak >= product * (1.0 - 1e-12)
+    assert found.product_peak == pytest.approx(product, rel=1e-3, abs=1e-12)

@@ -22,21 +22,17 @@ class LawFigures:
 
     Attributes:
         extremes: for g', g'', g''' the largest and the smallest value, each with its x.
-        product: the same of g' g''. mean_squares: ∫ (g^(k))² dx over [0, 1], k = 1 to 3.
+        product_peak: C_va, the largest |g' g''|.
+        mean_squares: ∫ (g^(k))² dx over [0, 1], k = 1 to 3.
     """
 
     extremes: tuple[tuple[Extremum, Extremum], ...]
-    product: tuple[Extremum, Extremum]
+    product_peak: float
     mean_squares: tuple[float, ...]
 
     def peak(self, order: int) -> float:
         """Largest |g^(order)|."""
         return max(abs(value) for value, _ in self.extremes[order - 1])
-
-    @property
-    def product_peak(self) -> float:
-        """C_va: largest |g' g''|."""
-        return max(abs(value) for value, _ in self.product)
 
 
 @lru_cache(maxsize=256)
@@ -49,13 +45,13 @@ def figures(law: Piecewise) -> LawFigures:
     """
     if law.waves.shape[1]:
         extremes = tuple(_wave_extremes(law, order) for order in ORDERS)
-        up = maximise_formula(law, lambda g: g[1] * g[2], 2)
-        down = maximise_formula(law, lambda g: -g[1] * g[2], 2)
-        both = up, (-down[0], down[1])
+        up = maximise_formula(law, lambda g: g[1] * g[2], 2)[0]
+        down = maximise_formula(law, lambda g: -g[1] * g[2], 2)[0]
     else:
         extremes = tuple(extreme_values(law, order) for order in ORDERS)
-        both = extreme_values(product(law, 1, 2))
-    return LawFigures(extremes, both, tuple(_mean_squares(law).tolist()))
+        (up, _), (low, _) = extreme_values(product(law, 1, 2))
+        down = -low
+    return LawFigures(extremes, max(up, down), tuple(_mean_squares(law).tolist()))
 
 
 def _wave_extremes(law: Piecewise, order: int) -> tuple[Extremum, Extremum]:
