@@ -31,6 +31,7 @@ export function showDesign(design, apply) {
 export function showProblem(problem, loose) {
   const { title, detail, status } = problem.document;
   showStatus(status ? `${title}: ${detail}` : detail, "problem");
+  byId("warnings")?.replaceChildren(); // of the designer of planar cams alone
   byId("conflict").replaceChildren(
     ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "error" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
   );

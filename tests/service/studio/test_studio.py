@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from service.contract.examples import examples
+from tests.pipeline.advice.bad_cams import FIRST
 from tests.service.browsing import PATIENT, Closed, expect, picture
 from tests.service.conftest import Running
 
@@ -152,6 +153,11 @@ def test_what_is_wrong_is_told_at_its_field(studio: Page) -> None:
     studio.locator("#json").fill(json.dumps(examples()["flat-face"]["value"]))
     expect(studio.locator("#sizes")).not_to_contain_text("roller", timeout=PATIENT)
     assert faults(studio) == []
+    # a cam that keeps its limits and yet cannot work
+    studio.locator("#json").fill(json.dumps(FIRST["float"][2]))
+    expect(studio.locator("#status")).to_have_class("stop", timeout=PATIENT)
+    expect(studio.locator("#status")).to_contain_text("STOP, this cam cannot work. Optimal")
+    expect(studio.locator("#warnings li").first).to_contain_text("The follower leaves its cam")
 
 
 def test_a_conflict_is_mended_by_the_change_that_it_names(studio: Page) -> None:
