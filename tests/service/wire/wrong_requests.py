@@ -160,7 +160,7 @@ REQUESTS: dict[str, WrongRequest] = {
         D, {"/base_circle_mm": 40}, "/base_circle_mm", 'Write "base_radius_mm": 40.',
     ),
     "the prime radius": wrong(
-        D, {"/prime_radius_mm": 56}, "/prime_radius_mm", "less by the roller's radius",
+        D, {"/prime_radius_mm": 56}, "/prime_radius_mm", "as 56 less the roller's radius",
     ),
     "the roller at the top": wrong(
         D, {"/follower/roller_radius_mm": GONE, "/roller_radius_mm": 16},
