@@ -41,7 +41,8 @@ def sizes(dimensions: Mapping[str, float]) -> str:
 def describe_analysis(analysis: Analysis) -> Iterator[str | Table]:
     """The verdict, undercut, crossings, limits, curves, jumps, and what would mend the cam."""
     verdict = "every limit holds" if analysis.holds else f"violated: {', '.join(analysis.violated)}"
-    yield f"{verdict}; {sizes(analysis.dimensions)}"
+    yield f"{labelled_status(verdict, analysis.severity)}; {sizes(analysis.dimensions)}"
+    yield from _warnings(analysis.warnings)
     undercut, crossing = analysis.undercut, analysis.self_crossing
     if undercut is None:
         yield "No undercut."
@@ -225,6 +226,7 @@ def describe_design(design: Design, seconds: float) -> Iterator[str | Table]:
     status = labelled_status(design.status, design.severity)
     yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
     yield from _warnings(design.warnings)
+    yield from design.assumptions
     if design.forces is not None:
         yield from _forces(design.forces)
     if design.free_parameters:

@@ -167,14 +167,24 @@ class Proof(AnswerModel):
     )
 
 
+def all_close(proven: Sequence[Proof], spec: DesignSpec) -> bool:
+    """Whether the gap of every objective of a spec is within what that may lose."""
+    machine, tolerance = spec.machine(), spec.tolerance
+    allowed = {o.name_on_wire(machine): o.allowed_gap(tolerance) for o in spec.objectives()}
+    return all(p.gap is not None and p.gap <= allowed[p.objective] for p in proven)
+
+
 class Certificate(Proof):
-    """What was proven of the first objective, and in `other_objectives` of the others."""
+    """What was proven of the first objective, and in `other_objectives` of the others.
+
+    Where none is named, of the base radius first.
+    """
 
     certified: bool = doc("Every limit holds at every cam angle.")
     other_objectives: list[Proof] = Field(
         [],
         description="Later objectives of an ordered list; their bounds hold for cams that keep "
-        "the earlier ones.",
+        "the earlier ones. Where no objective is named, the rms jerk that the base radius leaves.",
     )
 
 
@@ -291,7 +301,7 @@ class Design(AnswerModel):
     name: str = doc("Name from the spec.")
     engine_version: str = doc("Version of Camwright that made it.")
     status: Status = doc(
-        "optimal: certified, every gap within the tolerance; feasible: certified; "
+        "optimal: certified, every gap within the tolerance or its allowance; feasible: certified; "
         "unsolved: no cam was found, and none is excluded; infeasible: proven that there is none."
     )
     severity: Severity = Field(
@@ -326,6 +336,9 @@ class Design(AnswerModel):
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = doc("What was modelled and what it cost.")
     spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = doc("The question.")
+    assumptions: list[str] = Field(
+        [], description="What was assumed where the spec says nothing, and how to ask otherwise."
+    )
     free_parameters: dict[str, float] = Field(
         {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )

@@ -20,6 +20,7 @@ from synthesis.certify import (
     summarise_motion,
 )
 from synthesis.certify.quantities import MeasuredCam
+from synthesis.design.assumptions import assumptions
 from synthesis.design.design import (
     Certificate,
     Conflict,
@@ -32,6 +33,7 @@ from synthesis.design.design import (
     SmoothnessCost,
     SplineCurve,
     Status,
+    all_close,
 )
 from synthesis.design.identity import design_id, engine_version
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
@@ -278,13 +280,13 @@ def design(
 ) -> Design:
     """The Design; its status follows from the certificate, the gaps and the conflict's proof."""
     certified = cam is not None and all(extreme.holds for extreme in extremes)
-    close = bool(objective_proofs) and all(
-        p.gap is not None and p.gap <= spec.tolerance for p in objective_proofs
-    )
+    close = bool(objective_proofs) and all_close(objective_proofs, spec)
     status: Status = "optimal" if close else "feasible"
     if not certified:
         status = "infeasible" if conflict is not None and conflict.proven else "unsolved"
-    first = objective_proofs[0] if objective_proofs else _unproven(spec)
+    # Where no objective is named, the size is what is asked for, and the rms jerk its condition.
+    shown = objective_proofs if spec.objective is not None else objective_proofs[::-1]
+    first = shown[0] if shown else _unproven(spec)
     finished = None if cam is None else MeasuredCam.of(cam.motion, spec.machine(), cam.size)
     return Design(
         id=design_id(spec),
@@ -307,11 +309,12 @@ def design(
         else summarise_geometry(finished, spec.rotation, spec.body),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
-            certified=certified, other_objectives=list(objective_proofs[1:]), **first.model_dump()
+            certified=certified, other_objectives=list(shown[1:]), **first.model_dump()
         ),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),
         spec=spec,
+        assumptions=assumptions(spec),
     )
 
 
@@ -332,13 +335,14 @@ def with_free_parameters(
     proven = [_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
     first, *others = (*proven, *map(_limited_to_values, each[len(proven) :]))
     covered = [p.bound_valid_for for p in (first, *others)] == [b.valid_for for b in over_numbers]
-    close = covered and all(p.gap is not None and p.gap <= question.tolerance for p in proven)
+    close = covered and all_close(proven, question)
     solved = answer.status in ("optimal", "feasible")
     return answer.model_copy(
         update={
             "id": design_id(question),
             "spec": question,
             "free_parameters": chosen,
+            "assumptions": assumptions(question),
             "status": ("optimal" if close else "feasible") if solved else answer.status,
             "certificate": first.model_copy(update={"other_objectives": others}),
         }
@@ -370,5 +374,5 @@ def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
 
 
 def _unproven(spec: DesignSpec) -> Proof:
-    name = spec.objectives()[0].name_on_wire(spec.machine())
+    name = spec.main_objective().name_on_wire(spec.machine())
     return Proof(objective=name, value=None, lower_bound=None, bound_valid_for="", gap=None)

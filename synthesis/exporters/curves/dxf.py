@@ -60,8 +60,11 @@ def _profile(design: Design, options: DrawingOptions) -> FileContent:
     for curve, cam in _curves(design, options):
         errors.append(_draw(space, curve, cam, options))
     circles = {"BASE_CIRCLE": design.dimensions["base_radius_mm"]} if options.companions else {}
-    if options.bore_mm is not None:
-        circles["BORE"] = 0.5 * options.bore_mm
+    bore = options.bore_mm
+    if bore is None and options.companions:
+        bore = design.spec.shaft_diameter_mm
+    if bore is not None:
+        circles["BORE"] = 0.5 * bore
     for layer, radius in circles.items():
         space.add_circle((0.0, 0.0, options.z_mm or 0.0), radius, dxfattribs={"layer": layer})
     error = f"{max(errors):.3g}"

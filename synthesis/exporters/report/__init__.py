@@ -74,10 +74,13 @@ def _head(design: Design, name: str) -> str:
     ]
     bad = design.status in WITHOUT_CAM or design.severity == "stop"
     kind, status = "broken" if bad else "holds", labelled_status(design.status, design.severity)
+    if design.severity == "stop":
+        verdict += "; but the cam cannot work, see below"
+    assumed = "".join(map(_note, design.assumptions))
     return (
         f"<header><h1>{html.plain(name)}</h1>"
         f'<p class="{kind}"><strong>{status}</strong>: {html.plain(verdict)}.</p>'
-        f"{_pairs(rows)}</header>"
+        f"{assumed}{_pairs(rows)}</header>"
     )
 
 
@@ -127,15 +130,15 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
 
 def _warnings(warnings: Sequence[DesignWarning]) -> str:
     """What an engineer would say of the cam, the most severe first."""
-    rows = [
-        [one.severity.upper() if one.severity == "stop" else one.severity, _words(one.code),
-         one.sentence, one.remedy, one.field, one.source]
-        for one in warnings
-    ]  # fmt: skip
-    kinds = ("broken" if one.severity == "stop" else "" for one in warnings)
-    table = _table(("", "Rule", "What is wrong", "What to change", "Field", "Source"), rows, kinds)
-    note = "Rules of the field, for what the limits do not say; docs/warnings.md has them all."
-    return _section("Would you build this?", table + _note(note))
+    entries = []
+    for one in warnings:
+        kind = "broken" if one.severity == "stop" else "warning"
+        where = _note(f"{_words(one.code)}; {one.field}. {one.source}")
+        entries.append(
+            f'<p class="{kind}"><strong>{one.severity}</strong>: {html.plain(one.sentence)} '
+            f"<em>{html.plain(one.remedy)}</em></p>{where}"
+        )
+    return _section("Would you build this?", "\n".join(entries))
 
 
 def _limit(extreme: Extreme) -> list[str]:

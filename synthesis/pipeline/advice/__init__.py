@@ -48,7 +48,9 @@ RULES: Final[tuple[Rule, ...]] = (
 
 def with_warnings(design: Design) -> Design:
     """The same design with its warnings, and the severity of the worst."""
-    found = sorted(_warnings(Subject(design)), key=lambda one: -SEVERITIES.index(one.severity))
+    # A copy is judged: what it computes once would outlive a later change of the design's spec.
+    subject = Subject(design.model_copy())
+    found = sorted(_warnings(subject), key=lambda one: -SEVERITIES.index(one.severity))
     return design.model_copy(update={"warnings": found, "severity": worst(found)})
 
 

@@ -14,7 +14,7 @@ RESERVE: Final = sqrt(1.2)  # of speed: inertia grows with its square, 1.2 times
 
 def _find(subject: Subject) -> Iterator[Finding]:
     forces, load = subject.design.forces, subject.spec.machine().load
-    if forces is None or load is None or not subject.is_force_closed:
+    if forces is None or load is None:
         return
     if forces.floats:
         worst = min(forces.floats, key=lambda arc: arc.lowest_n)

@@ -16,8 +16,9 @@ def _find(subject: Subject) -> Iterator[Finding]:
     faced = subject.spec.follower.always_convex
     if faced or not subject.is_touched_from_outside or subject.base_radius_is_set:
         return
+    meant = subject.limited("pressure_angle") or subject.minimises("peak_pressure_angle")
     ratio = subject.stroke / subject.base_radius
-    if ratio > USUAL and not subject.limited("pressure_angle"):
+    if ratio > USUAL and not meant:
         yield Finding(
             "note",
             "limits/pressure_angle",
@@ -34,6 +35,7 @@ RULE = Rule(
     reason="Flanks of such a cam are steep; whether too steep, the pressure angle says.",
     source="Rule of this program.",
     checked="No source was found.",
-    silenced_by="the limit pressure_angle, or a base radius that is given or has a least value",
+    silenced_by="the limit or objective of the pressure angle, or a base radius that is given or "
+    "has a least value",
     find=_find,
 )

@@ -46,7 +46,12 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
     elif found > advised:
         locks = found > JAM and not subject.is_arm and _friction_is_open(subject)
         severity = "stop" if locks else "caution"
-    grows = ", and for a larger base radius." if subject.base_radius_is_set else ": the cam grows."
+    remedy = f"Ask for the limit pressure_angle with {field} of {number(advised)}"
+    remedy += (
+        ", and for a larger base radius." if subject.base_radius_is_set else ": the cam grows."
+    )
+    if subject.minimises("peak_pressure_angle"):
+        remedy = "It is the least for these dimensions: allow a larger cam, or give more angle."
     if severity is not None:
         yield Finding(
             severity, f"limits/pressure_angle/{field}",
@@ -54,7 +59,7 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
             f"{number(subject.degrees_at(at))}°; {number(advised)}° is usual for "
             f"{'an arm' if subject.is_arm else 'a slide'}"
             + (": the slide would jam in its guide." if severity == "stop" else "."),
-            f"Ask for the limit pressure_angle with {field} of {number(advised)}{grows}",
+            remedy,
         )  # fmt: skip
 
 

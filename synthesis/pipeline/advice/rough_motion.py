@@ -9,11 +9,12 @@ from synthesis.pipeline.advice.rule import CRAWL, Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
 MOST_ACCELERATION, MOST_JERK = 2.0, 4.0  # times the reference law's
+CALM = ("peak_acceleration", "peak_jerk", "rms_acceleration", "rms_jerk")  # objectives
 SUDDEN = 10.0  # times its jerk: the acceleration comes up within 1 % of the move, as if it jumped
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
-    if subject.limited("jerk"):
+    if subject.limited("jerk") or subject.minimises(*CALM):
         return
     free = {s.index for s in subject.spec.placed_segments() if s.free is not None}
     moves = [move for move in subject.summary.moves if move.segment in free]
@@ -64,6 +65,7 @@ RULE = Rule(
     "sharply as it may; forces and vibration grow with both.",
     source="VDI 2143-1: preferred laws by the kinds of their ends, and their coefficients.",
     checked="The coefficients are computed here; the factors 2 and 4 are this program's.",
-    silenced_by="the limit jerk; the limit acceleration (its own part)",
+    silenced_by="the limit jerk; a first objective of acceleration or jerk; the limit acceleration "
+    "(its own part)",
     find=_find,
 )

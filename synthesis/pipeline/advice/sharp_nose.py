@@ -22,8 +22,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
         return
     for flank in subject.spec.follower.flanks:
         line = subject.extreme("profile_radius", flank.name)
-        if line is None or line.value is None:
-            continue
+        if line is None or line.value is None or not line.holds:
+            continue  # nowhere convex, or undercut, which the certificate says
         radius, roller = line.value, flank.distance
         where = f"at {number(line.angle_deg)}°" + (f" on the {flank.name} flank" * bool(flank.name))
         wanted = number(roller) if roller > 0.0 else "a few"

@@ -14,7 +14,6 @@ from typing import Final
 
 import numpy as np
 
-from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers.base import paths
 from synthesis.catalogue.followers.kinematics import Flank, labelled, pressure_angle_sine_cosine
 from synthesis.catalogue.forces.reduced import MILLI
@@ -62,8 +61,8 @@ class Subject:
 
     @property
     def base_radius_is_set(self) -> bool:
-        """Whether the spec gives the base radius, or a least one."""
-        return ends(self.spec.base_radius_mm)[0] > 0.0
+        """Whether the spec gives the base radius, a least one, or the shaft or hub in it."""
+        return self.spec.requested_radii()[0] > 0.0
 
     @property
     def is_force_closed(self) -> bool:
@@ -82,6 +81,10 @@ class Subject:
     def limited(self, *kinds: str) -> bool:
         """Whether the spec sets a limit of one of these kinds."""
         return any(self.limits(*kinds))
+
+    def minimises(self, *kinds: str) -> bool:
+        """Whether the first objective that the spec names is of one of these kinds."""
+        return self.spec.objective is not None and self.spec.objectives()[0].kind in kinds
 
     def extreme(self, name: str, label: str = "") -> Extreme | None:
         """A line of the certificate, of the named flank or path."""

@@ -72,6 +72,10 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
             "spring": {"rate_n_per_mm": 10.0, "preload_n": 20000.0}},
             program=program(10.0, 120.0)),
     ),
+    "a shaft that is too thin for the load": (
+        "hub", "caution", cam(None, limits=angles(30.0), shaft_diameter_mm=20.0,
+                              load=slide(1.0, 10.0, 5000.0)),
+    ),
     "a nose that is a point": (
         "sharp_nose", "stop", cam(base=None, roller=20.0, limits=angles(60.0), proof="quick",
                                   program=program(20.0, 30.0)),
@@ -84,8 +88,9 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
     ),
     "a motion that nothing but size limits": (
         "rough_motion", "caution",
-        cam(None, program=program(law="spline"), limits=[
-            *angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}], proof="quick", tolerance=0.1),
+        cam(None, program=program(law="spline"), proof="quick", tolerance=0.1,
+            objective={"kind": "base_radius"},
+            limits=[*angles(30.0), {"kind": "profile_radius", "min_mm": 10.0}]),
     ),
     "float": ("contact_force", "stop", cam(70.0, speed_rpm=400.0, load=slide(8.0))),
     "a spring beyond solid": (

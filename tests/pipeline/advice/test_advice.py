@@ -45,6 +45,8 @@ SILENCED: list[tuple[str, str, dict]] = [
      {"limits": [*angles(60.0), {"kind": "profile_radius", "min_mm": 0.05}]}),
     ("hub", "a hub without room", {"base_radius_mm": {"min": 1.0}}),
     ("jumps", "a harmonic at 300 rpm", {"continuity": 1}),
+    ("rough_motion", "a motion that nothing but size limits",
+     {"objective": [{"kind": "rms_jerk"}, {"kind": "base_radius"}]}),
     ("pressure_angle", "a steep arm",
      {"limits": [{"kind": "pressure_angle", "rise_deg": 80.0, "return_deg": 80.0}]}),
     ("unit_suspicion", "pressure angles in radians", {"limits": angles(1.7)}),
