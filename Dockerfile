@@ -7,14 +7,16 @@ RUN python -m venv /opt/venv
 ENV PATH=/opt/venv/bin:$PATH
 WORKDIR /src
 
-# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver
-# and Parquet are extras; their versions come from the lock of everything.
+# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver,
+# Parquet and DXF are extras; their versions come from the lock of everything.
 COPY requirements.lock requirements-dev.lock ./
 RUN pip install -r requirements.lock \
- && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow
+ && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow ezdxf
 
 COPY pyproject.toml README.md CONTRIBUTING.md CHANGELOG.md LICENSE ./
 COPY docs docs
+COPY checker checker
+COPY openapi openapi
 COPY synthesis synthesis
 COPY service service
 RUN pip install --no-deps . && pip check
@@ -24,8 +26,6 @@ FROM python:3.11-slim
 
 RUN useradd --system --uid 10001 --home-dir /var/lib/camwright --create-home camwright
 COPY --from=build /opt/venv /opt/venv
-# The worked examples, which are documentation and fixtures at once.
-COPY openapi /app/openapi
 
 ENV PATH=/opt/venv/bin:$PATH \
     PYTHONUNBUFFERED=1 \

@@ -90,7 +90,7 @@ openapi: $(DEV)  ## write openapi/openapi.json anew
 
 lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
 	$(LOCK) --extra dev pyproject.toml --output-file requirements-dev.lock
-	$(LOCK) --constraint requirements-dev.lock pyproject.toml --output-file requirements.lock
+	$(LOCK) --constraint requirements-dev.lock --extra dxf pyproject.toml --output-file requirements.lock
 	@! grep -nE '://|^-|^/|@' requirements.lock requirements-dev.lock \
 	  || { echo "A lock file holds an address, an option or a path: see above." >&2; exit 1; }
 

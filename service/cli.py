@@ -1,4 +1,8 @@
-"""The command `camwright`."""
+"""The command `camwright`.
+
+What `--help` and completion need is imported here, and nothing heavier: the commands import the
+core and the service when they run.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +13,35 @@ from typing import Annotated, Any
 import typer
 
 from service.commands import questions
+from service.commands.examples import examples
 from service.commands.export import export
 from service.commands.serve import serve
 from service.commands.sweep import sweep
-from service.commands.terminal import out
-from synthesis.design.identity import ENGINE_NUMBER, engine_version
+from service.commands.terminal import say
 
 ROOT = """Cam design by optimisation, with proofs: as a service, or one question at a time.
 
-A question is a JSON file in the form of the service's request bodies; GET /docs and the files of
-openapi/examples show it. Units are in the names of its fields: mm, deg, rpm, s, and in results
-mm/s, mm/s², mm/s³, deg/s and so on for followers on arms.
+A question is a JSON file in the form of the service's request bodies, or the name of a worked
+example; `camwright examples` lists these and prints them. Units are in the names of its fields:
+mm, deg, rpm, s, and in results mm/s, mm/s², mm/s³, deg/s and so on for followers on arms.
 
 Begin with
-  camwright design openapi/examples/example-13-6-sized.json --out results
+  camwright design example-13-6-sized --out results
   camwright costs results/design.json
   camwright serve
 
+In place of a file, - is standard input: a question a line, or written over several lines. Each
+answer is then a line of JSON, in the order of the questions; one that has none is a problem
+document (RFC 9457), as the service sends it, whose `status` is a number and `detail` says why:
+  camwright design - < specs.jsonl | jq .dimensions
+  camwright design - < specs.jsonl | camwright costs -
+
+`camwright --install-completion` makes the shell complete commands, options and examples.
+
 Exit codes: 0 done; 1 the service cannot start; 2 the question is invalid, a file cannot be read
 or written, or a service refuses it; 3 answered, with a negative result (no cam fits, a limit is
-broken, a certificate is contradicted, items failed); 130 stopped by Ctrl-C.
+broken, a certificate is contradicted, items failed); 130 stopped by Ctrl-C. Of several questions
+on standard input: 2 where one is 2, else 3 where one is 3.
 
 Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back, linkage and
 sweep ask instead of computing here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds that one
@@ -46,6 +59,7 @@ COMMANDS: Mapping[str, Callable[..., Any]] = {
     "read-back": questions.read_back,
     "respond": questions.respond,
     "linkage": questions.linkage,
+    "examples": examples,
     "serve": serve,
 }
 
@@ -60,15 +74,18 @@ def help_text(text: str) -> str:
     )
 
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+# Plain help: that of rich takes three times as long to load as all else here.
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 HELP = {name: help_text(command.__doc__ or "") for name, command in COMMANDS.items()}
 for name, command in COMMANDS.items():
-    app.command(name, help=HELP[name])(command)
+    app.command(name, help=HELP[name], short_help=HELP[name].partition("\n")[0])(command)
 
 
 def _version(wanted: bool) -> None:
     if wanted:
-        out.print(f"camwright {engine_version()}, engine {ENGINE_NUMBER}")
+        from synthesis.design.identity import ENGINE_NUMBER, engine_version
+
+        say(f"camwright {engine_version()}, engine {ENGINE_NUMBER}")
         raise typer.Exit
 
 

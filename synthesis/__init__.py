@@ -72,6 +72,7 @@ _HOMES = {
     "analyse": "synthesis.studies.analyse",
     "sensitivities": "synthesis.studies.sensitivity",
     "confirm": "synthesis.certify.second",
+    "notebook_display": "synthesis.exporters.report.notebook",
     "proof": "synthesis.pipeline.proof_file",
     "synthesise": "synthesis.pipeline.synthesise",
     "synthesise_set": "synthesis.studies.cam_set",

@@ -4,7 +4,8 @@
         design = client.design(spec)
         client.download(design["links"]["profile.csv"], Path("profile.csv"))
 
-Both have the same calls, of `AsyncClient` as coroutines and asynchronous iterators. `exchange`
+Both have the same calls, of `AsyncClient` as coroutines and asynchronous iterators; a sweep of
+`Client` can be waited for and read as a table (`sweeps`). `exchange`
 sends requests again where that is safe, and continues downloads. Begin with `calls.py`.
 """
 
@@ -16,11 +17,12 @@ from collections.abc import AsyncGenerator, Callable, Coroutine, Iterator
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
-from service.client.calls import ADDRESS, SILENCE_S, AsyncClient, Event
+from service.client.calls import ADDRESS, SILENCE_S, AsyncClient, Event, Spec
 from service.client.exchange import ClientError, Refused, Retries, Unreachable
+from service.client.sweeps import Sweep
 
 __all__ = [
-    "AsyncClient", "Client", "ClientError", "Event", "Refused", "Retries", "Unreachable",
+    "AsyncClient", "Client", "ClientError", "Event", "Refused", "Retries", "Sweep", "Unreachable",
 ]  # fmt: skip
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -102,6 +104,10 @@ class Client:
         self._thread.join()
         self._loop.close()
 
+    def sweep(self, spec: Spec) -> Sweep:
+        """Start a sweep, or join it where it is running."""
+        return Sweep(self, self._run(self._client.sweep(spec)))
+
     get = _blocking(AsyncClient.get)
     answer = _blocking(AsyncClient.answer)
     design = _blocking(AsyncClient.design)
@@ -111,7 +117,6 @@ class Client:
     spatial_cam = _blocking(AsyncClient.spatial_cam)
     linkage = _blocking(AsyncClient.linkage)
     train_response = _blocking(AsyncClient.train_response)
-    sweep = _blocking(AsyncClient.sweep)
     watch = _iterating(AsyncClient.watch)
     wait = _blocking(AsyncClient.wait)
     items = _iterating(AsyncClient.items)

@@ -152,11 +152,21 @@ class AsyncClient:
             query["cursor"] = page["next"]
 
     async def pareto(
-        self, sweep: str, *, minimise: Sequence[str] = (), maximise: Sequence[str] = ()
+        self,
+        sweep: str,
+        *,
+        minimise: Sequence[str] = (),
+        maximise: Sequence[str] = (),
+        tolerance: float | None = None,
     ) -> Json:
-        """The Pareto front of a sweep in these quantities."""
-        path = f"{_sweep(sweep)}/pareto"
-        return await self.get(path, minimise=list(minimise), maximise=list(maximise))
+        """The Pareto front of a sweep in these quantities.
+
+        ``tolerance``: relative difference that does not count; None: the gap that is left between
+        a design and its proven bound, in the quantity that was minimised.
+        """
+        path, query = f"{_sweep(sweep)}/pareto", {"minimise": list(minimise)}
+        chosen = {} if tolerance is None else {"tolerance": tolerance}
+        return await self.get(path, **query, maximise=list(maximise), **chosen)
 
     async def dismiss(self, sweep: str) -> Json:
         """Stop a sweep and keep what is done; one that has ended stays as it is."""

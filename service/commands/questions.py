@@ -8,39 +8,42 @@ from __future__ import annotations
 import re
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from service.commands import tables
 from service.commands.terminal import (
+    STREAM,
     AsJson,
     DesignFile,
+    DisplayUnits,
     Folder,
     FolderOrNone,
+    SpecFile,
+    Units,
     Url,
-    answer,
-    files_of,
-    out,
-    print_answer,
-    read_spec,
     save,
     stop,
 )
-from service.settings import settings_from
-from synthesis.design.design import WITHOUT_CAM
 from synthesis.errors import CamwrightError, InputError
-from synthesis.exporters.exporter import compact_json
-from synthesis.machines.linkages import LINKAGES
+
+if TYPE_CHECKING:
+    from synthesis.design.analysis import Sensitivities
+    from synthesis.design.design import Design
+    from synthesis.machines.spatial.design import SpatialDesign
 
 SEPARATORS = re.compile(r"[,;\s]+")
+LinkageKind = Literal["six-bar-shapers", "palletising-arms"]  # the names of LINKAGES
 COLUMNS = (("x_mm", "x"), ("y_mm", "y"))  # what a header may call them
 
 
+def here_unless_given(folder: Path | None, question: Path) -> Path | None:
+    """The folder of the results: left out, this one, but of questions of a pipe none."""
+    return Path() if folder is None and question != STREAM else folder
+
+
 def design(
-    spec: Annotated[Path, typer.Argument(help="File with a DesignSpec, or a worked example.")],
-    out_dir: Folder = Path(),
-    url: Url = None,
+    spec: SpecFile, out_dir: Folder = None, url: Url = None, units: DisplayUnits = Units.mm
 ) -> None:
     """Size one cam: base radius, offset or pivot and motion laws together, and prove it.
 
@@ -51,59 +54,64 @@ def design(
 
       camwright design spec.json --out results
       camwright design spec.json --out results --url http://127.0.0.1:8000
+      camwright design - < specs.jsonl > designs.jsonl
 
     Exit codes: 0 a certified cam; 2 the question is invalid, or time ended without a cam; 3 no
     cam fits: the limits that conflict are named, and design.json says what would help.
     """
+    from service.commands import answering, tables
     from synthesis.exporters import MOTION_FORMATS, PICTURES, PROFILE_FORMATS
     from synthesis.exporters.report import default_files
 
-    started = time.perf_counter()
-    design = answer("designs", spec, url)
-    seconds = time.perf_counter() - started
-    pictures = [each for each in PICTURES.values() if design.motion or each.without_cam]
-    files = files_of("design.json", design, pictures)
-    if design.motion:
-        files |= default_files(design, PROFILE_FORMATS, MOTION_FORMATS)
-    print_answer(design, tables.describe_design(design, seconds))
-    save(files, out_dir)
-    if design.conflict is not None:
-        out.print(f"These limits cannot hold together: {', '.join(design.conflict.limits)}")
-        raise typer.Exit(3)
+    def files(design: Design) -> dict[str, bytes]:
+        pictures = [each for each in PICTURES.values() if design.motion or each.without_cam]
+        written = answering.files_of("design.json", design, pictures)
+        if design.motion:
+            written |= default_files(design, PROFILE_FORMATS, MOTION_FORMATS)
+        return written
+
+    def conclusion(design: Design) -> str:
+        conflict = design.conflict
+        limits = "" if conflict is None else ", ".join(conflict.limits)
+        return limits and f"These limits cannot hold together: {limits}"
+
+    shown = answering.Shown(
+        tables.describe_design, files, is_negative=lambda design: design.conflict is not None,
+        conclusion=conclusion,
+    )  # fmt: skip
+    folder = here_unless_given(out_dir, spec)
+    answering.run("designs", spec, shown, url=url, folder=folder, units=units)
 
 
 def cam_set(
-    spec: Annotated[Path, typer.Argument(help="File with a CamSetSpec, or a worked example.")],
-    out_dir: Folder = Path(),
-    url: Url = None,
+    spec: SpecFile, out_dir: Folder = None, url: Url = None, units: DisplayUnits = Units.mm
 ) -> None:
     """Size the cams of one shaft, with their phases, and write all their files.
 
     Writes cam-set.json, the timing diagram and a folder for each cam, its points in the cam's own
     frame and, turned by its phase in deg, in the shaft's; lengths in mm.
 
-      camwright cam-set openapi/examples/cam-sets/feeder-and-press.json --out results
+      camwright cam-set feeder-and-press --out results
 
     Exit codes: 0 every cam fits, or some do; 2 the question is invalid; 3 none fits.
     """
+    from service.commands import answering, tables
+    from synthesis.design.design import WITHOUT_CAM
     from synthesis.exporters.bundle import BundleOptions, bundle_files
 
-    cams = answer("cam-sets", spec, url)
-    print_answer(cams, tables.describe_cam_set(cams))
-    files = files_of("cam-set.json", cams)
-    if cams.has_cams:
-        files = dict(bundle_files(cams, BundleOptions()))
-    save(files, out_dir, [f"{len(files)} files"])
-    if cams.status in WITHOUT_CAM:
-        raise typer.Exit(3)
+    shown = answering.Shown(
+        lambda cams, _: tables.describe_cam_set(cams),
+        lambda cams: dict(bundle_files(cams, BundleOptions())) if cams.has_cams
+        else answering.files_of("cam-set.json", cams),
+        listed=lambda files: [f"{len(files)} files"],
+        is_negative=lambda cams: cams.status in WITHOUT_CAM,
+    )  # fmt: skip
+    folder = here_unless_given(out_dir, spec)
+    answering.run("cam-sets", spec, shown, url=url, folder=folder, units=units)
 
 
 def analyse(
-    spec: Annotated[
-        Path, typer.Argument(help="File with a DesignSpec given in full, or a worked example.")
-    ],
-    as_json: AsJson = False,
-    url: Url = None,
+    spec: SpecFile, as_json: AsJson = False, url: Url = None, units: DisplayUnits = Units.mm
 ) -> None:
     """Analyse a given cam: its extremes, the limits that it breaks, and changes that help.
 
@@ -111,19 +119,22 @@ def analyse(
     mm, mm/s, mm/s², mm/s³ (deg on arms), undercut in mm, crossings, and the smallest base radius in
     mm with which all limits hold.
 
-      camwright analyse openapi/examples/analyses/p2-as-given.json
+      camwright analyse p2-as-given
       camwright analyse spec.json --json > analysis.json
 
     Exit codes: 0 every limit holds; 2 the question is invalid or leaves something free; 3 a
     limit is broken.
     """
-    analysis = answer("analyses", spec, url)
-    print_answer(analysis, tables.describe_analysis(analysis), as_json)
-    if not analysis.holds:
-        raise typer.Exit(3)
+    from service.commands import answering, tables
+
+    shown = answering.Shown(
+        lambda analysis, _: tables.describe_analysis(analysis),
+        is_negative=lambda analysis: not analysis.holds,
+    )
+    answering.run("analyses", spec, shown, url=url, as_json=as_json, units=units)
 
 
-def costs(design: DesignFile, as_json: AsJson = False) -> None:
+def costs(design: DesignFile, as_json: AsJson = False, units: DisplayUnits = Units.mm) -> None:
     """Print what each limit of a design costs: the change of the objective for one unit more.
 
     As in: 1 deg more in /limits/0/rise_deg makes base_radius 1.02 mm smaller. For large numbers the
@@ -134,67 +145,81 @@ def costs(design: DesignFile, as_json: AsJson = False) -> None:
 
     Exit codes: 0 done; 2 the file is not a design; 3 no sensitivity is known, and why.
     """
+    from service.commands import answering, tables
+    from service.settings import settings_from
     from synthesis.design.design import Design
     from synthesis.studies.sensitivity import sensitivities
 
-    known = read_spec(design, Design)
-    result = sensitivities(known, time.monotonic() + settings_from().budget_s(None))
-    print_answer(result, tables.describe_sensitivities(result), as_json)
-    if not result.sensitivities:
-        raise typer.Exit(3)
+    def ask(known: Design) -> Sensitivities:
+        return sensitivities(known, time.monotonic() + settings_from().budget_s(None))
+
+    shown = answering.Shown(
+        lambda result, _: tables.describe_sensitivities(result),
+        is_negative=lambda result: not result.sensitivities,
+    )
+    answering.run(answering.Asked(Design, ask), design, shown, as_json=as_json, units=units)
 
 
-def confirm(design: DesignFile, as_json: AsJson = False) -> None:
+def confirm(design: DesignFile, as_json: AsJson = False, units: DisplayUnits = Units.mm) -> None:
     """Verify a finished design's certificate again, in ball arithmetic, to 25 digits.
 
     The second verification shares neither formulas nor arithmetic with the first. It takes 0.05 to
-    2 s, and the optional package `exact`: pip install 'camwright[exact]'.
+    2 s, and an optional part (26 MB): pip install 'camwright[exact]'.
 
       camwright confirm results/design.json
 
     Exit codes: 0 every line is confirmed; 2 the file is not a design, or the package is missing; 3
     a line is contradicted or not decided.
     """
+    from service.commands import answering, tables
     from synthesis.certify.second import confirm as confirmation_of
     from synthesis.design.design import Design
 
-    try:
-        confirmation = confirmation_of(read_spec(design, Design))
-    except CamwrightError as error:
-        stop(str(error))
-    print_answer(confirmation, tables.describe_confirmation(confirmation), as_json)
-    if confirmation.verdict != "confirmed":
-        raise typer.Exit(3)
+    shown = answering.Shown(
+        lambda confirmation, _: tables.describe_confirmation(confirmation),
+        is_negative=lambda confirmation: confirmation.verdict != "confirmed",
+    )
+    asked = answering.Asked(Design, confirmation_of)
+    answering.run(asked, design, shown, as_json=as_json, units=units)
 
 
 def proof(
     design: DesignFile,
     to: Annotated[Path, typer.Option("--out", help="The file to write.")] = Path("proof.json"),
+    checker: Annotated[
+        Path | None, typer.Option(help="Write the checker too, to this file.", show_default=False)
+    ] = None,
 ) -> None:
     """Write a finished design's proof, which anyone can check without this program.
 
     The file holds the question, the cam, and every claim with its witness; or, for what the format
     does not cover, with why. Bounds are in mm, mm/s² and mm/s³ as in the design, and may be some
-    millionths lower. checker/check.py needs Python alone. Takes 0.1 to 5 s.
+    millionths lower. The checker is one file that needs Python alone. Takes 0.1 to 5 s.
 
-      camwright proof results/design.json --out proof.json
-      python3 -I -S checker/check.py proof.json
+      camwright proof results/design.json --out proof.json --checker check.py
+      python3 -I -S check.py proof.json
 
     Exit codes: 0 written, every claim proven; 2 the file is not a design, or cannot be written; 3
     written, and some claims are not covered: which and why is printed.
     """
+    from service.commands import answering
     from synthesis.design.design import Design
+    from synthesis.exporters.exporter import compact_json
     from synthesis.pipeline.proof_file import proof as proof_of
+    from synthesis.pipeline.proof_file.checker import checker_path
 
-    try:
-        found = proof_of(read_spec(design, Design))
-    except CamwrightError as error:
-        stop(str(error))
-    for claim in found["claims"]:
-        out.print(f"{claim['place']}: {'proven' if claim['proven'] else claim['reason']}")
-    save({to.name: compact_json(found)}, to.parent)
-    if not all(claim["proven"] for claim in found["claims"]):
-        raise typer.Exit(3)
+    if checker is not None:
+        save({checker.name: checker_path().read_bytes()}, checker.parent, ())
+    shown = answering.Shown(
+        lambda found, _: (
+            f"{claim['place']}: {'proven' if claim['proven'] else claim['reason']}"
+            for claim in found["claims"]
+        ),
+        lambda found: {to.name: compact_json(found)},
+        is_negative=lambda found: not all(claim["proven"] for claim in found["claims"]),
+    )
+    folder = None if design == STREAM else to.parent
+    answering.run(answering.Asked(Design, proof_of), design, shown, folder=folder)
 
 
 def read_back(
@@ -206,6 +231,7 @@ def read_back(
     ] = None,
     as_json: AsJson = False,
     url: Url = None,
+    units: DisplayUnits = Units.mm,
 ) -> None:
     """Read the motion back from measured points of a profile.
 
@@ -217,6 +243,8 @@ def read_back(
 
     Exit codes: 0 read; 2 a file cannot be read, or the points are of no cam.
     """
+    from service.commands import answering, tables
+
     try:
         given = None if points is None else {"points_mm": points_in(points)}
     except OSError as error:
@@ -225,15 +253,18 @@ def read_back(
         stop(f"{points} is not text in UTF-8.")
     except CamwrightError as error:
         stop(str(error))
-    analysis = answer("profile-analyses", spec, url, given)
-    print_answer(analysis, tables.describe_profile(analysis), as_json)
+    shown = answering.Shown(lambda analysis, _: tables.describe_profile(analysis))
+    answering.run(
+        "profile-analyses", spec, shown, url=url, as_json=as_json, units=units, more=given
+    )
 
 
 def spatial(
-    spec: Annotated[Path, typer.Argument(help="File with a SpatialCamSpec, or a worked example.")],
+    spec: SpecFile,
     out_dir: FolderOrNone = None,
     as_json: AsJson = False,
     url: Url = None,
+    units: DisplayUnits = Units.mm,
 ) -> None:
     """Design one spatial cam, globoidal or cylindrical.
 
@@ -241,30 +272,35 @@ def spatial(
     pressure angle in deg, undercut, radii and ribs in mm, speeds in mm/s and rpm, each with cam
     angle, wall and place on the roller's axis in mm. --out writes the answer and its files.
 
-      camwright spatial openapi/examples/spatial-cams/p4.json
+      camwright spatial p4
       camwright spatial cam.json --out results
 
     Exit codes: 0 a cam that holds; 2 the question is invalid; 3 a wall is undercut, a rib cut
     through or a limit broken: which and where is printed.
     """
+    from service.commands import answering, tables
+    from synthesis.design.design import WITHOUT_CAM
     from synthesis.machines.spatial.files import FORMATS, formats_of
 
-    design = answer("spatial-cams", spec, url)
-    nothing = design.status in WITHOUT_CAM
-    print_answer(design, tables.describe_spatial_cam(design), as_json)
-    if out_dir is not None:
-        names = () if nothing else formats_of(design.machine)
-        files = files_of("spatial.json", design, (FORMATS[name] for name in names))
-        save(files, out_dir, () if as_json else None)
-    if nothing:
-        raise typer.Exit(3)
+    def files(design: SpatialDesign) -> dict[str, bytes]:
+        names = () if design.status in WITHOUT_CAM else formats_of(design.machine)
+        return answering.files_of("spatial.json", design, (FORMATS[name] for name in names))
+
+    shown = answering.Shown(
+        lambda design, _: tables.describe_spatial_cam(design), files,
+        is_negative=lambda design: design.status in WITHOUT_CAM,
+    )  # fmt: skip
+    answering.run(
+        "spatial-cams", spec, shown, url=url, folder=out_dir, as_json=as_json, units=units
+    )
 
 
 def linkage(
-    kind: Annotated[str, typer.Argument(help=f"Which kind: {', '.join(LINKAGES)}.")],
-    spec: Annotated[Path, typer.Argument(help="File with its spec, or a worked example.")],
-    out_dir: Folder = Path(),
+    kind: Annotated[LinkageKind, typer.Argument(help="Which kind.")],
+    spec: SpecFile,
+    out_dir: Folder = None,
     url: Url = None,
+    units: DisplayUnits = Units.mm,
 ) -> None:
     """Analyse or size a linkage: a six-bar shaper, or a palletising arm.
 
@@ -272,30 +308,34 @@ def linkage(
     in mm/s and deg/s, torques in N·m. A shaper's lengths left free are chosen for a stroke and a
     quick-return ratio, with a proven bound.
 
-      camwright linkage six-bar-shapers openapi/examples/linkages/six-bar-shapers/p5.json
-      camwright linkage palletising-arms openapi/examples/linkages/palletising-arms/irb-660.json
+      camwright linkage six-bar-shapers p5
+      camwright linkage palletising-arms irb-660
 
     Exit codes: 0 all requirements are met, all poses can be reached; 2 the question is invalid; 3
     not all, and what would help.
     """
+    from service.commands import answering, tables
+    from synthesis.design.design import WITHOUT_CAM
+    from synthesis.machines.linkages import LINKAGES
     from synthesis.machines.linkages.files import LINKAGE_FILES
 
-    if kind not in LINKAGES:
-        stop(f"{kind} is not a kind of linkage. There are {', '.join(LINKAGES)}.")
-    result = answer(f"linkages/{kind}", spec, url)
-    quantities = LINKAGES[kind].summary(result)
-    print_answer(result, tables.describe_linkage(result, quantities))
-    formats = LINKAGE_FILES[kind].values() if quantities else ()
-    files = files_of("linkage.json", result, (each for each in formats if each.suits(result)))
-    save(files, out_dir)
-    if result.status in WITHOUT_CAM:
-        raise typer.Exit(3)
+    summary = LINKAGES[kind].summary
+
+    def files(result: Any) -> dict[str, bytes]:
+        formats = LINKAGE_FILES[kind].values() if summary(result) else ()
+        suitable = (each for each in formats if each.suits(result))
+        return answering.files_of("linkage.json", result, suitable)
+
+    shown = answering.Shown(
+        lambda result, _: tables.describe_linkage(result, summary(result)), files,
+        is_negative=lambda result: result.status in WITHOUT_CAM,
+    )  # fmt: skip
+    folder = here_unless_given(out_dir, spec)
+    answering.run(f"linkages/{kind}", spec, shown, url=url, folder=folder, units=units)
 
 
 def respond(
-    spec: Annotated[Path, typer.Argument(help="File with a TrainSpec, or a worked example.")],
-    out_dir: FolderOrNone = None,
-    url: Url = None,
+    spec: SpecFile, out_dir: FolderOrNone = None, url: Url = None, units: DisplayUnits = Units.mm
 ) -> None:
     """Compute the response of an elastic follower train to a cam.
 
@@ -304,16 +344,18 @@ def respond(
     vibration in the dwells in mm, and the contact force in N. With --out it writes the whole
     answer, a table, diagrams and the residual spectrum.
 
-      camwright respond openapi/examples/train-responses/press-feeder.json --out results
+      camwright respond press-feeder --out results
 
     Exit codes: 0 done; 2 the question is invalid, or no cam fits.
     """
+    from service.commands import answering, tables
     from synthesis.machines.dynamics.files import TRAIN_FILES
 
-    response = answer("train-responses", spec, url)
-    print_answer(response, tables.describe_response(response))
-    if out_dir is not None:
-        save(files_of("train-response.json", response, TRAIN_FILES), out_dir)
+    shown = answering.Shown(
+        lambda response, _: tables.describe_response(response),
+        lambda response: answering.files_of("train-response.json", response, TRAIN_FILES),
+    )
+    answering.run("train-responses", spec, shown, url=url, folder=out_dir, units=units)
 
 
 def points_in(path: Path) -> list[list[float]]:

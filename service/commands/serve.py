@@ -7,9 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from service.settings import listening_socket, settings_from
-from service.workers import prefork
-
 
 def serve(
     host: Annotated[
@@ -46,6 +43,9 @@ def serve(
 
     Exit codes: 0 stopped by Ctrl-C; 1 the port, the database or a setting cannot be used, and why.
     """
+    from service.settings import listening_socket, settings_from
+    from service.workers import prefork
+
     options = {"host": host, "port": port, "database_url": database_url, "scheduler": scheduler}
     given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
     settings = settings_from(**given)

@@ -8,72 +8,65 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from service.client import Client, Refused
-from service.commands.terminal import (
-    CONTINUES,
-    Folder,
-    Url,
-    err,
-    out,
-    read_spec,
-    report_errors,
-    save,
-    stop,
-    valid_address,
-)
-from service.settings import listening_socket, settings_from
-from service.workers import prefork
-from synthesis.studies.sweeps import SweepSpec
+from service.commands.terminal import Folder, SpecFile, Url, save, say, stop
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from service.client import Client
 
 FILES = ("items.csv", "items.parquet")
-COLUMNS = (
-    TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
-    TextColumn("{task.fields[text]}"), TimeRemainingColumn(),
-)  # fmt: skip
 STORE = "sweeps.db"  # the finished items of a sweep that is computed here
 
 
-def sweep(
-    spec: Annotated[Path, typer.Argument(help="File with a SweepSpec, or a worked example.")],
-    out_dir: Folder = Path(),
-    url: Url = None,
-) -> None:
+def sweep(spec: SpecFile, out_dir: Folder = None, url: Url = None) -> None:
     """Run a sweep: many designs from one base spec, over any of its fields.
 
-    Writes sweep.json and the table items.csv (items.parquet with the package `parquet`), one row an
-    item, units in the names of the columns. Computed here, finished items are kept in the folder of
-    the results, and the same command continues a stopped sweep; a service keeps them itself.
+    Writes sweep.json and the table items.csv, and with an optional part (170 MB; pip install
+    'camwright[parquet]') items.parquet: one row an item, units in the names of the columns.
+    Computed here, finished items are kept in the folder of the results, and the same command
+    continues a stopped sweep; a service keeps them itself.
 
-      camwright sweep openapi/examples/sweeps/rollers-and-laws.json --out results
+      camwright sweep rollers-and-laws --out results
       camwright sweep sweep.json --out results --url http://127.0.0.1:8000
 
     Exit codes: 0 all items have an answer; 2 the question is invalid; 3 stopped, or items failed;
     130 Ctrl-C, with what is done kept.
     """
-    question = read_spec(spec, SweepSpec)
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from service.client import Client
+    from service.commands.answering import CONTINUES, read_spec, report_errors, valid_address
+    from synthesis.studies.sweeps import SweepSpec
+
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("{task.fields[text]}"), TimeRemainingColumn(),
+    )  # fmt: skip
+    question, folder = read_spec(spec, SweepSpec), out_dir or Path()
     kept = "Finished items are kept; the same command continues the sweep."
     try:
-        out_dir.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         with (
             report_errors(spec, url, CONTINUES if url else kept),
-            nullcontext(valid_address(url)) if url else own_service(out_dir) as address,
+            nullcontext(valid_address(url)) if url else own_service(folder) as address,
             Client(address) as client,
-            Progress(*COLUMNS, console=err) as progress,
+            Progress(*columns, console=Console(stderr=True)) as progress,
         ):
             ended = _watch(client, client.sweep(question), progress)
-            files = [name for name in FILES if _download(client, ended, name, out_dir, progress)]
+            files = [name for name in FILES if _download(client, ended, name, folder, progress)]
     except OSError as error:
-        stop(f"{out_dir} cannot be written to: {error.strerror}.")
+        stop(f"{folder} cannot be written to: {error.strerror}.")
     counts = ended["counts"]
     results = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
-    out.print(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
+    say(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
     document = json.dumps(ended, indent=1, ensure_ascii=False).encode()
-    save({"sweep.json": document}, out_dir, ["sweep.json", *files])
+    save({"sweep.json": document}, folder, ["sweep.json", *files])
     if ended["state"] != "successful":
         raise typer.Exit(3)
 
@@ -81,6 +74,9 @@ def sweep(
 @contextmanager
 def own_service(folder: Path) -> Iterator[str]:
     """A service in this process, on a loopback port, that keeps its sweeps in a folder."""
+    from service.settings import listening_socket, settings_from
+    from service.workers import prefork
+
     store = f"sqlite:///{folder.resolve() / STORE}"
     settings = settings_from(host="127.0.0.1", port=0, database_url=store)
     if settings.scheduler is None:
@@ -124,6 +120,8 @@ def _download(
     client: Client, ended: dict[str, Any], name: str, folder: Path, progress: Progress
 ) -> bool:
     """Download a table; False where the service cannot write this format."""
+    from service.client import Refused
+
     bar = progress.add_task(name, total=None, text="")
 
     def update(done: int, total: int | None) -> None:
@@ -132,7 +130,7 @@ def _download(
     try:
         client.download(ended["links"][name], folder / name, progress=update)
     except Refused as error:
-        if error.kind != "format-missing":
+        if error.kind != "not-installed":
             raise
         progress.update(bar, visible=False)
         return False

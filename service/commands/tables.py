@@ -1,23 +1,26 @@
-"""Answers as they are printed: lines and tables, those that have something to say."""
+"""Answers as they are printed: lines and tables, those that have something to say.
+
+Lengths stand in mm; `display.in_inches` converts what is printed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
+from service.commands.display import Cell, Table
+from synthesis.design.warnings import labelled_status
 
 if TYPE_CHECKING:
     from synthesis.certify.second import Confirmation
     from synthesis.design.analysis import Analysis, Peak, Remedy, Sensitivities
     from synthesis.design.cam_set import CamSet
     from synthesis.design.design import Design, ForcePeak, Forces
+    from synthesis.design.warnings import DesignWarning
     from synthesis.machines.dynamics import TrainResponse
     from synthesis.machines.spatial.design import SpatialDesign
     from synthesis.studies.measured import ProfileAnalysis
 
-Cell = str | float | None
 VERDICTS = {
     "confirmed": "every line of the certificate agrees",
     "contradicted": "the certificate is wrong in what is marked NO",
@@ -26,17 +29,8 @@ VERDICTS = {
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:
-    """A table, its first column to the left and the others, of numbers, to the right.
-
-    Numbers have six digits; a dash stands where there is none.
-    """
-    drawn = Table(title=title, title_justify="left", box=SIMPLE_HEAD)
-    for i, column in enumerate(columns):
-        drawn.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
-    for row in rows:
-        cells = ("–" if cell is None else cell for cell in row)
-        drawn.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else cell for cell in cells))
-    return drawn
+    """A table of these rows."""
+    return Table(title, columns, list(rows))
 
 
 def sizes(dimensions: Mapping[str, float]) -> str:
@@ -47,7 +41,8 @@ def sizes(dimensions: Mapping[str, float]) -> str:
 def describe_analysis(analysis: Analysis) -> Iterator[str | Table]:
     """The verdict, undercut, crossings, limits, curves, jumps, and what would mend the cam."""
     verdict = "every limit holds" if analysis.holds else f"violated: {', '.join(analysis.violated)}"
-    yield f"{verdict}; {sizes(analysis.dimensions)}"
+    yield f"{labelled_status(verdict, analysis.severity)}; {sizes(analysis.dimensions)}"
+    yield from _warnings(analysis.warnings)
     undercut, crossing = analysis.undercut, analysis.self_crossing
     if undercut is None:
         yield "No undercut."
@@ -142,7 +137,8 @@ def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
         )  # fmt: skip
     if analysis.unreached_hollows:
         yield table(
-            "Not touched", ("at °", "hollow radius", "roller radius", "gap mm", "x mm", "y mm"),
+            "Not touched",
+            ("at °", "hollow radius mm", "roller radius mm", "gap mm", "x mm", "y mm"),
             [(f"{n.angle_deg:.3f}", n.hollow_radius_mm, n.roller_radius_mm, n.gap_mm,
               f"{n.x_mm:.4f}", f"{n.y_mm:.4f}") for n in analysis.unreached_hollows],
         )  # fmt: skip
@@ -213,24 +209,64 @@ def describe_sensitivities(result: Sensitivities) -> Iterator[str]:
 
 def describe_cam_set(cams: CamSet) -> Iterator[str]:
     """The status of a set, then cam by cam."""
-    yield f"{cams.status}, {1e3 * cams.seconds:.0f} ms: {len(cams.cams)} cams on one shaft"
+    status = labelled_status(cams.status, cams.severity)
+    yield f"{status}, {1e3 * cams.seconds:.0f} ms: {len(cams.cams)} cams on one shaft"
     for cam in cams.cams:
         dimensions = sizes(cam.design.dimensions)
+        status = labelled_status(cam.design.status, cam.design.severity)
         yield (
-            f"  {cam.name}: {cam.design.status}, phase {cam.phase_deg:g}°, keyway at "
+            f"  {cam.name}: {status}, phase {cam.phase_deg:g}°, keyway at "
             f"{cam.keyway_deg:g}°{': ' if dimensions else ''}{dimensions}"
         )
 
 
-def describe_design(design: Design, seconds: float) -> Iterator[str]:
-    """Status, sizes, forces, and the free parameters as they were chosen."""
+def describe_design(design: Design, seconds: float) -> Iterator[str | Table]:
+    """Status, warnings, sizes, forces, the free parameters as they were chosen, the summary."""
     gap = "" if design.certificate.gap is None else f", gap {100.0 * design.certificate.gap:.2f} %"
-    yield f"{design.status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    status = labelled_status(design.status, design.severity)
+    yield f"{status}{gap}, {1e3 * seconds:.0f} ms: {sizes(design.dimensions)}"
+    yield from _warnings(design.warnings)
+    yield from design.assumptions
     if design.forces is not None:
         yield from _forces(design.forces)
     if design.free_parameters:
         values = (f"{name} {value:.6g}" for name, value in design.free_parameters.items())
         yield f"Chosen: {', '.join(values)}"
+    yield from _summary(design)
+
+
+def _summary(design: Design) -> Iterator[Table]:
+    """Peaks, coefficients beside those of the usual law, and the cam as a body."""
+    from synthesis.exporters.drawing.summary_table import (
+        coefficient_table,
+        derivatives,
+        geometry_figures,
+    )
+
+    if design.motion_summary is not None:
+        yield table(
+            "Motion", ("", "unit", "largest", "at °", "smallest", "at °", "rms", "jumps"),
+            [(name, each.unit, each.largest.value, f"{each.largest.angle_deg:.3f}",
+              each.smallest.value, f"{each.smallest.angle_deg:.3f}",
+              "infinite" if each.rms is None else each.rms, str(each.jumps))
+             for name, each in derivatives(design, design.motion_summary)],
+        )  # fmt: skip
+        coefficients = coefficient_table(design, design.motion_summary)
+        yield table(coefficients.title, coefficients.head, coefficients.rows)
+    if design.geometry is not None:
+        yield table(
+            "Geometry", ("", "value", "unit", "at °"),
+            [(each.name, each.value, each.unit,
+              None if each.angle_deg is None else f"{each.angle_deg:.3f}")
+             for each in geometry_figures(design.geometry)],
+        )  # fmt: skip
+
+
+def _warnings(warnings: Iterable[DesignWarning]) -> Iterator[str]:
+    """A line for each, the most severe first."""
+    for one in warnings:
+        word = one.severity.upper() if one.severity == "stop" else one.severity
+        yield f"  {word} ({one.code}, {one.field}): {one.sentence} {one.remedy}"
 
 
 def _forces(forces: Forces) -> Iterator[str]:

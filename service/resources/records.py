@@ -20,6 +20,7 @@ from service.workers.tasks import DESIGN_FORMATS, PROOF, write_file
 from synthesis.design.analysis import Analysis
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design, Status
+from synthesis.design.warnings import Severity
 from synthesis.exporters import (
     DRAWINGS,
     MOTION_FORMATS,
@@ -59,6 +60,7 @@ class DesignSummary(Accepted):
     value: float | None = Field(None, description="The value that it reached.")
     gap: float | None = Field(None, description="Relative distance to the bound.")
     certified: bool | None = Field(None, description="Every limit holds everywhere.")
+    severity: Severity = Field("none", description="That of the worst warning.")
 
 
 class AnalysisSummary(Accepted):

@@ -264,6 +264,19 @@ _add_table(
 )  # fmt: skip
 
 
+FrontTolerance = Annotated[
+    float | None,
+    Query(
+        ge=0.0,
+        le=1.0,
+        description="Relative difference that does not count: a design that is not better than "
+        "one of the front by more than this in any quantity is left out; 0: every difference "
+        "counts. Left out: in the quantity that was minimised the gap that is left between a "
+        "design and its proven bound, up to the tolerance of the sweep's base; in others 0.",
+    ),
+]
+
+
 def _axes(
     minimise: Annotated[
         list[str],
@@ -273,14 +286,13 @@ def _axes(
         list[str],
         Query(max_length=QUANTITIES, description="Quantity to maximise; may be repeated."),
     ] = [],  # noqa: B006
-) -> list[Aim]:
-    return [
-        *(Aim(name, maximise=False) for name in minimise),
-        *(Aim(name, maximise=True) for name in maximise),
-    ]
+    tolerance: FrontTolerance = None,
+) -> views.Traded:
+    wanted = [(name, False) for name in minimise] + [(name, True) for name in maximise]
+    return views.Traded([Aim(name, larger) for name, larger in wanted], tolerance)
 
 
-Axes = Annotated[list[Aim], Depends(_axes)]
+Axes = Annotated[views.Traded, Depends(_axes)]
 
 
 @router.get("/{sweep_id}/pareto", summary="The Pareto front", responses=problems(404, 422))
@@ -292,8 +304,9 @@ async def get_sweep_pareto(
 ) -> views.ParetoFront:
     """The certified designs that are not dominated by another in the quantities named.
 
-    `quantities` of the sweep says what can be named. `size` is the number of designs on the front,
-    which may be more than `limit`.
+    Of those that differ by less than counts (`tolerance`) one stands for the others. `quantities`
+    of the sweep says what can be named. `size` is the number of designs on the front, which may be
+    more than `limit`.
     """
     return await views.pareto_front(parts.sweeps.store, sweep, axes, limit)
 
@@ -356,14 +369,14 @@ async def _drawn(
     request: Request,
     sweep: SweepRow,
     parts: State,
-    axes: list[Aim],
+    axes: views.Traded,
     options: tuple[str, ...],
     paint: Callable[[TradeOff], Awaitable[bytes]],
 ) -> Response:
     """A picture of the front, or 304; ``options``: extension, media type, and what is chosen."""
-    if not 2 <= len(axes) <= MAX_DRAWN:
+    if not 2 <= len(axes.aims) <= MAX_DRAWN:
         raise ProblemType.INVALID_PARAMETER(
-            f"minimise, maximise: {len(axes)} named. Name two to {MAX_DRAWN} quantities to draw."
+            f"minimise, maximise: {len(axes.aims)} named. Name two to {MAX_DRAWN} quantities."
         )
     extension, media_type, *_ = options
     tag = _tag(request, sweep, repr(axes), *options)

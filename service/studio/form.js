@@ -28,7 +28,7 @@ export class Form {
     byId("form-follower").replaceChildren(...this.#some(this.sized));
     byId("form-limits").replaceChildren(...this.#limits());
     byId("form-objective").replaceChildren(...this.#objectives(properties));
-    byId("form-machine").replaceChildren(...this.#some(["name", "speed_rpm", "rotation", "load"]));
+    byId("form-machine").replaceChildren(...this.#some(["name", "speed_rpm", "rotation", "load", "body"]));
     if (focus) byId(focus)?.focus();
     this.#sums();
   }

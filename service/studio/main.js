@@ -15,6 +15,7 @@ import { put } from "./pointer.js";
 import { showStatus, showDesign, showProblem } from "./result.js";
 import { Schemas } from "./schema.js";
 import { SpecStore } from "./spec_store.js";
+import { showSummary } from "./summary.js";
 import { Sweep } from "./sweep.js";
 
 const FIRST = "p2-sized"; // of the worked examples
@@ -152,6 +153,7 @@ class Studio {
       : [null, null, null];
     this.present = { design, motion, profile, scene };
     showDesign(design, (change) => this.#relax(design, change));
+    showSummary(design);
     this.files.show(design);
     byId("keep").disabled = !made;
     byId("views").hidden = !made;

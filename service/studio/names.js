@@ -5,7 +5,7 @@ const UNITS = {
   n_m: "N m", n: "N", mpa: "MPa", kg_m2: "kg m²", kg: "kg", w: "W",
   rad_per_s2: "rad/s²", mm_per_s3: "mm/s³", mm_per_s2: "mm/s²", mm_per_s: "mm/s",
   deg_per_s3: "deg/s³", deg_per_s2: "deg/s²", deg_per_s: "deg/s",
-  per_mm: "1/mm", mm: "mm", deg: "°", rpm: "rpm", s: "s",
+  per_mm: "1/mm", mm2: "mm²", mm4: "mm⁴", mm: "mm", deg: "°", rpm: "rpm", s: "s",
 };
 
 /** ["rise", "°"] of rise_deg. */

@@ -19,7 +19,10 @@ export function showStatus(text, kind = "") {
 }
 
 export function showDesign(design, apply) {
-  showStatus(`${STATUS_TEXT[design.status]} ${proven(design.certificate)}`, design.status);
+  const stop = design.severity === "stop";
+  const text = `${STATUS_TEXT[design.status]} ${proven(design.certificate)}`;
+  showStatus(stop ? `STOP, this cam cannot work. ${text}` : text, stop ? "stop" : design.status);
+  byId("warnings").replaceChildren(...warnings(design.warnings));
   byId("sizes").replaceChildren(...sizes(design));
   byId("margins").replaceChildren(...margins(design));
   byId("conflict").replaceChildren(...(design.conflict ? conflict(design.conflict, apply) : []));
@@ -31,6 +34,18 @@ export function showProblem(problem, loose) {
   byId("conflict").replaceChildren(
     ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "error" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
   );
+}
+
+/** A list of what an engineer would say of the cam, the most severe first. */
+function warnings(found) {
+  if (!found.length) return [];
+  const lines = found.map(({ code, severity, field, sentence, remedy, source }) => element(
+    "li",
+    { title: `${code}: ${source}` },
+    element("strong", { class: `severity ${severity}` }, severity), ` ${sentence} `,
+    element("span", { class: "note" }, `${remedy} (${field})`),
+  ));
+  return [element("ul", { "aria-label": "Warnings" }, ...lines)];
 }
 
 function proven({ gap, bound_valid_for: over, lower_bound: bound, objective, infimum, value }) {

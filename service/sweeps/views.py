@@ -12,6 +12,7 @@ import io
 import json
 from collections import Counter
 from collections.abc import AsyncIterator, Iterable, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Literal
 
@@ -24,9 +25,10 @@ from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
 from service.sweeps.sweeps import POLL_S, Sweeps
 from service.wire.errors import ProblemType
 from service.workers.tasks import links_to
+from synthesis.errors import ExtraMissing
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
 from synthesis.studies.sweeps import SweepSpec
-from synthesis.studies.sweeps.pareto import non_dominated
+from synthesis.studies.sweeps.pareto import distinct_front, non_dominated
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "unsolved", "infeasible", "failed"]
@@ -133,6 +135,10 @@ class ParetoFront(BaseModel):
         description="Other finished items: not certified, or without one of the quantities."
     )
     size: int = Field(description="How many are on the front.")
+    indistinct: int = Field(
+        description="Others that no design beats, but that are not better than one of the front "
+        "by more than what does not count: see `tolerance`."
+    )
     items: list[SweepItem] = Field(description="The front, ascending in the first quantity.")
 
 
@@ -248,15 +254,12 @@ async def csv_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
 
 
 def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
-    """The bytes of Apache Parquet, a row group a page; ServiceError without pyarrow."""
+    """The bytes of Apache Parquet, a row group a page; ExtraMissing without pyarrow."""
     try:
         import pyarrow as pa
         from pyarrow.parquet import ParquetWriter
-    except ImportError:
-        raise ProblemType.FORMAT_MISSING(
-            "Parquet needs the extra `parquet` of Camwright, which is not installed on this "
-            "server. Take items.csv, or ask the operator to install pyarrow."
-        ) from None
+    except ImportError as error:
+        raise ExtraMissing("A table in Parquet", "parquet") from error
     types = {"int": pa.int64(), "number": pa.float64(), "text": pa.string()}
     schema = pa.schema([(name, types[kind]) for name, kind in columns.kinds])
 
@@ -278,15 +281,45 @@ def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
     return written()
 
 
-async def compare_designs(store: SweepStore, sweep: SweepRow, axes: Sequence[Aim]) -> TradeOff:
+@dataclass(frozen=True)
+class Traded:
+    """What is traded for what.
+
+    Attributes:
+        aims: the quantities. tolerance: relative difference that counts in none of them. None: in
+            the objective the gap of each design does not count, up to the sweep's tolerance: its
+            true optimum may be better by so much.
+    """
+
+    aims: Sequence[Aim]
+    tolerance: float | None
+
+
+def objective_of(sweep: SweepRow) -> tuple[str, float]:
+    """The quantity that items have a proven gap in, and the tolerance of the sweep.
+
+    "" where an axis replaces the objective: then items have gaps in several quantities.
+    """
+    spec = SweepSpec.model_validate_json(sweep.spec)
+    if any(axis.pointer.startswith("/objective") for axis in spec.axes):
+        return "", 0.0
+    machine = spec.base.machine()
+    return spec.base.objectives()[0].name_on_wire(machine), spec.base.tolerance
+
+
+async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) -> TradeOff:
     """Compare the certified designs of a sweep that have all these quantities.
 
     ServiceError where no quantity is named, or one that no design of the sweep has.
     """
+    axes, tolerance = traded.aims, traded.tolerance
     _check(sweep, [axis.quantity for axis in axes])
     signs = np.array([-1.0 if axis.maximise else 1.0 for axis in axes])
+    objective, allowed = objective_of(sweep)
+    proven = [axis.quantity == objective and not axis.maximise for axis in axes]
     numbers: list[int] = []
     values: list[list[float]] = []
+    gaps: list[float] = []
     left_out: Counter[str] = Counter()
     async for page in store.pages(sweep.sequence):
         for item in page:
@@ -299,16 +332,20 @@ async def compare_designs(store: SweepStore, sweep: SweepRow, axes: Sequence[Aim
             else:
                 numbers.append(item.number)
                 values.append(known)
+                gaps.append(min(item.gap or 0.0, allowed))
     table = np.array(values).reshape(len(values), len(axes))
-    front = await asyncio.to_thread(non_dominated, table * signs)
-    return TradeOff(sweep.name, axes, numbers, table, front, left_out)
+    shares = np.outer(gaps, proven) if tolerance is None else np.full_like(table, tolerance)
+    costs = table * signs
+    strict = await asyncio.to_thread(non_dominated, costs)
+    front = await asyncio.to_thread(distinct_front, costs, costs - shares * np.abs(table))
+    return TradeOff(sweep.name, axes, numbers, table, front, left_out, strict)
 
 
 async def pareto_front(
-    store: SweepStore, sweep: SweepRow, axes: Sequence[Aim], most: int
+    store: SweepStore, sweep: SweepRow, traded: Traded, most: int
 ) -> ParetoFront:
     """The non-dominated designs of a sweep in these quantities; see ``compare_designs``."""
-    comparison = await compare_designs(store, sweep, axes)
+    comparison = await compare_designs(store, sweep, traded)
     best = [comparison.numbers[index] for index in comparison.front]
     shown = await store.items(sweep.sequence, ItemRow.number.in_(best[:most]))
     rows = {item.number: item for item in shown}
@@ -317,11 +354,12 @@ async def pareto_front(
             ParetoAxis(
                 quantity=axis.quantity, direction="maximise" if axis.maximise else "minimise"
             )
-            for axis in axes
+            for axis in traded.aims
         ],
         compared=len(comparison.numbers),
         excluded=sweep.done - len(comparison.numbers),
         size=len(best),
+        indistinct=len(comparison.edge) - len(best),
         items=[item_of(sweep, rows[number]) for number in best[:most] if number in rows],
     )
 

@@ -21,7 +21,7 @@ from synthesis.design.identity import ENGINE_NUMBER
 IN_PARTS = {"Accept-Ranges": "bytes"}
 RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
 TAG = re.compile(r'(?:W/)?"([^"]*)"')
-ENCODED = re.compile(r"-(?:gzip|br|zstd)$")
+ENCODED = re.compile(r"-gzip$")
 
 
 def tag_of(*parts: str) -> str:

@@ -41,7 +41,6 @@ class ProblemType(Enum):
     BUSY = 429, "The queue is full"
     INTERNAL = 500, "Internal error"
     SOLVER_FAILED = 500, "The solver failed", "It stopped without a usable point."
-    FORMAT_MISSING = 501, "This server does not write the format", "An optional package is missing."
     NOT_INSTALLED = 501, "An optional package is not installed here"
     WORKER_LOST = 503, "The worker process died", "That happened while it worked on the question."
     ENGINE_UNREACHABLE = 503, "No worker can be reached"

@@ -171,6 +171,23 @@ class ArmRange(Range):
     max: float = Field(gt=0.0, le=1e6, description="Largest length allowed [mm].")
 
 
+Across = Annotated[float | None, Field(gt=0.0, le=1e6)]
+ShaftDiameter = Annotated[
+    Across,
+    Field(
+        description="Diameter of the shaft, which is the bore of the cam. Its hub is 1.75 shaft "
+        "diameters + 6.35 mm across, the rule for cast iron (Cam Design Handbook, Rothbart, ed., "
+        "eq. 6.21), and the base circle is no smaller than the hub."
+    ),
+]
+HubDiameter = Annotated[
+    Across,
+    Field(description="Diameter of the hub, where the rule for the shaft is not to decide it."),
+]
+Keyway = Annotated[
+    bool, Field(description="Whether solids have a keyway in the bore, by DIN 6885-1.")
+]
+
 Dimension = Annotated[
     float | Range | None,
     Field(

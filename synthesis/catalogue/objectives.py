@@ -27,6 +27,8 @@ from synthesis.numerics.maxima import maximise_formula
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
+MOST_ALLOWED = 9.0  # of the least value: ten times as much; more is no objective any longer
+
 
 class Objective(FiniteModel, ABC):
     """One quantity to minimise, as ``norm``, ``energy_order`` or ``rows``; the others are empty.
@@ -39,10 +41,22 @@ class Objective(FiniteModel, ABC):
     """
 
     kind: str
+    allowance: float | None = Field(
+        None,
+        gt=0.0,
+        le=MOST_ALLOWED,
+        description="In a list: what later objectives may add to the least possible value of this "
+        "one, as a share of it (0.25: a quarter). Left out: half of the tolerance.",
+    )
     title: ClassVar[str]
     quantity: ClassVar[str]
     wire_name: ClassVar[str]
     quasiconvex: ClassVar[bool] = False
+
+    def allowed_gap(self, tolerance: float) -> float:
+        """The gap (value − bound)/value that is good enough: the tolerance, or the allowance."""
+        share = 0.0 if self.allowance is None else self.allowance / (1.0 + self.allowance)
+        return max(tolerance, share)
 
     def check(self, segments: Segments, machine: Machine, position: int) -> None:
         """Refuse an objective about forces for which the load is missing or incomplete."""
@@ -289,6 +303,14 @@ AnyObjective = Annotated[
     | PeakDriveForce,
     Field(discriminator="kind"),
 ]
+
+SMALL_AND_SMOOTH: tuple[AnyObjective, ...] = (RmsJerk(allowance=0.25), BaseRadius())
+"""What is assumed where a spec says nothing of acceleration or jerk.
+
+The smallest cam alone is rough without end: its law bends ever more sharply. The least rms jerk
+alone does not care for the size. With a quarter more than that, peaks of acceleration and jerk are
+some 20 % above those of a modified sine, and the base radius is a quarter smaller than with it.
+"""
 
 OBJECTIVES: tuple[type[Objective], ...] = get_args(get_args(AnyObjective)[0])
 """The same as a tuple, in that order."""

@@ -12,9 +12,11 @@ what every motion must satisfy, ``self_intersection.py`` and ``roller_interferen
 that the profile is simple. ``second/`` is a second judge in ball arithmetic.
 """
 
+from synthesis.certify.cam_geometry import summarise_geometry
 from synthesis.certify.certificate import certify
 from synthesis.certify.force_report import report_forces
 from synthesis.certify.motion_checks import certify_size
+from synthesis.certify.motion_summary import summarise_motion
 from synthesis.certify.objectives import measure_objective
 from synthesis.certify.self_intersection import SELF_CROSSING
 from synthesis.numerics.enclosure import Enclosure
@@ -26,4 +28,6 @@ __all__ = [
     "certify_size",
     "measure_objective",
     "report_forces",
+    "summarise_geometry",
+    "summarise_motion",
 ]

@@ -19,6 +19,7 @@ from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.followers.kinematics import TracePoint, labelled
+from synthesis.catalogue.hub import shaft_of_hub
 from synthesis.catalogue.limits.base import Machine
 from synthesis.certify.piecewise_motion import HIGHEST_ORDER, JUNCTION_TOLERANCE, PiecewiseMotion
 from synthesis.certify.quantities import MeasuredCam, Size, TracedPoint, pressure_angle
@@ -327,4 +328,26 @@ def certify_size(
                 evidence=f"computed from the size; allowance for rounding {rounding:.3g} {unit}",
                 field=field,
             ))  # fmt: skip
-    return found
+    return [*found, *_hub(spec, dimensions["base_radius_mm"], scales["mm"])]
+
+
+def _hub(spec: DesignSpec, base_radius: float, scale: float) -> Iterator[Extreme]:
+    """Room for the hub within the base circle, in terms of what is given: shaft or hub."""
+    if spec.hub is None:
+        return
+    given = spec.hub_diameter_mm
+    name, bound = ("hub", given) if given is not None else ("shaft", spec.shaft_diameter_mm)
+    assert bound is not None
+    value = 2.0 * base_radius if given is not None else shaft_of_hub(2.0 * base_radius)
+    by = "" if given is not None else (
+        f"; its hub is {spec.hub:.6g} mm across, 1.75 shaft diameters + 6.35 mm (cast iron; Cam "
+        "Design Handbook, Rothbart, ed., eq. 6.21)"
+    )  # fmt: skip
+    rounding = 2.0 * DIMENSION_ROUNDING * scale
+    yield Extreme(
+        limit=f"room_for_{name}", value=value, unit="mm", angle_deg=0.0, bound=bound,
+        margin=value - bound, width=0.0, holds=value - bound >= -rounding,
+        evidence=f"largest that the base circle has room for{by}; allowance for rounding "
+        f"{rounding:.3g} mm",
+        field=f"{name}_diameter_mm",
+    )  # fmt: skip

@@ -192,6 +192,10 @@ class PiecewiseMotion:
         apart: Indices = junctions[~(self._jumps[2][order][junctions] <= 1.0)]
         return apart
 
+    def jump_sizes(self, order: int, junctions: Indices) -> Array:
+        """s^(order) just after junctions less that just before them (n,) [mm per rad^order]."""
+        return np.asarray(self._jumps[0][order][junctions])
+
     def largest_jump(self, order: int, junctions: Indices) -> Jump:
         """The jump of s^(order) that is largest in relation to what is allowed."""
         sizes, allowed, shares = self._jumps

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from synthesis.catalogue.fields import AnswerModel, doc
 from synthesis.design.design import Extreme, Forces, Relaxation, Status
+from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.spec.design_spec import DesignSpec
 
 Over = Literal["turn", "rise", "dwell", "return"]
@@ -112,6 +113,10 @@ class Analysis(AnswerModel):
     name: str = doc("Name from the spec.")
     engine_version: str = doc("Version of Camwright that found it.")
     holds: bool = doc("Whether every limit holds at every cam angle.")
+    severity: Severity = Field("none", description="That of the worst warning.")
+    warnings: list[DesignWarning] = Field(
+        [], description="What an engineer would say of the cam, the most severe first."
+    )
     dimensions: dict[str, float] = doc("Base radius, prime radius, offset, … by name and unit.")
     violated: list[str] = doc("The limits that do not hold.")
     extremes: list[Extreme] = doc("Every limit, measured on the cam.")

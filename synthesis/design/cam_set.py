@@ -12,6 +12,7 @@ from pydantic import Field
 from synthesis.catalogue.fields import AnswerModel, Rotation, doc
 from synthesis.design.design import Design, Status
 from synthesis.design.identity import engine_version, question_id
+from synthesis.design.warnings import SEVERITIES, Severity
 from synthesis.spec.cam_set import CamOnShaft, CamSetSpec, wrap_turn
 
 START = itemgetter(0)
@@ -80,6 +81,7 @@ class CamSet(AnswerModel):
     status: Status = doc(
         "The worst of the cams': infeasible before unsolved before feasible before optimal."
     )
+    severity: Severity = Field("none", description="That of the worst warning of its cams.")
     rotation: Rotation = doc("Sense in which the shaft turns.")
     speed_rpm: float = doc("Speed of the shaft.")
     cams: list[MountedCam] = doc("The cams in the order of the spec.")
@@ -130,6 +132,7 @@ def assemble_set(
         name=spec.name,
         engine_version=engine_version(),
         status=min((cam.design.status for cam in cams), key=WORST_FIRST.index),
+        severity=max((cam.design.severity for cam in cams), key=SEVERITIES.index),
         rotation=spec.rotation,
         speed_rpm=spec.speed_rpm,
         cams=number_duplicates(cams),

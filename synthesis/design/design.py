@@ -12,6 +12,8 @@ from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 from synthesis.catalogue.fields import AnswerModel, Rotation, doc
 from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
 from synthesis.design.identity import design_id, question_id
+from synthesis.design.summary import CamGeometry, MotionSummary
+from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.spec.design_spec import DesignSpec
 
@@ -165,14 +167,24 @@ class Proof(AnswerModel):
     )
 
 
+def all_close(proven: Sequence[Proof], spec: DesignSpec) -> bool:
+    """Whether the gap of every objective of a spec is within what that may lose."""
+    machine, tolerance = spec.machine(), spec.tolerance
+    allowed = {o.name_on_wire(machine): o.allowed_gap(tolerance) for o in spec.objectives()}
+    return all(p.gap is not None and p.gap <= allowed[p.objective] for p in proven)
+
+
 class Certificate(Proof):
-    """What was proven of the first objective, and in `other_objectives` of the others."""
+    """What was proven of the first objective, and in `other_objectives` of the others.
+
+    Where none is named, of the base radius first.
+    """
 
     certified: bool = doc("Every limit holds at every cam angle.")
     other_objectives: list[Proof] = Field(
         [],
         description="Later objectives of an ordered list; their bounds hold for cams that keep "
-        "the earlier ones.",
+        "the earlier ones. Where no objective is named, the rms jerk that the base radius leaves.",
     )
 
 
@@ -289,8 +301,16 @@ class Design(AnswerModel):
     name: str = doc("Name from the spec.")
     engine_version: str = doc("Version of Camwright that made it.")
     status: Status = doc(
-        "optimal: certified, every gap within the tolerance; feasible: certified; "
+        "optimal: certified, every gap within the tolerance or its allowance; feasible: certified; "
         "unsolved: no cam was found, and none is excluded; infeasible: proven that there is none."
+    )
+    severity: Severity = Field(
+        "none",
+        description="That of the worst warning. `stop`: the cam cannot work, whatever the status "
+        "says of the question as it was put.",
+    )
+    warnings: list[DesignWarning] = Field(
+        [], description="What an engineer would say of the cam, the most severe first."
     )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")
@@ -300,6 +320,12 @@ class Design(AnswerModel):
     objectives: dict[str, float] = doc("Value of every objective asked.")
     motion: list[SegmentMotion] = doc("The motion, segment by segment.")
     extremes: list[Extreme] = doc("Every limit, measured on the finished cam.")
+    motion_summary: MotionSummary | None = Field(
+        None, description="Peaks, rms, coefficients and jumps; null without a cam."
+    )
+    geometry: CamGeometry | None = Field(
+        None, description="Radii, perimeter, area, mass properties; null without a cam."
+    )
     forces: Forces | None = Field(
         None, description="Forces of the finished cam, where the spec tells its load."
     )
@@ -310,6 +336,9 @@ class Design(AnswerModel):
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = doc("What was modelled and what it cost.")
     spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = doc("The question.")
+    assumptions: list[str] = Field(
+        [], description="What was assumed where the spec says nothing, and how to ask otherwise."
+    )
     free_parameters: dict[str, float] = Field(
         {}, description="Angles, lifts and lengths that the spec leaves free: path and number."
     )
@@ -355,6 +384,13 @@ class Design(AnswerModel):
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         return rebuild_motion(self.resolved_spec.placed_segments(), self.motion)
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        """What Jupyter shows, by media type; pictures are drawn on a floor above this one."""
+        from importlib import import_module  # by name, as `synthesis` finds what it exports
+
+        shown: dict[str, str] = import_module("synthesis").notebook_display(self)
+        return shown
 
 
 def rebuild_motion(segments: Sequence[PlacedSegment], delivered: Sequence[SegmentMotion]) -> Motion:

@@ -16,7 +16,9 @@ PLACES = {
         "program/{segment}": (
             "state_not_neighbours state_backwards acceleration_alone law_backwards"
         ),
-        "base_radius_mm": "base_radius_positive roller_fills_ring",
+        "base_radius_mm": "base_radius_positive roller_fills_ring base_radius_inside_hub",
+        "shaft_diameter_mm": "keyway_without_shaft keyway_has_no_standard ring_has_no_hub",
+        "hub_diameter_mm": "hub_too_small",
         "follower/offset_mm": "offset_beyond_prime_radius",
         "program/{position}": "lift_does_not_suit",
         "limits/{position}": (

@@ -32,6 +32,7 @@ from synthesis.exporters.options import (
     form,
 )
 from synthesis.exporters.report import report_with
+from synthesis.exporters.report.datasheet import DATASHEET_HTML, DATASHEET_PDF
 from synthesis.exporters.solids import solid_step
 
 Registry = Mapping[str, Exporter[Any]]
@@ -68,6 +69,8 @@ PICTURES = _registry(
     painted("motion", sheet.MOTION),
     painted("contact", sheet.CONTACT),
     report_with(PROFILE_FORMATS, MOTION_FORMATS),
+    DATASHEET_HTML,
+    DATASHEET_PDF,
 )
 # Every drawing and page by the name of its file.
 DRAWINGS: Registry = MappingProxyType(

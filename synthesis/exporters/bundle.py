@@ -170,11 +170,16 @@ def timing_table(cams: CamSet) -> bytes:
 
 def _manifest(cams: CamSet, options: BundleOptions, listed: list[dict[str, Any]]) -> bytes:
     placed = [
-        {"folder": folder, "design": cam.design.id, "status": cam.design.status}
+        {
+            "folder": folder,
+            "design": cam.design.id,
+            "status": cam.design.status,
+            "severity": cam.design.severity,
+        }
         | cam.model_dump(mode="json", exclude={"design"})
         for folder, cam in zip(folders(cams), cams.cams, strict=True)
     ]
-    names = ("id", "name", "engine_version", "status", "rotation", "speed_rpm")
+    names = ("id", "name", "engine_version", "status", "severity", "rotation", "speed_rpm")
     body = {name: getattr(cams, name) for name in names} | {
         "conventions": CONVENTIONS,
         "sampling": {

@@ -85,8 +85,12 @@ Axial = Annotated[
     ),
 ]
 BoreDiameter = Annotated[
-    float | None, Field(gt=0.0, le=1e6, description="Diameter of the bore around the cam's axis.")
-]
+    float | None, Field(
+        gt=0.0, le=1e6,
+        description="Diameter of the bore around the cam's axis; left out: of a plane cam the "
+        "design's shaft_diameter_mm, else none.",
+    )
+]  # fmt: skip
 Decimals = Annotated[int, Field(ge=0, le=15, description="Decimals of a coordinate in mm.")]
 
 

@@ -11,7 +11,16 @@ from typing import TypeVar
 
 from synthesis.catalogue.motion import Motion, PlacedSegment
 from synthesis.catalogue.objectives import Objective
-from synthesis.certify import certify, certify_size, measure_objective, report_forces
+from synthesis.certify import (
+    certify,
+    certify_size,
+    measure_objective,
+    report_forces,
+    summarise_geometry,
+    summarise_motion,
+)
+from synthesis.certify.quantities import MeasuredCam
+from synthesis.design.assumptions import assumptions
 from synthesis.design.design import (
     Certificate,
     Conflict,
@@ -24,6 +33,7 @@ from synthesis.design.design import (
     SmoothnessCost,
     SplineCurve,
     Status,
+    all_close,
 )
 from synthesis.design.identity import design_id, engine_version
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
@@ -270,13 +280,14 @@ def design(
 ) -> Design:
     """The Design; its status follows from the certificate, the gaps and the conflict's proof."""
     certified = cam is not None and all(extreme.holds for extreme in extremes)
-    close = bool(objective_proofs) and all(
-        p.gap is not None and p.gap <= spec.tolerance for p in objective_proofs
-    )
+    close = bool(objective_proofs) and all_close(objective_proofs, spec)
     status: Status = "optimal" if close else "feasible"
     if not certified:
         status = "infeasible" if conflict is not None and conflict.proven else "unsolved"
-    first = objective_proofs[0] if objective_proofs else _unproven(spec)
+    # Where no objective is named, the size is what is asked for, and the rms jerk its condition.
+    shown = objective_proofs if spec.objective is not None else objective_proofs[::-1]
+    first = shown[0] if shown else _unproven(spec)
+    finished = None if cam is None else MeasuredCam.of(cam.motion, spec.machine(), cam.size)
     return Design(
         id=design_id(spec),
         name=spec.name,
@@ -292,13 +303,18 @@ def design(
         if cam is None
         else segment_motions(spec.program, spec.follower.travel, cam.segments, cam.splines),
         extremes=list(extremes),
+        motion_summary=None if finished is None else summarise_motion(finished),
+        geometry=None
+        if finished is None
+        else summarise_geometry(finished, spec.rotation, spec.body),
         forces=None if cam is None else report_forces(cam.motion, spec.machine(), cam.size),
         certificate=Certificate(
-            certified=certified, other_objectives=list(objective_proofs[1:]), **first.model_dump()
+            certified=certified, other_objectives=list(shown[1:]), **first.model_dump()
         ),
         conflict=conflict,
         report=Report(stages=list(stages), seconds=seconds),
         spec=spec,
+        assumptions=assumptions(spec),
     )
 
 
@@ -319,13 +335,14 @@ def with_free_parameters(
     proven = [_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
     first, *others = (*proven, *map(_limited_to_values, each[len(proven) :]))
     covered = [p.bound_valid_for for p in (first, *others)] == [b.valid_for for b in over_numbers]
-    close = covered and all(p.gap is not None and p.gap <= question.tolerance for p in proven)
+    close = covered and all_close(proven, question)
     solved = answer.status in ("optimal", "feasible")
     return answer.model_copy(
         update={
             "id": design_id(question),
             "spec": question,
             "free_parameters": chosen,
+            "assumptions": assumptions(question),
             "status": ("optimal" if close else "feasible") if solved else answer.status,
             "certificate": first.model_copy(update={"other_objectives": others}),
         }
@@ -357,5 +374,5 @@ def dimensions(spec: DesignSpec, cam: Cam) -> dict[str, float]:
 
 
 def _unproven(spec: DesignSpec) -> Proof:
-    name = spec.objectives()[0].name_on_wire(spec.machine())
+    name = spec.main_objective().name_on_wire(spec.machine())
     return Proof(objective=name, value=None, lower_bound=None, bound_valid_for="", gap=None)

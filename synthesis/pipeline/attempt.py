@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
+from synthesis.catalogue.objectives import BaseRadius
 from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Effort, Extreme
 from synthesis.numerics import clock
@@ -42,6 +43,7 @@ AUTO_PROGRAMS = 100
 """Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
 0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
 SWITCHING = 3  # degree of splines whose highest derivative may step at a knot as the best law's
+OWN_SHARE = 0.1  # of an allowance: how near to the least value that objective itself is brought
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Relative amounts by which limits are tightened, in turn."""
@@ -152,12 +154,16 @@ class Attempt:
     def tolerance(self, rank: int) -> float:
         """The tolerance of an objective: each but the last leaves half of it to those after it.
 
-        That of the first one leaves a part to numbers that were not chosen.
+        That of the first one leaves a part to numbers that were not chosen. One with an allowance
+        leaves most of that.
         """
-        tolerance, last = self.solved_spec.tolerance, len(self.solved_spec.objectives()) - 1
+        tolerance, objectives = self.solved_spec.tolerance, self.solved_spec.objectives()
         if rank == 0 and self.number_bound is not None:
             return SINGLE_SHARE * tolerance
-        return tolerance if rank == last else 0.5 * tolerance
+        if rank == len(objectives) - 1:
+            return tolerance
+        allowed = objectives[rank].allowed_gap(tolerance)
+        return 0.5 * tolerance if allowed == tolerance else max(tolerance, OWN_SHARE * allowed)
 
     def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.
@@ -171,7 +177,8 @@ class Attempt:
             solution = self.searches[-1]
             if solution.incumbent is None:
                 return
-            caps = (*caps, ObjectiveCap(objective, solution.allowance(spec.tolerance)))
+            allowed = solution.allowance(objective.allowed_gap(spec.tolerance))
+            caps = (*caps, ObjectiveCap(objective, allowed))
 
 
 def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -186,8 +193,14 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
         from synthesis.optimise.parameters.search import choose_parameters
 
         budget = _proof_budget(spec, is_last=len(spec.objectives()) == 1)
-        numbered, stage, proof = choose_parameters(question.scaled, goal.stop, budget)
-        if proof is not None and isfinite(proof.lower):
+        # Lengths of the machine change nothing in the jerk of the motion: where no objective is
+        # named, they are those of the smallest cam.
+        by_size = spec.objective is None and bool(free_parameters.machine_indices)
+        aim = {"objective": BaseRadius() if by_size else spec.objective}
+        by_aim = question.scaled.model_copy(update=aim)
+        numbered, stage, proof = choose_parameters(by_aim, goal.stop, budget)
+        numbered = numbered.model_copy(update={"objective": spec.objective})
+        if proof is not None and isfinite(proof.lower) and not by_size:
             bounded = Bounded(spec.objectives()[0], proof.lower, proof.valid_for)
         stages.append(Effort(**vars(stage)))
         question = question.with_scaled(numbered)

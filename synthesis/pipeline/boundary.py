@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
 
-from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import ALONE, COARSE, ON_KNOTS, Oracle, Trial
@@ -283,7 +282,7 @@ class Boundary:
         spec = self.oracle.spec
         if objective is None or self.number.paths[0].startswith("program"):
             return False
-        low, high = ends(spec.base_radius_mm)
+        low, high = spec.requested_radii()
         if low < high < inf:  # the smallest cam is a sharper measure
             return False
         trial = self.oracle.ask(without(spec, [self.number]), self._fine, objective)

@@ -174,7 +174,7 @@ def _decided(
 
 def _minimises_radius(spec: DesignSpec) -> bool:
     """Whether the base radius is minimised first, and not given."""
-    least, most = ends(spec.base_radius_mm)
+    least, most = spec.requested_radii()
     return spec.objectives()[0].kind == "base_radius" and least < most
 
 
@@ -253,7 +253,7 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     radius = final_spec.follower.dimensions(wider.cam.size)["base_radius_mm"]
     first = wider.number_bound or wider.bounds[0]
     (bounded,) = in_wire_units(wider.question, wider.final_spec, [first])
-    least, most = ends(spec.base_radius_mm)
+    least, most = spec.requested_radii()
     cam, bounds = wider.cam, wider.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least allowed
         nearest = min(max(radius, least), most)

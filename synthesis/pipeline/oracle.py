@@ -12,9 +12,8 @@ from math import inf, isfinite
 
 from pydantic import ValidationError
 
-from synthesis.catalogue.fields import ends
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration
-from synthesis.certify import certify
+from synthesis.certify import certify, certify_size
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal
@@ -129,7 +128,7 @@ class Oracle:
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
         is sought to the tolerance though any that is small enough would do.
         """
-        low, high = ends(spec.base_radius_mm)
+        low, high = spec.requested_radii()
         limited = low < high < inf
         any_other = high if limited else ANY
         enough = -inf if objective is not None or (limited and exactly) else any_other
@@ -184,7 +183,10 @@ class Oracle:
             return None, ""  # the smallest cam is the value itself; a cam has no such quantity
         final_spec = question.to_physical(attempt.final_spec)
         if number.dimension:
-            return final_spec.follower.dimensions(attempt.cam.size)[number.dimension], ""
+            room = certify_size(self.spec, attempt.cam.size, final_spec.follower)
+            known = final_spec.follower.dimensions(attempt.cam.size)[number.dimension]
+            claimed = (e.value for e in room if number.claim and e.field == number.claim)
+            return next(claimed, known), ""
         motion, machine = attempt.cam.motion, final_spec.machine()
         worst, note = -inf, ""
         for extreme in certify(motion, machine, attempt.cam.size, self.spec.all_limits(), None):

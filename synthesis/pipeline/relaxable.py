@@ -228,6 +228,13 @@ def _dimensions(spec: DesignSpec) -> Iterator[Relaxable]:
     given = {"base_radius_mm": ("base_radius_mm", spec.base_radius_mm)}
     given |= {f"follower/{f}": (f, value) for f, value in follower.adjustable_dimensions().items()}
     given |= {f"follower/{f}": pair for f, pair in follower.closure.counter_dimensions().items()}
+    for name, diameter in (("hub", spec.hub_diameter_mm), ("shaft", spec.shaft_diameter_mm)):
+        if diameter is not None:  # a shaft's hub counts where no other is given
+            yield Relaxable(
+                f"room for {name}", (f"{name}_diameter_mm",), (diameter,), "mm", "≥",
+                f"{name}_diameter_mm", dimension="base_radius_mm",
+            )  # fmt: skip
+            break
     for path, (dimension, value) in given.items():
         low, high = ends(value)
         sides = [("=", low, "")] if low == high else [("≥", low, "/min"), ("≤", high, "/max")]

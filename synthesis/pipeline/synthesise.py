@@ -16,6 +16,7 @@ from synthesis.design.design import Design, Effort, SmoothnessCost
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.state import WarmStart
+from synthesis.pipeline.advice import with_warnings
 from synthesis.pipeline.assembly import (
     design,
     in_wire_units,
@@ -98,6 +99,8 @@ def synthesise(
         answer = answer.model_copy(update={"smoothness_cost": cost})
     if near is not None and any(state.warm_started for state in attempt.searches):
         answer = answer.with_warm_start(near.id)
+    # 4. What an engineer would say of the cam.
+    answer = with_warnings(answer)
     if late and answer.status == "feasible":
         raise TimeBudgetExceeded(budget, answer)
     local_optimum = attempt.searches[0].local_optimum if attempt.searches else None

@@ -17,21 +17,28 @@ from synthesis.catalogue.fields import (
     CamSpeed,
     Dimension,
     FiniteModel,
+    HubDiameter,
+    Keyway,
     Name,
     Range,
+    ShaftDiameter,
     ends,
     named_lengths,
 )
 from synthesis.catalogue.followers import AnyFollower
 from synthesis.catalogue.followers.closures import Closure
 from synthesis.catalogue.forces import AnyLoad
+from synthesis.catalogue.hub import hub_diameter
 from synthesis.catalogue.limits import AnyLimit, Limit, Machine
 from synthesis.catalogue.limits.radii import CounterBaseRadius, ProfileRadius
 from synthesis.catalogue.motion import PlacedSegment, Segments
-from synthesis.catalogue.objectives import AnyObjective, BaseRadius
+from synthesis.catalogue.objectives import AnyObjective
+from synthesis.spec.assumed_objective import assumed_objectives
+from synthesis.spec.body import CamBody
 from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
+from synthesis.spec.shaft import check_shaft
 from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, check_shrinking_ends
 from synthesis.units import MotionUnits, rad_per_s
 
@@ -39,15 +46,16 @@ MAX_SEGMENTS = 100  # of a program
 SMALLEST = 1e-3  # strokes: where the search begins if a base radius is open below
 FARTHEST = 1e4  # lengths of the spec: where the search ends if a base radius is open above
 ROUGHEST = 2  # smoothness of the splines that smoother ones are compared with
-ALWAYS = (ProfileRadius(), CounterBaseRadius())  # what every cam must keep
+RADII = ("base_radius_mm", "shaft_diameter_mm", "hub_diameter_mm")  # what bounds the base radius
 DERIVED: Mapping[str, frozenset[str]] = MappingProxyType({
-    "free_parameters": frozenset({"program", "follower", "speed_rpm", "base_radius_mm"}),
+    "free_parameters": frozenset({"program", "follower", "speed_rpm", *RADII}),
     "_numbered": frozenset({"program"}),
     "_machine": frozenset({"follower", "speed_rpm", "load"}),
     "_reach": frozenset({"program", "follower", "speed_rpm"}),
     "_placed": frozenset({"program", "follower", "speed_rpm", "continuity"}),
-    "_limits": frozenset({"program", "follower", "limits"}),
-    "_radii": frozenset({"program", "follower", "limits", "speed_rpm", "base_radius_mm"}),
+    "_limits": frozenset({"program", "follower", "limits", *RADII}),
+    "_assumed": frozenset({"program", "follower", "limits", "speed_rpm", "continuity"}),
+    "_radii": frozenset({"program", "follower", "limits", "speed_rpm", *RADII}),
 })  # fmt: skip
 """What a spec computes once, and the fields that this follows from, if no segment is open."""
 
@@ -65,10 +73,16 @@ class DesignSpec(FiniteModel):
     )
     follower: AnyFollower = Field(description="The follower that the machine has.")
     base_radius_mm: Dimension = None
+    shaft_diameter_mm: ShaftDiameter = None
+    hub_diameter_mm: HubDiameter = None
+    keyway: Keyway = False
     load: AnyLoad | None = Field(
         None,
         description="What loads the follower, rigid: mass, damping, spring, process force. "
         "Left out, forces are not looked at.",
+    )
+    body: CamBody | None = Field(
+        None, description="The cam as a plate, for its mass; nothing is designed by it."
     )
     limits: list[AnyLimit] = Field([], max_length=50, description="What may not be exceeded.")
     continuity: Literal[0, 1, 2, 3, 4] | None = Field(
@@ -77,12 +91,15 @@ class DesignSpec(FiniteModel):
         "Splines are made that smooth; where named laws jump the design is infeasible and "
         "the extreme says by how much and where. Left out: jumps of named laws are reported.",
     )
-    objective: AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)] = (
-        Field(
-            BaseRadius(),
-            description="What to make small; a list is worked through in order: each is made as "
-            "small as the ones before allow when they may lose half of the tolerance.",
-        )
+    objective: (
+        AnyObjective | Annotated[list[AnyObjective], Field(min_length=1, max_length=10)] | None
+    ) = Field(
+        None,
+        description="What to make small; a list is worked through in order: each is made as "
+        "small as the ones before allow when they may lose half of the tolerance, or their "
+        "`allowance`. Left out: where a law is free and no limit speaks of acceleration or jerk, "
+        "[rms_jerk with an allowance of 0.25, base_radius], since the smallest cam alone is rough "
+        "without end; else base_radius. `assumptions` of the answer says so.",
     )
     tolerance: float = Field(
         1e-3,
@@ -126,11 +143,11 @@ class DesignSpec(FiniteModel):
         self._check_limits(segments)
         named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
         check_jerk_finite(segments, named, self.objectives(), self.machine())
-        requested, searched = ends(self.base_radius_mm), self.searched_radii()
+        requested, searched = self.requested_radii(), self.searched_radii()
         reached = self.base_radius_range()
         aims = self.objectives()
         check_growth_ends(self.follower, self.limits, aims, requested, searched, reached)
-        if self.objectives()[0].kind == "base_radius":
+        if self.objective is None or self.objectives()[0].kind == "base_radius":
             law_is_free = any(segment.law_is_free for segment in segments)
             check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
         return self
@@ -170,6 +187,9 @@ class DesignSpec(FiniteModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
+        hub, shaft = self.hub, self.shaft_diameter_mm
+        follower = self.follower.without_free_counter()
+        check_shaft(follower, shaft, hub, largest, keyway=self.keyway)
 
     def _check_limits(self, segments: Segments) -> None:
         """Refuse limits and a load that do not suit the follower, its motion, or each other."""
@@ -198,7 +218,7 @@ class DesignSpec(FiniteModel):
     @cached_property
     def free_parameters(self) -> FreeParameters:
         """The numbers that are left free and searched: angles, lifts, an arm's length."""
-        omega, radii = rad_per_s(self.speed_rpm), ends(self.base_radius_mm)
+        omega, radii = rad_per_s(self.speed_rpm), self.requested_radii()
         return FreeParameters.of(self.program, self.follower, omega, radii)
 
     def with_values(self, values: Sequence[float]) -> DesignSpec:
@@ -277,6 +297,18 @@ class DesignSpec(FiniteModel):
         lowest, highest, _ = self._reach
         return highest - lowest
 
+    @property
+    def hub(self) -> float | None:
+        """Diameter of the hub that the base circle leaves room for [mm]: given, or by the rule."""
+        if self.hub_diameter_mm is not None or self.shaft_diameter_mm is None:
+            return self.hub_diameter_mm
+        return hub_diameter(self.shaft_diameter_mm)
+
+    def requested_radii(self) -> tuple[float, float]:
+        """Least and largest base radius that are asked for [mm]; open ends are infinite."""
+        (low, high), hub = ends(self.base_radius_mm), self.hub
+        return low if hub is None else max(low, 0.5 * hub), high
+
     def base_radius_range(self) -> tuple[float, float]:
         """Least and largest base radius that the question and its follower allow [mm].
 
@@ -296,14 +328,15 @@ class DesignSpec(FiniteModel):
 
     @cached_property
     def _radii(self) -> tuple[float, float]:
-        least, largest = max(ends(self.base_radius_mm)[0], 0.0), ends(self.base_radius_mm)[1]
+        least, largest = self.requested_radii()
+        least = max(least, 0.0)
         if math.isfinite(largest):
             return least, largest
         lengths = named_lengths(self.follower, *self.limits)
         return least, FARTHEST * max(self.stroke(), least, *lengths)
 
     def all_limits(self) -> tuple[Limit, ...]:
-        """The limits asked for, and what every cam must keep: no undercut, a counter cam's base.
+        """The limits asked for, and what every cam must keep: no undercut, a counter cam's hub.
 
         Windows and points of the program come last.
         """
@@ -313,7 +346,8 @@ class DesignSpec(FiniteModel):
     def _limits(self) -> tuple[Limit, ...]:
         bounds = [b for i, segment in enumerate(self._numbered) for b in segment.segment_bounds(i)]
         named = {limit.kind for limit in self.limits}
-        rest = (a for a in ALWAYS if a.kind not in named and a.applies_to(self.follower))
+        always = (ProfileRadius(), CounterBaseRadius(min_mm=0.5 * (self.hub or 0.0)))
+        rest = (a for a in always if a.kind not in named and a.applies_to(self.follower))
         return (*self.limits, *rest, *bounds)
 
     def without_deferred(self) -> DesignSpec:
@@ -353,6 +387,15 @@ class DesignSpec(FiniteModel):
                 yield field, value.model_dump() if isinstance(value, Range) else value
 
     def objectives(self) -> tuple[AnyObjective, ...]:
-        """The objectives in order."""
-        listed = self.objective if isinstance(self.objective, list) else [self.objective]
-        return tuple(listed)
+        """The objectives in order; where none is named, those assumed."""
+        if self.objective is None:
+            return self._assumed
+        return tuple(self.objective) if isinstance(self.objective, list) else (self.objective,)
+
+    def main_objective(self) -> AnyObjective:
+        """What answers speak of first: the first one; where none is named, the base radius."""
+        return self.objectives()[-1 if self.objective is None else 0]
+
+    @cached_property
+    def _assumed(self) -> tuple[AnyObjective, ...]:
+        return assumed_objectives(self.placed_segments(), self.all_limits())

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Literal
 
 from synthesis.catalogue.objectives import BaseRadius
-from synthesis.certify import report_forces
 from synthesis.certify.curve_analysis import CurveAnalysis
 from synthesis.certify.quantities import MeasuredCam
 from synthesis.design.analysis import Analysis, Remedy, SizeChange
@@ -18,6 +17,7 @@ from synthesis.design.identity import engine_version
 from synthesis.errors import InputError, SolverFailed, TimeBudgetExceeded
 from synthesis.numerics import clock
 from synthesis.optimise.parameters.table_smoothing import smooth_tables
+from synthesis.pipeline.advice import with_warnings
 from synthesis.pipeline.assembly import Cam, certify_cam, design, dimensions
 from synthesis.pipeline.synthesise import synthesise
 from synthesis.spec.design_spec import DesignSpec
@@ -39,10 +39,13 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
     extremes = certify_cam(spec, cam)
     violated = [extreme.limit for extreme in extremes if not extreme.holds]
     curves = CurveAnalysis(MeasuredCam.of(cam.motion, spec.machine(), cam.size))
+    judged = with_warnings(design(spec, cam, extremes, [], [], 0.0, None))
     return Analysis(
         name=spec.name,
         engine_version=engine_version(),
         holds=not violated,
+        severity=judged.severity,
+        warnings=judged.warnings,
         dimensions=dimensions(spec, cam),
         violated=violated,
         extremes=extremes,
@@ -50,7 +53,7 @@ def analyse(spec: DesignSpec, *, deadline: float | None = None) -> Analysis:
         jumps=curves.jumps(),
         undercut=curves.undercut(),
         self_crossing=curves.self_crossing(),
-        forces=report_forces(cam.motion, spec.machine(), cam.size),
+        forces=judged.forces,
         remedy=find_remedy(spec, cam, stop) if violated else None,
         spec=spec,
     )
@@ -70,7 +73,9 @@ def as_design(analysis: Analysis) -> Design:
             proven=True,
         )
     cam = given_cam(analysis.spec)
-    drawn = design(analysis.spec, cam, analysis.extremes, [], [], 0.0, conflict)
+    drawn = design(analysis.spec, cam, analysis.extremes, [], [], 0.0, conflict).model_copy(
+        update={"severity": analysis.severity, "warnings": analysis.warnings}
+    )
     # The one cam that there is has been measured: where it breaks a limit, none fits.
     return drawn if analysis.holds else drawn.model_copy(update={"status": "infeasible"})
 

@@ -19,7 +19,7 @@ LEFT_OUT = {"infeasible": 12, "failed": 0, "without one of these": 3}
 def drawn(values: np.ndarray, aims: tuple[Aim, ...], theme: Theme = "auto") -> ET.Element:
     signs = np.array([-1.0 if aim.maximise else 1.0 for aim in aims])
     front = non_dominated(values * signs)
-    found = TradeOff("a < b", aims, range(100, 100 + len(values)), values, front, LEFT_OUT)
+    found = TradeOff("a < b", aims, range(100, 100 + len(values)), values, front, LEFT_OUT, front)
     return ET.fromstring(trade_off(found, theme))
 
 

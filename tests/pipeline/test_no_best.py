@@ -98,7 +98,8 @@ def test_what_has_a_size_of_its_own_is_not_refused(follower: dict[str, Any]) -> 
 
 def test_it_would_indeed_shrink_to_whatever_is_allowed() -> None:
     """The same question with a least radius far below what any machine has: it is reached."""
-    small = synthesise(request(ARM, base_radius_mm={"min": 1e-3}))
+    smallest = {"objective": {"kind": "base_radius"}, "base_radius_mm": {"min": 1e-3}}
+    small = synthesise(request(ARM, **smallest))
     assert small.dimensions["base_radius_mm"] == pytest.approx(1e-3, rel=1e-2)
 
 

@@ -509,7 +509,9 @@ def test_the_largest_cam_is_no_answer() -> None:
 def test_a_bound_over_a_family_lies_below_the_value(tolerance: float) -> None:
     """Without a jerk limit; the rows that the solver keeps drawn in must not raise the bound."""
     knife = {"kind": "translating_roller", "roller_radius_mm": 0.0}
-    design = synthesise(spec(limits=[PRESSURE], follower=knife, tolerance=tolerance))
+    aim = {"kind": "base_radius"}
+    question = spec(limits=[PRESSURE], follower=knife, tolerance=tolerance, objective=aim)
+    design = synthesise(question)
     proof = design.certificate
     assert proof.bound_valid_for.startswith("splines of degree 3")
     assert proof.lower_bound is not None

@@ -63,7 +63,7 @@ class RollerBearing(FiniteModel):
 
 
 class Spring(FiniteModel):
-    """A closing spring, given or chosen between two ends: its two fields are rate and preload."""
+    """A closing spring, its rate and preload given or chosen between two ends."""
 
     @field_validator("*")
     @classmethod
@@ -81,7 +81,8 @@ class Spring(FiniteModel):
     @property
     def requested(self) -> dict[str, float | Range | None]:
         """Requested rate and preload, by field, in this order."""
-        return {name: getattr(self, name) for name in type(self).model_fields}
+        names = (n for n in type(self).model_fields if n.startswith(("rate_", "preload_")))
+        return {name: getattr(self, name) for name in names}
 
     @property
     def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -96,6 +97,13 @@ class SlideSpring(Spring):
     rate_n_per_mm: float | Range | None = Field(None, description=f"Spring rate. {RATE}")
     preload_n: float | Range | None = Field(
         None, description=f"Force with which it presses at the lowest position. {RATE}"
+    )
+    solid_mm: float | None = Field(
+        None,
+        gt=0.0,
+        le=1e6,
+        description="Compression from its free length at which its coils touch: a warning says "
+        "where the cam comes near it.",
     )
 
 

@@ -114,6 +114,11 @@ class Limit(UnitFields, ABC):
         return True
 
     @property
+    def limits_acceleration(self) -> bool:
+        """Whether it bounds the acceleration or the jerk, by that name."""
+        return False
+
+    @property
     def bounds_size_below(self) -> bool:
         """Whether it excludes arbitrarily small cams."""
         return False

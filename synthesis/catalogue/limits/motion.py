@@ -50,6 +50,9 @@ class TravelLimit(Limit, ABC):
         return float(self.given("max"))
 
 
+ACCELERATION = 2  # order of the derivative
+
+
 class DerivativeLimit(TravelLimit, ABC):
     """|s^(order)| ω^order ≤ a limit, at every cam angle and on both sides of a jump."""
 
@@ -61,6 +64,10 @@ class DerivativeLimit(TravelLimit, ABC):
     def quantity(self) -> str:
         """Name of the measured quantity."""
         return self.kind
+
+    @property
+    def limits_acceleration(self) -> bool:
+        return self.order >= ACCELERATION
 
     def rows(self, segment: PlacedSegment, machine: Machine) -> tuple[LinearInequality, ...]:
         largest = self.bound / machine.wire_factor(self.order)
@@ -136,6 +143,10 @@ class SegmentBound(Limit):
     interval: tuple[float, float]
     min: float | None = None
     max: float | None = None
+
+    @property
+    def limits_acceleration(self) -> bool:
+        return self.order >= ACCELERATION
 
     @property
     def equality(self) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from synthesis.design.design import Design
+from synthesis.errors import ExtraMissing
 from synthesis.exporters.curves.exact import MIN_ERROR_UM, Contour
 from synthesis.exporters.exporter import FileContent, design_format
 from synthesis.exporters.options import BoreDiameter, CurveName, PlacedCurve, is_cutter, is_pitch
@@ -59,8 +60,11 @@ def _profile(design: Design, options: DrawingOptions) -> FileContent:
     for curve, cam in _curves(design, options):
         errors.append(_draw(space, curve, cam, options))
     circles = {"BASE_CIRCLE": design.dimensions["base_radius_mm"]} if options.companions else {}
-    if options.bore_mm is not None:
-        circles["BORE"] = 0.5 * options.bore_mm
+    bore = options.bore_mm
+    if bore is None and options.companions:
+        bore = design.spec.shaft_diameter_mm
+    if bore is not None:
+        circles["BORE"] = 0.5 * bore
     for layer, radius in circles.items():
         space.add_circle((0.0, 0.0, options.z_mm or 0.0), radius, dxfattribs={"layer": layer})
     error = f"{max(errors):.3g}"
@@ -74,9 +78,12 @@ def _profile(design: Design, options: DrawingOptions) -> FileContent:
 
 
 def _page(design: Design) -> Any:
-    """An empty drawing with the layers."""
-    from ezdxf._options import options as writing  # loading it takes a third of a second
-    from ezdxf.filemanagement import new
+    """An empty drawing with the layers; ExtraMissing without ezdxf."""
+    try:
+        from ezdxf._options import options as writing  # loading it takes a third of a second
+        from ezdxf.filemanagement import new
+    except ImportError as error:
+        raise ExtraMissing("DXF", "dxf") from error
 
     writing.write_fixed_meta_data_for_testing = True
     page = new("R2010", units=MILLIMETRES)

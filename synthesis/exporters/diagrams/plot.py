@@ -109,13 +109,13 @@ class Labels:
     format: Callable[[float], str]
 
 
-def linear(low: float, high: float) -> Labels:
-    """Round numbers, a power of ten taken out where they are large or small."""
+def linear(low: float, high: float, most: int = 6) -> Labels:
+    """Round numbers, ``most`` + 1 or fewer; a power of ten taken out where large or small."""
     size = math.floor(math.log10(max(abs(low), abs(high))))
     exponent = 0 if -2 <= size <= 3 else 3 * (size // 3)
     unit = 10.0**exponent
     factor = f"10{str(exponent).translate(SUPERSCRIPTS)} " if exponent else ""
-    ticks = [(value, svg.figure(value / unit, 6)) for value in svg.ticks(low, high, 6)]
+    ticks = [(value, svg.figure(value / unit, 6)) for value in svg.ticks(low, high, most)]
     return Labels(ticks, factor, lambda value: svg.figure(value / unit))
 
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from synthesis.design.cam_set import CamSet, MountedCam, TimingArc
+from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.plot import Frame
 from synthesis.exporters.diagrams.sheet import angle_axis, moving_segments
 from synthesis.exporters.drawing import canvas as svg
@@ -65,9 +66,10 @@ def _spans(start: float, angle: float) -> list[tuple[float, float]]:
 
 def _heading(cams: CamSet) -> list[str]:
     count, name = len(cams.cams), cams.name.strip() or "Cam set"
+    status = labelled_status(cams.status, cams.severity)
     text = (
         f"{count} cam{'s' if count > 1 else ''} on one shaft · turns {TURNS[cams.rotation]} at "
-        f"{svg.figure(cams.speed_rpm, 6)} rpm · {cams.status} · {cams.id[:8]}"
+        f"{svg.figure(cams.speed_rpm, 6)} rpm · {status} · {cams.id[:8]}"
     )
     return two_lines(name, text, RIGHT, WIDTH - RIGHT, 1.0)
 

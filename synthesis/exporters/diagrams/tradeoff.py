@@ -49,8 +49,9 @@ class TradeOff:
     Attributes:
         name: of the sweep. aims: k quantities, at least two.
         numbers: (n,) of the items. values: (n, k) in the units of the quantities' names.
-        front: indices of those that none of the others beats.
+        front: indices of those that none of the others beats, and that differ noticeably.
         left_out: what else is finished, in words, and how many.
+        edge: indices of all that none of the others beats: beyond them nothing was found.
     """
 
     name: str
@@ -59,6 +60,7 @@ class TradeOff:
     values: Array
     front: NDArray[np.intp]
     left_out: Mapping[str, int]
+    edge: NDArray[np.intp]
 
 
 def trade_off(trade: TradeOff, theme: Theme = "auto") -> bytes:
@@ -110,7 +112,8 @@ def _panel(
     body += [svg.circle("item", a, b, 0.75) for a, b in cells.tolist()]
     best = trade.front[np.argsort(x[trade.front], kind="stable")]
     if lined and len(best):
-        body.append(svg.path("line curve", _stairs(trade, x[best], y[best])))
+        edge = trade.edge[np.argsort(x[trade.edge], kind="stable")]
+        body.append(svg.path("line curve", _stairs(trade, x[edge], y[edge])))
     body += [svg.path("mark", _diamond(a, b)) for a, b in zip(x[best], y[best], strict=True)]
     # numbers of the items on a small front; those that would overlap are left out
     free = -np.inf

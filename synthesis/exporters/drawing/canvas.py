@@ -8,10 +8,12 @@ are multiples of a sheet's unit u.
 
 from __future__ import annotations
 
+import base64
 import math
 import re
 import tomllib
 from collections.abc import Sequence
+from typing import NamedTuple
 from unicodedata import east_asian_width
 from xml.sax.saxutils import escape
 
@@ -25,6 +27,7 @@ SPACE = re.compile(r"[^\S\u202f]+")
 EXPONENT = re.compile(r"e\+?(-?)0*")
 FROM_MM, TO_MM, SHOWN_MM = 110.0, 420.0, 300.0  # widths of sheets: see ``shown_at``
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+PICTURE = "data:image/svg+xml;base64,"  # how the address of a drawing inside another begins
 TURNS = {"ccw": "counter-clockwise", "cw": "clockwise"}
 
 TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
@@ -110,6 +113,39 @@ def shorten(text: str, width: float, size: float) -> str:
     while text and width_of(text + "…", size) > width:
         text = text[:-1]
     return text.rstrip() + "…"
+
+
+class Sheet(NamedTuple):
+    """A drawing with its size, in units of its coordinates."""
+
+    data: bytes
+    width: float
+    height: float
+
+
+def picture(sheet: Sheet, x: float, y: float, width: float, height: float, content: str) -> str:
+    """A drawing as large as fits into a box, in its middle; ``content``: for those who see none."""
+    scale = min(width / sheet.width, height / sheet.height)
+    across, down = scale * sheet.width, scale * sheet.height
+    place = (
+        f'x="{num(x + 0.5 * (width - across))}" y="{num(y + 0.5 * (height - down))}" '
+        f'width="{num(across)}" height="{num(down)}"'
+    )
+    data = base64.b64encode(sheet.data).decode()
+    title = f"<title>{plain(content)}</title>"
+    return f'<image {place} href="{PICTURE}{data}">{title}</image>'
+
+
+def wrapped(content: str, width: float, size: float) -> list[str]:
+    """A text in lines that fit; a word that is too long for one is cut."""
+    lines, words = [""], content.split()
+    for word in words:
+        longer = f"{lines[-1]} {word}".strip()
+        if width_of(longer, size) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(shorten(word, width, size))
+    return [each for each in lines if each]
 
 
 def line(kind: str, x1: float, y1: float, x2: float, y2: float) -> str:

@@ -6,6 +6,7 @@ Only what our canvas writes is understood. Letters are those of DejaVu Sans, whi
 
 from __future__ import annotations
 
+import base64
 import io
 import math
 import re
@@ -18,6 +19,7 @@ import numpy as np
 
 from synthesis.design.design import Design
 from synthesis.errors import ExtraMissing
+from synthesis.exporters.drawing.canvas import PICTURE
 from synthesis.exporters.exporter import Exporter
 from synthesis.exporters.options import PixelOptions
 
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 
 SVG = "{http://www.w3.org/2000/svg}"
 DPI = 100.0  # pixels per inch of a PNG
+POINTS = 72.0  # in an inch: the unit of a PDF
+MM_PER_INCH = 25.4
+TRUETYPE = 42  # matplotlib's number for fonts whose texts can be searched and copied
 RULE = re.compile(r"\.camwright \.(\w+){([^}]*)}")
 FACTOR = re.compile(r"(\w+)\(([^)]*)\)")
 FACTORS = {"scale": "scale", "translate": "translate", "rotate": "rotate_deg"}  # of Affine2D
@@ -41,23 +46,103 @@ ONE_AT_A_TIME = threading.Lock()  # matplotlib's fonts are shared
 
 def rasterise(drawing: bytes, width_px: int) -> bytes:
     """The PNG of a drawing whose theme is not ``auto``; ExtraMissing without matplotlib."""
-    try:
-        from matplotlib.figure import Figure
-        from matplotlib.transforms import Affine2D
-    except ImportError as error:
-        raise ExtraMissing("A PNG", "plots") from error
+    _require("A PNG")
     root = ET.fromstring(drawing)
-    _, _, width, height = (float(n) for n in root.get("viewBox", "").split())
-    scale, looks = width_px / width, _looks(root)
-    height_px = round(height * scale)
     with ONE_AT_A_TIME:
-        figure = Figure(figsize=(width_px / DPI, height_px / DPI), dpi=DPI)
-        place = Affine2D().scale(scale, -scale).translate(0.0, height_px)
-        for element, where in _elements(root, place):
-            _paint(figure, element, where, looks, scale)
+        figure = _painted(root, width_px / _size(root)[0], DPI)
         packed = io.BytesIO()
         figure.savefig(packed, format="png", dpi=DPI, metadata={"Software": None})
     return packed.getvalue()
+
+
+def as_pdf(drawing: bytes, title: str) -> bytes:
+    """A drawing whose theme is not ``auto`` as a PDF page of its true size, its texts as texts.
+
+    The same drawing gives the same bytes. ExtraMissing without matplotlib.
+    """
+    _require("A PDF")
+    import matplotlib as mpl
+
+    root = ET.fromstring(drawing)
+    facts = {"Title": title, "Creator": "Camwright", "Producer": None, "CreationDate": None}
+    with ONE_AT_A_TIME, mpl.rc_context({"pdf.fonttype": TRUETYPE}):
+        figure = _painted(root, POINTS / MM_PER_INCH, POINTS, texts=True)
+        packed = io.BytesIO()
+        figure.savefig(packed, format="pdf", metadata=facts)
+    return packed.getvalue()
+
+
+def _require(what: str) -> None:
+    try:
+        import matplotlib.figure  # noqa: F401
+    except ImportError as error:
+        raise ExtraMissing(what, "plots") from error
+
+
+def _painted(root: ET.Element, scale: float, dpi: float, texts: bool = False) -> Figure:
+    """A drawing on a figure, ``scale`` pixels for a unit; ``texts``: as such, else as outlines."""
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Affine2D
+
+    width, height = _size(root)
+    height_px = round(height * scale) if not texts else height * scale
+    figure = Figure(figsize=(width * scale / dpi, height_px / dpi), dpi=dpi)
+    _paint_all(
+        figure, root, Affine2D().scale(scale, -scale).translate(0.0, height_px), scale, texts
+    )
+    return figure
+
+
+def _size(root: ET.Element) -> tuple[float, float]:
+    _, _, width, height = (float(n) for n in root.get("viewBox", "").split())
+    return width, height
+
+
+def _paint_all(
+    figure: Figure, root: ET.Element, place: Affine2D, scale: float, texts: bool
+) -> None:
+    """Paint a drawing, and those inside it, each with the style of its own."""
+    from matplotlib.transforms import Affine2D
+
+    looks = _looks(root)
+    for element, where in _elements(root, place):
+        if element.tag == f"{SVG}image":
+            inner = ET.fromstring(base64.b64decode(element.get("href", "").removeprefix(PICTURE)))
+            x, y, width = (float(element.get(name, 0.0)) for name in ("x", "y", "width"))
+            by = width / _size(inner)[0]
+            own = Affine2D().scale(by).translate(x, y)
+            within = Affine2D(where.get_matrix() @ own.get_matrix())
+            _paint_all(figure, inner, within, scale * by, texts)
+        elif texts and element.tag == f"{SVG}text":
+            _write(figure, element, where, looks, scale)
+        else:
+            _paint(figure, element, where, looks, scale)
+
+
+def _write(
+    figure: Figure, element: ET.Element, where: Affine2D, looks: Mapping[str, Look], scale: float
+) -> None:
+    """A line of text as text."""
+    look = _look_of(element, looks)
+    at = where.transform((float(element.get("x", 0.0)), float(element.get("y", 0.0))))
+    width, height = figure.get_size_inches() * figure.dpi
+    size = float(look["font-size"].removesuffix("px")) * scale * POINTS / figure.dpi
+    anchor = {"start": "left", "middle": "center", "end": "right"}
+    figure.text(
+        at[0] / width, at[1] / height, (element.text or "").replace("$", r"\$"),
+        family=FONT, fontsize=size,
+        weight="bold" if look.get("font-weight") == "600" else "normal",
+        color=look.get("fill", "#000000"), va="baseline",
+        ha=anchor[element.get("text-anchor", "start")],
+    )  # fmt: skip
+
+
+def _look_of(element: ET.Element, looks: Mapping[str, Look]) -> dict[str, str]:
+    """Properties of an element, by its classes in their order."""
+    look: dict[str, str] = {}
+    for name in element.get("class", "").split():
+        look |= looks.get(name, {})
+    return look
 
 
 def painted(name: str, drawing: Exporter[Any]) -> Exporter[PixelOptions]:
@@ -100,15 +185,13 @@ def _paint(
 ) -> None:
     from matplotlib.patches import PathPatch
 
-    look: dict[str, str] = {}
-    for name in element.get("class", "").split():
-        look |= looks.get(name, {})
+    look = _look_of(element, looks)
     shape = _shape(element, look)
     if shape is None:
         return
     filled = look.get("fill", "none" if element.tag == f"{SVG}line" else "#000000")
     stroke, width = look.get("stroke", "none"), float(look.get("stroke-width", 0.0))
-    points = 72.0 / DPI * scale
+    points = POINTS / figure.dpi * scale
     dashes = [points * float(n) for n in look.get("stroke-dasharray", "").split()]
     common: dict[str, Any] = {"transform": where, "linewidth": points * width,
                               "joinstyle": "round", "capstyle": "butt",

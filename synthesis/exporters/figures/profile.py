@@ -18,7 +18,7 @@ from synthesis.catalogue.followers.base import prime_radius
 from synthesis.catalogue.profile import CamProfile
 from synthesis.design.design import Design
 from synthesis.exporters.drawing import canvas as svg
-from synthesis.exporters.drawing.canvas import TURNS, heading
+from synthesis.exporters.drawing.canvas import TURNS, Sheet, heading
 from synthesis.exporters.exporter import design_format
 from synthesis.exporters.figures import parts
 from synthesis.exporters.figures.mechanism import Mechanism, face_at_rest
@@ -373,6 +373,23 @@ def _offset_text(scene: Scene, x: float, y: float) -> list[str]:
         middle = x + 0.5 * scene.centre.real
         return [svg.text("label", middle, level - 1.0 * u, text, "middle")]
     return [svg.text("label", x + max(scene.centre.real, 0.0) + 5.0 * u, level + 1.0 * u, text)]
+
+
+def cam_picture(design: Design, options: CamDrawingOptions) -> Sheet:
+    """The drawing alone, without heading and legend, to be set into a page."""
+    scene = Scene.of(design, options)
+    u, (left, bottom, right, top) = scene.u, scene.extent
+    width, height = right - left + 2.0 * MARGIN * u, top - bottom + (BELOW + 9.0) * u
+    x, y = MARGIN * u - left, 7.0 * u + top
+    body = [
+        f'<g transform="translate({svg.num(x)} {svg.num(y)}) scale(1 -1)">',
+        *shapes(scene),
+        "</g>",
+        *labels(scene, x, y),
+    ]
+    title = f"Cam {design.name or design.id}"
+    data = svg.document(width, height, u, title, "The cam.", body, theme=options.theme)
+    return Sheet(data, width, height)
 
 
 PROFILE = design_format("profile", "svg", _profile, CamDrawingOptions)

@@ -9,30 +9,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
+from synthesis.catalogue.hub import KEYED_BORES, standard_keyway
 from synthesis.design.design import Design
 from synthesis.errors import InputError
 from synthesis.exporters.curves.exact import ExactCurve, ExactOptions
 from synthesis.exporters.options import Axial, BoreDiameter, CurveName, Options, PlacedCurve, Turn
 from synthesis.exporters.samples.cam import Cam
+from synthesis.spec.design_spec import DesignSpec
 
 NO_RIM = 0.1  # of the largest radius: wall of a ring or a disc where the design says none
 SEARCHED = 7201  # places of a flank at which its least and largest radius are taken
-LEAST_BORE = 6.0  # [mm]: for smaller ones there are no keys
-# Bores up to … [mm], width of the key, depth of the keyway in the hub beyond the bore.
-STANDARD = (
-    (8.0, 2.0, 1.0), (10.0, 3.0, 1.4), (12.0, 4.0, 1.8), (17.0, 5.0, 2.3), (22.0, 6.0, 2.8),
-    (30.0, 8.0, 3.3), (38.0, 10.0, 3.3), (44.0, 12.0, 3.3), (50.0, 14.0, 3.8), (58.0, 16.0, 4.3),
-    (65.0, 18.0, 4.4), (75.0, 20.0, 4.9), (85.0, 22.0, 5.4), (95.0, 25.0, 5.4), (110.0, 28.0, 6.4),
-    (130.0, 32.0, 7.4), (150.0, 36.0, 8.4), (170.0, 40.0, 9.4), (200.0, 45.0, 10.4),
-    (230.0, 50.0, 11.4),
-)  # fmt: skip
-
 
 Length = Annotated[float | None, Field(gt=0.0, le=1e6)]
 
@@ -50,7 +42,7 @@ class SolidOptions(Options):
     reported in the header Camwright-Curve-Error-Mm."""
     bore_mm: BoreDiameter = None
     keyway: bool = False
-    """A keyway in the bore, by DIN 6885-1."""
+    """A keyway in the bore, by DIN 6885-1; with the design's own bore, as its spec says."""
     keyway_width_mm: Length = None
     """Width of the keyway; left out: by the bore."""
     keyway_depth_mm: Length = None
@@ -58,7 +50,7 @@ class SolidOptions(Options):
     keyway_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 90.0
     """Direction of the keyway in the cam's own frame; in a cam set every cam has its own."""
     hub_diameter_mm: Length = None
-    """Of a hub on the back."""
+    """Of a hub on the back; left out: the design's, where a length is given."""
     hub_length_mm: Length = None
     """How far the hub stands out."""
     groove_depth_mm: Length = None
@@ -71,18 +63,30 @@ class SolidOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if (self.hub_diameter_mm is None) != (self.hub_length_mm is None):
-            missing = "hub_length_mm" if self.hub_length_mm is None else "hub_diameter_mm"
-            rule = "A hub has a diameter and a length."
-            raise self.refusal(missing, rule, "Give both of them, or neither.")
-        if self.keyway and self.bore_mm is None:
-            raise self.refusal("bore_mm", "A keyway needs a bore.", "Give its diameter.")
         if self.groove_depth_mm is not None and not self.groove_depth_mm < self.thickness_mm:
             raise self.refusal(
                 "groove_depth_mm",
                 f"The groove must be less deep than the disc is thick, {self.thickness_mm:g} mm.",
                 "Make the disc thicker, or the groove less deep.",
             )
+
+    def with_shaft(self, spec: DesignSpec) -> SolidOptions:
+        """The same with the bore, the keyway and the hub of a spec's shaft where none are given.
+
+        InputError where a hub or a keyway is not wholly given then.
+        """
+        bore = spec.shaft_diameter_mm if self.bore_mm is None else self.bore_mm
+        keyway = self.keyway or (spec.keyway and self.bore_mm is None)
+        hub = spec.hub if self.hub_diameter_mm is None else self.hub_diameter_mm
+        if (self.hub_length_mm is not None) != (self.hub_diameter_mm is not None):
+            missing = "hub_length_mm" if self.hub_length_mm is None else "hub_diameter_mm"
+            if missing == "hub_length_mm" or hub is None:
+                rule = "A hub has a diameter and a length."
+                raise self.refusal(missing, rule, "Give both of them, or neither.")
+        if keyway and bore is None:
+            raise self.refusal("bore_mm", "A keyway needs a bore.", "Give its diameter.")
+        hub = None if self.hub_length_mm is None else hub
+        return replace(self, bore_mm=bore, keyway=keyway, hub_diameter_mm=hub)
 
 
 class Stroke(NamedTuple):
@@ -163,6 +167,7 @@ class Blank:
 
 def blank(design: Design, options: SolidOptions) -> Blank:
     """The slabs of a design's cam; InputError where bore, hub or wall do not fit it."""
+    options = options.with_shaft(design.spec)
     cam = Cam.of(design, PlacedCurve(curve=options.curve))
     flanks = [flank for flank in cam.follower.flanks if flank.path == cam.flank.path]
     edges = {
@@ -212,11 +217,11 @@ def bores(options: SolidOptions) -> list[Outline]:
     if not options.keyway:
         return [circle(0.5 * diameter)]
     if width is None or depth is None:
-        sizes = [row[1:] for row in STANDARD if LEAST_BORE < diameter <= row[0]]
-        if not sizes:
-            rule = "DIN 6885-1 has keys for bores above 6 and up to 230 mm."
-            raise options.refusal("bore_mm", rule, "Give keyway_width_mm and keyway_depth_mm.")
-        width, depth = width or sizes[0][0], depth or sizes[0][1]
+        sizes = standard_keyway(diameter)
+        if sizes is None:
+            remedy = "Give keyway_width_mm and keyway_depth_mm."
+            raise options.refusal("bore_mm", KEYED_BORES, remedy)
+        width, depth = width or sizes[0], depth or sizes[1]
     if width >= diameter:
         rule = f"The keyway must be narrower than the bore, {diameter:g} mm."
         remedy = "Make it narrower, or the bore wider."

@@ -27,7 +27,8 @@ class ConeBlock:
     """‖matrix x + shift‖ ≤ x[head] + radius; without head ≤ radius alone.
 
     ``norm`` is set where the cone speaks of the size variables alone, ``source`` is its cone's;
-    ``vibration`` where it bounds a residual vibration.
+    ``vibration`` where it bounds a residual vibration, ``energy`` where it bounds a mean square,
+    less what given laws have of it by ``room``.
     """
 
     matrix: Array
@@ -38,6 +39,8 @@ class ConeBlock:
     tightening: float = 0.0
     source: str = ""
     vibration: VibrationTerm | None = None
+    energy: Energy | None = None
+    room: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +171,7 @@ class MatrixBuilder:
             matrix[at : at + len(factor), columns] = inner / rest
             shift[at : at + len(factor)] = fixed / rest
             at += len(factor)
-        return ConeBlock(matrix, shift, None, 1.0, None)
+        return ConeBlock(matrix, shift, None, 1.0, None, energy=squares, room=rest**2)
 
     def add_apex(self, cone: ConeBlock) -> None:
         """Equalities in place of a cone of radius 0: matrix x + shift = 0."""

@@ -12,6 +12,7 @@ from math import inf
 
 import numpy as np
 
+from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 
@@ -27,6 +28,48 @@ class Control:
     cap: float
     rate: float
     weight: float
+
+
+@dataclass(frozen=True)
+class MeanSquareCap:
+    """Σ weights_i ∫ (g_i^(order))² dx ≤ room, over the free laws, and the multiplier of that."""
+
+    order: int
+    weights: Array
+    room: float
+    multiplier: float
+
+
+def mean_square_caps(model: ConicModel, z: Array) -> tuple[MeanSquareCap, ...]:
+    """The caps of mean squares with the multipliers that those of their cones (m,) come to.
+
+    ‖y‖ ≤ 1 with multiplier λ, where y is the derivative over √room, is ‖y‖² ≤ 1 with λ/2 where it
+    binds; any that is not negative gives a valid bound.
+    """
+    found, at = list[MeanSquareCap](), model.program.equalities + model.program.inequalities
+    for cone in model.cone_blocks:
+        if cone.energy is not None:
+            multiplier = 0.5 * max(float(z[at]), 0.0) / cone.room
+            found.append(MeanSquareCap(
+                cone.energy.order, cone.energy.weights, cone.room, multiplier
+            ))  # fmt: skip
+        at += 1 + len(cone.shift)
+    return tuple(found)
+
+
+def weighed_controls(model: ConicModel, caps: Sequence[MeanSquareCap]) -> list[Control] | None:
+    """The controls where the size is minimised and one mean square is capped; None elsewhere.
+
+    In the Lagrangian the cap weighs the control as an objective that is a mean square does.
+    """
+    norm = model.problem.objective.norm(model.problem.machine)
+    if norm is None or len(caps) != 1 or caps[0].multiplier <= 0.0 or model.energy is not None:
+        return None
+    (cap,) = caps
+    if any(b.law_matrix is not None and b.highest_order >= cap.order for b in model.blocks):
+        return None
+    weights = cap.multiplier * cap.weights
+    return [Control(cap.order, inf, 0.0, float(weight)) for weight in weights]
 
 
 def law_controls(model: ConicModel) -> list[Control] | None:

@@ -19,9 +19,10 @@ Why the bound is valid over all laws (weak duality):
    / (m−1−k)! w(τ) dτ over τ < x. So L = constant + initial costates · (g, g', …)(0) + ∫ ψ w dτ
    + r · ζ + …, linear in all unknowns (``lagrangian``).
 3. The minimum over all laws with |w| ≤ cap is taken pointwise: −cap ∫ |ψ|; with a weighed control
-   ∫ min (weight w² + ψ w). Over the size it lies at the ends of its ranges, or is taken up by the
-   dual norm of the objective. Known initial values are constants; unknown ones have their
-   costates made to vanish, and what is left of them is paid for.
+   ∫ min (weight w² + ψ w): the objective weighs it, or the multiplier of a capped mean square. Over
+   the size it lies at the ends of its ranges, or is taken up by the dual norm of the objective.
+   Known initial values are constants; unknown ones have their costates made to vanish, and what is
+   left of them is paid for.
 
 The solver's multipliers are used as numbers and not trusted: its errors cost tightness, never
 validity. Rounding of the sums is paid for too: ``ROUNDING`` times the sum of the absolute values of
@@ -38,7 +39,12 @@ import numpy as np
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
-from synthesis.optimise.conic.control import Control, law_controls
+from synthesis.optimise.conic.control import (
+    Control,
+    law_controls,
+    mean_square_caps,
+    weighed_controls,
+)
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.arcs import density_terms, redistribute_window_multipliers
@@ -97,12 +103,14 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     those of ``boundary_multipliers``.
     """
     controls, dense = law_controls(model), costates is not None
+    # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
+    z = nonnegative_multipliers(model, solution)
+    if controls is None:
+        controls = weighed_controls(model, mean_square_caps(model, z))
     if controls is None:
         value = spline_family_bound(model, solution)
         return Bound(in_problem_units(model, value), _family_name(model))
     order = controls[0].order if controls else 3
-    # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
-    z = nonnegative_multipliers(model, solution)
     if costates is None:
         costates = boundary_multipliers(model, solution, order, z)
     rows = list(terms.row_functionals(model, order, z))
@@ -144,7 +152,8 @@ def _bound_of_rows(
         lagrangian.add_rows(one.point_rows(nonzero), points[nonzero])
         for density, mass in density_terms(one, nodes, masses, psi):
             lagrangian.add_rows(density, mass)
-    for other, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z)):
+    rooms = terms.mean_square_rooms(model, mean_square_caps(model, z))
+    for other, mass in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z), *rooms):
         lagrangian.add_rows(other, mass)
     # End conditions are equalities, so that costates are free: those that make the bound largest.
     add_costates(lagrangian, controls, costates)
@@ -289,8 +298,11 @@ def _control_integrals(
         for factor, law in zip(model.energy.factors, laws, strict=True):
             energy += float(np.sum((factor @ law.coefficients) ** 2))
     result = []
+    held = mean_square_caps(model, solution.multipliers)
     for position, control in enumerate(controls):
         reach = control.cap / 2.0 if control.cap < inf else 0.0
+        if control.weight and model.energy is None:
+            reach += sqrt(held[0].room / held[0].weights[position])
         if control.rate and model.epigraph is not None:
             reach += control.rate * abs(float(solution.x[model.epigraph]))
         if control.weight and model.energy is not None:

@@ -17,7 +17,7 @@ is bounded, and that the dual bound pays for.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import comb, factorial
 from typing import Any, Self
@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
+from synthesis.optimise.conic.control import MeanSquareCap
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.problem.residual_vibration import switching_contribution
@@ -329,11 +330,20 @@ def cone_rows(model: ConicModel, z: Array) -> Terms:
     for cone in model.cone_blocks:
         v = z[at + 1 : at + 1 + len(cone.shift)]
         at += 1 + len(cone.shift)
-        if cone.bound_column is None and cone.vibration is None:
+        if cone.bound_column is None and cone.vibration is None and cone.energy is None:
             rhs = np.array([np.linalg.norm(v) * cone.radius + v @ cone.shift])
             size = -(cone.matrix.T @ v)[model.size]
             result.append((WeightedRows.of_size(rhs, size[None]), np.ones(1)))
     return result
+
+
+def mean_square_rooms(model: ConicModel, caps: Sequence[MeanSquareCap]) -> Terms:
+    """What capped mean squares may come to, times their multipliers: constants."""
+    nothing = np.zeros((1, len(model.problem.sizing.bounds)))
+    return [
+        (WeightedRows.of_size(np.array([cap.multiplier * cap.room]), nothing), np.ones(1))
+        for cap in caps
+    ]
 
 
 def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Terms:

@@ -30,7 +30,8 @@ from synthesis.catalogue.forces.reduced import MILLI, ReducedLoad
 from synthesis.catalogue.limits.base import Machine
 from synthesis.catalogue.limits.forces import ContactForce
 from synthesis.catalogue.motion import Motion
-from synthesis.design.design import WITHOUT_CAM, Certificate, Design, Effort, Proof
+from synthesis.design.assumptions import assumptions
+from synthesis.design.design import WITHOUT_CAM, Certificate, Design, Effort, Proof, all_close
 from synthesis.design.identity import design_id
 from synthesis.errors import SolverFailed
 from synthesis.numerics.piecewise import Array, Piecewise
@@ -121,7 +122,7 @@ def _answer(
         other_objectives=for_all[1:],
         **for_all[0].model_dump(),
     )
-    close = all(p.gap is not None and p.gap <= spec.tolerance for p in for_all)
+    close = all_close(for_all, spec)
     status = "feasible" if design.status == "optimal" and not close else design.status
     report = design.report.model_copy(
         update={
@@ -132,6 +133,7 @@ def _answer(
     return design.model_copy(
         update={
             "id": design_id(spec), "spec": spec,
+            "assumptions": assumptions(spec),
             "free_parameters": {**design.free_parameters, **fields},
             "certificate": certificate, "status": status, "report": report,
         }

@@ -80,11 +80,13 @@ class NondimensionalSpec:
     def of(cls, physical: DesignSpec) -> Self:
         """Divide every number of a spec by its reference unit."""
         units = ReferenceUnits.of(physical)
+        # The rule from shaft to hub is one of millimetres.
+        told = physical.model_copy(update={"hub_diameter_mm": physical.hub})
 
         def divide(name: str, value: float) -> float:
             return float(round_mantissa(value / units.of_field(name), MANTISSA_BITS))
 
-        return cls(physical, _map_numbers(_with_unit_fields(physical), "", divide), units)
+        return cls(physical, _map_numbers(_with_unit_fields(told), "", divide), units)
 
     def with_scaled(self, scaled: DesignSpec) -> NondimensionalSpec:
         """The same with another nondimensional spec; unchanged fields keep their bits."""

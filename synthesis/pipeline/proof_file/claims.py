@@ -13,6 +13,7 @@ from dataclasses import replace
 from math import floor, inf, isfinite, log10
 from typing import Any
 
+from synthesis.catalogue.fields import Range
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
 from synthesis.design.design import Design, Effort
@@ -50,7 +51,7 @@ NO_WITNESS = "no multipliers are known for it"
 
 def proof_file(design: Design) -> Json:
     """The proof file of a design."""
-    cam, question = _cam(design), design.spec.model_dump(mode="json")
+    cam, question = _cam(design), _question(design.spec)
     body = {
         "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
     }  # fmt: skip
@@ -68,6 +69,18 @@ def proof_file(design: Design) -> Json:
         for place in named
     ]
     return {**body, "claims": claims}
+
+
+def _question(spec: DesignSpec) -> Json:
+    """The question as the checker knows it: the objective named, and room for a hub as a radius."""
+    aims = spec.objectives()
+    changes: Json = {"objective": spec.objective or (aims[0] if len(aims) == 1 else list(aims))}
+    if spec.hub is not None:
+        low, high = spec.requested_radii()
+        most = high if isfinite(high) else None
+        changes["base_radius_mm"] = low if low == high else Range(min=low, max=most)
+    hub = {"shaft_diameter_mm", "hub_diameter_mm", "keyway"}
+    return spec.model_copy(update=changes).model_dump(mode="json", exclude=hub)
 
 
 def _is_of_all_cams(place: str) -> bool:
@@ -96,7 +109,8 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     answer, spec = design.certificate.lower_bound, design.spec
     of_angle = isinstance(spec.objectives()[0], PeakPressureAngle)
     if place == INFEASIBLE:  # whatever the objective
-        plain = spec.model_copy(update={"objective": BaseRadius()}) if of_angle else spec
+        unfit = of_angle or spec.objective is None
+        plain = spec.model_copy(update={"objective": BaseRadius()}) if unfit else spec
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
     witnesses = list(_witnesses(spec)) if place == OBJECTIVE and not of_angle else []
     for loss in LOSSES:

@@ -23,7 +23,7 @@ from synthesis.optimise.heuristics.perturbed_optimum import (
     PerturbedOptimum,
 )
 from synthesis.optimise.problem.grid import SplineLaw, grid_through
-from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.problem.problem import ObjectiveCap, Problem, formulate_problem
 from synthesis.optimise.recovery.candidate import objective_value
 from synthesis.spec.design_spec import DesignSpec
 
@@ -38,15 +38,23 @@ LOCAL_OPTIMUM = "multipliers of IPOPT's local optimum"
 class FixedKnots:
     """Laws of a design on its knots by the index of their segment, those that smooth a table too.
 
-    ``size``: its size variables [mm].
+    ``size``: its size variables [mm]. ``caps``: objectives before the main one, as they are.
     """
 
     laws: dict[int, SplineLaw]
     size: tuple[float, ...]
+    caps: tuple[ObjectiveCap, ...] = ()
 
     @staticmethod
     def of(design: Design, spec: DesignSpec) -> FixedKnots:
         """The knots of a finished design."""
+        machine, main = spec.machine(), spec.main_objective()
+        earlier = spec.objectives()[: spec.objectives().index(main)]
+        values = [design.objectives[each.name_on_wire(machine)] for each in earlier]
+        caps = tuple(
+            ObjectiveCap(each, each.from_wire(value, machine))
+            for each, value in zip(earlier, values, strict=True)
+        )
         laws = {
             placed.index: SplineLaw(
                 SplineSpace(segment.spline.degree, np.array(segment.spline.knots)),
@@ -55,15 +63,15 @@ class FixedKnots:
             for placed, segment in zip(spec.placed_segments(), design.motion, strict=True)
             if segment.spline is not None
         }
-        return FixedKnots(laws, tuple(design.size))
+        return FixedKnots(laws, tuple(design.size), caps)
 
     def formulate(self, spec: DesignSpec) -> Problem:
-        """The problem of a spec's first objective; laws of tables are given."""
+        """The problem of a spec's main objective; laws of tables are given."""
         segments = [
             segment if segment.table is None else segment.with_law(self.laws[segment.index].curve())
             for segment in spec.placed_segments()
         ]
-        return formulate_problem(spec, spec.objectives()[0], (), segments)
+        return formulate_problem(spec, spec.main_objective(), self.caps, segments)
 
     def program(self, problem: Problem, level: float = 0.0) -> tuple[ConicModel, int]:
         """The conic program on these knots, and how many of its last limits are the objective.

@@ -22,7 +22,7 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.analysis import Sensitivities, Sensitivity
 from synthesis.design.design import Design
 from synthesis.numerics import clock
-from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.design_spec import RADII, DesignSpec
 from synthesis.studies.sensitivity.perturbation import (
     FixedKnots,
     PerturbedDesign,
@@ -151,7 +151,7 @@ def chosen_numbers(design: Design) -> Iterator[Number]:
 def spec_numbers(spec: DesignSpec) -> Iterator[Number]:
     """The numbers of limits, of ranges of the size, and of windows and points."""
     leaves = list(_numeric_leaves(spec.model_dump(mode="json", exclude_none=True), ()))
-    roots: list[Path] = [("limits",), ("base_radius_mm",)]
+    roots: list[Path] = [("limits",), *((name,) for name in RADII)]
     roots += [("follower", name) for name in spec.follower.adjustable_dimensions()]
     roots += [("program", index, part) for index in range(len(spec.program)) for part in DEMANDS]
 
@@ -192,7 +192,7 @@ def _numeric_leaves(at: Any, path: Path) -> Iterator[tuple[Path, float]]:
 
 
 def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
-    """How the first objective changes with every limit and range of a finished design's spec.
+    """How the main objective changes with every limit and range of a finished design's spec.
 
     ``deadline``: ``time.monotonic()`` at which to stop with what is known by then.
 
@@ -227,6 +227,9 @@ def sensitivities(design: Design, deadline: float = inf) -> Sensitivities:
         f"{optimum.method} on the design's own knots, confirmed by solving again with each number "
         "a thousandth larger and smaller"
     )
+    if optimum.knots.caps:
+        held = (each.objective.name_on_wire(spec.machine()) for each in optimum.knots.caps)
+        evidence += f"; {', '.join(held)} no larger than now"
     if kinks:
         evidence += (
             "; the angles, lifts or lengths that were chosen lie where several limits meet, and "

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import csv
 import json
+import sys
 from collections.abc import Callable
 from email.utils import formatdate
 from pathlib import Path
 from time import time
+from types import SimpleNamespace
 from typing import Any
 
 import httpx2
@@ -16,6 +19,7 @@ from fastapi import Request
 from sqlalchemy.exc import OperationalError
 
 from service.client import AsyncClient, Client, Refused, Retries, Unreachable
+from service.client.progress import shown
 from service.wire.problem import error_response
 from tests.service.conftest import Running
 from tests.service.cutting import Cutting
@@ -253,3 +257,61 @@ def test_a_store_that_is_away_for_a_moment_is_waited_for(ask: Asking) -> None:
     away = httpx2.Response(reported.status_code, headers=headers, content=bytes(reported.body))
     script = Scripted(away, httpx2.Response(200, json={"items": []}))
     assert ask("get", "/v1/designs", transport=script.transport) == {"items": []}
+
+
+def test_a_sweep_is_a_table(service: Running, tmp_path: Path) -> None:
+    """That of items.csv, in its order, whatever the order in which the items were finished."""
+    body = sweep_of(["sized 20 3", "bug", "sized 30 4"])
+    seen: list[str] = []
+    with Client(service.url) as client:
+        sweep = client.sweep(body).wait(lambda summary: seen.append(summary["state"]))
+        assert sweep["state"] == seen[-1] == "successful"
+        written = client.download(sweep["links"]["items.csv"], tmp_path / "items.csv")
+        columns, arrow = sweep.columns(), sweep.to_arrow()
+        assert sweep.pareto(minimise=["base_radius_mm"])["size"] == 1
+        with written.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [*rows[0]] == [*columns] == arrow.column_names
+        for name, column in columns.items():
+            known = [row[name] for row in rows]
+            assert ["" if cell is None else str(cell) for cell in column] == known
+        assert arrow.column("base_radius_mm").to_pylist() == columns["base_radius_mm"]
+        assert columns["base_radius_mm"][1] is None
+        assert "successful: 3 of 3 items" in sweep._repr_html_()
+
+
+def test_a_sweep_is_a_data_frame(service: Running) -> None:
+    pandas = pytest.importorskip("pandas")
+    with Client(service.url) as client:
+        frame = client.sweep(sweep_of(["sized 20 3", "bug"])).wait(False).to_pandas()
+    assert frame["base_radius_mm"].dtype == float
+    assert list(pandas.isna(frame["base_radius_mm"])) == [False, True]
+
+
+def test_a_missing_library_is_said(service: Running, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with Client(service.url) as client, pytest.raises(ImportError, match=r"'camwright\[pandas\]'"):
+        client.sweep(sweep_of(["sized 20 3"])).to_pandas()
+
+
+def test_progress_is_shown_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One display, changed each time; a stand-in for IPython, which is not installed here."""
+    said: list[str] = []
+    display = SimpleNamespace(
+        HTML=str, display=lambda first, display_id: SimpleNamespace(update=said.append)
+    )
+    ipython = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=1), display=display)
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    counts = {"items": 4, "done": 1, "optimal": 1, "feasible": 0, "unsolved": 0, "infeasible": 0}
+    summary = {
+        "name": "<b>", "state": "running", "counts": {**counts, "failed": 0}, "progress": 25.0,
+        "time_left_s": 3.2,
+    }  # fmt: skip
+    show = shown()
+    show(summary)
+    show({**summary, "state": "successful", "time_left_s": None})
+    assert 'value="25"' in said[0]
+    assert "&lt;b&gt;" in said[0]
+    assert "running: 1 of 4 items, 1 optimal, 3 s left" in said[0]
+    assert "successful: 1 of 4 items, 1 optimal<" in said[1]

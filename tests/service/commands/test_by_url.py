@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from service import cli
 from service.client import Client, Retries
-from service.commands import terminal
+from service.commands import answering
 from service.contract.examples import SELF_CHECK, examples
 from tests.service.conftest import Running
 
@@ -96,7 +96,7 @@ def test_what_is_no_address_is_said(tmp_path: Path, command: str, url: str) -> N
 
 
 def test_nobody_there_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(terminal, "Client", partial(Client, retries=Retries(tries=1)))
+    monkeypatch.setattr(answering, "Client", partial(Client, retries=Retries(tries=1)))
     found = run("design", EXAMPLES / "fixed-laws.json", url="http://127.0.0.1:9")
     assert found.exit_code == 2
     assert "No answer from http://127.0.0.1:9 (" in found.stderr

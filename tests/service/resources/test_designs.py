@@ -64,16 +64,14 @@ def test_etags_are_strong_and_known_ones_are_not_sent_again(client: httpx2.Clien
     assert client.get(path, headers={"If-None-Match": '"other"'}).status_code == 200
 
 
-@pytest.mark.parametrize("encoding", ["gzip", "zstd", "br"])
-def test_compressed_bytes_have_a_tag_of_their_own(client: httpx2.Client, encoding: str) -> None:
-    path = post(client, spec(f"compressed {encoding}")).json()["links"]["self"]
+def test_compressed_bytes_have_a_tag_of_their_own(client: httpx2.Client) -> None:
+    path = post(client, spec("compressed")).json()["links"]["self"]
     plain = client.get(path, headers={"Accept-Encoding": "identity"})
-    packed = client.get(path, headers={"Accept-Encoding": encoding})
-    assert packed.headers["content-encoding"] == encoding
+    packed = client.get(path, headers={"Accept-Encoding": "br, gzip"})
+    assert packed.headers["content-encoding"] == "gzip"
     assert packed.headers["vary"].lower() == "accept-encoding"
     assert packed.headers["etag"] != plain.headers["etag"]
-    if encoding != "zstd":  # which the client does not unpack by itself
-        assert packed.json() == plain.json()
+    assert packed.json() == plain.json()
     again = client.get(path, headers={"If-None-Match": packed.headers["etag"]})
     assert again.status_code == 304
     assert again.headers["etag"] == packed.headers["etag"]

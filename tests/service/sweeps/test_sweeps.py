@@ -302,6 +302,9 @@ def test_the_front_of_a_sweep(client: httpx2.Client) -> None:
     front = client.get(f"{where}/pareto", params=query).json()
     assert (front["compared"], front["excluded"], front["size"]) == (6, 1, 4)
     assert [item["number"] for item in front["items"]] == [0, 1, 5, 3]
+    coarse = client.get(f"{where}/pareto", params={**query, "tolerance": 0.8}).json()
+    assert (coarse["size"], coarse["indistinct"]) == (2, 2)
+    assert [item["number"] for item in coarse["items"]] == [1, 5]  # alike: both stay
     query = {"minimise": "offset_mm", "maximise": "base_radius_mm", "limit": "1"}
     front = client.get(f"{where}/pareto", params=query).json()
     assert front["axes"][1] == {"quantity": "base_radius_mm", "direction": "maximise"}

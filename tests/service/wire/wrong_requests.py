@@ -159,6 +159,10 @@ REQUESTS: dict[str, WrongRequest] = {
     "base circle": wrong(
         D, {"/base_circle_mm": 40}, "/base_circle_mm", 'Write "base_radius_mm": 40.',
     ),
+    "a bore": wrong(
+        D, {"/bore_in": 1, "/base_radius_mm": 60}, "/bore_in",
+        'Write "shaft_diameter_mm": 25.4 (1 in).',
+    ),
     "the prime radius": wrong(
         D, {"/prime_radius_mm": 56}, "/prime_radius_mm", "as 56 less the roller's radius",
     ),

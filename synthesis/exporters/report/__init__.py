@@ -15,10 +15,12 @@ from typing import Any
 
 from synthesis.design.analysis import Sensitivities
 from synthesis.design.design import WITHOUT_CAM, Conflict, Design, Extreme, Proof, Report
+from synthesis.design.warnings import DesignWarning, labelled_status
 from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
+from synthesis.exporters.drawing.summary_table import VERDICTS, summary_tables
 from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
@@ -29,12 +31,6 @@ CHECK = (
     "<p class=note>Anyone can check this without the program that made it: "
     "<a href=proof.json>proof.json</a> beside this page, or <code>camwright proof</code>.</p>"
 )
-VERDICTS = {
-    "optimal": "certified, and proven to be within the tolerance of the best possible",
-    "feasible": "certified: every limit holds at every cam angle",
-    "unsolved": "no cam was found, and that there is none is not proven",
-    "infeasible": "proven: no cam keeps these limits",
-}
 
 
 def report_with(
@@ -45,6 +41,8 @@ def report_with(
     def write(design: Design, options: PictureOptions) -> bytes:
         name = design.name.strip() or "Cam"
         parts = [_head(design, name)]
+        if design.warnings:
+            parts.append(_warnings(design.warnings))
         if design.conflict:
             parts.append(_conflict(design.conflict, bool(design.motion)))
         if design.motion:
@@ -74,11 +72,15 @@ def _head(design: Design, name: str) -> str:
         ("Design", design.id),
         ("Made by", f"Camwright {design.engine_version}"),
     ]
-    kind = "broken" if design.status in WITHOUT_CAM else "holds"
+    bad = design.status in WITHOUT_CAM or design.severity == "stop"
+    kind, status = "broken" if bad else "holds", labelled_status(design.status, design.severity)
+    if design.severity == "stop":
+        verdict += "; but the cam cannot work, see below"
+    assumed = "".join(map(_note, design.assumptions))
     return (
         f"<header><h1>{html.plain(name)}</h1>"
-        f'<p class="{kind}"><strong>{design.status}</strong>: {html.plain(verdict)}.</p>'
-        f"{_pairs(rows)}</header>"
+        f'<p class="{kind}"><strong>{status}</strong>: {html.plain(verdict)}.</p>'
+        f"{assumed}{_pairs(rows)}</header>"
     )
 
 
@@ -96,6 +98,8 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
     yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
+    for each in summary_tables(design):
+        yield _section(each.title, _table(each.head, each.rows))
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
@@ -122,6 +126,19 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     yield drawn("Motion", "", MOTION, "Diagrams of the motion")
     text = "Diagrams of pressure angle and profile radius"
     yield drawn("Pressure angle and profile radius", "", CONTACT, text)
+
+
+def _warnings(warnings: Sequence[DesignWarning]) -> str:
+    """What an engineer would say of the cam, the most severe first."""
+    entries = []
+    for one in warnings:
+        kind = "broken" if one.severity == "stop" else "warning"
+        where = _note(f"{_words(one.code)}; {one.field}. {one.source}")
+        entries.append(
+            f'<p class="{kind}"><strong>{one.severity}</strong>: {html.plain(one.sentence)} '
+            f"<em>{html.plain(one.remedy)}</em></p>{where}"
+        )
+    return _section("Would you build this?", "\n".join(entries))
 
 
 def _limit(extreme: Extreme) -> list[str]:

@@ -1,0 +1,216 @@
+"""The motion of a finished cam in numbers: peaks, coefficients, jumps, and the reference law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from synthesis.catalogue.laws import LAWS
+from synthesis.catalogue.laws.base import EndDerivatives, MotionLaw
+from synthesis.catalogue.laws.figures import ORDERS, LawFigures, figures
+from synthesis.catalogue.limits.base import Machine
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.certify.piecewise_motion import PiecewiseMotion
+from synthesis.certify.quantities import MeasuredCam
+from synthesis.design.summary import (
+    Coefficients,
+    DerivativeSummary,
+    MotionSummary,
+    MoveSummary,
+    PeakValue,
+    ReferenceLaw,
+)
+from synthesis.numerics.piecewise import Array, Indices
+from synthesis.units import DEGREE, FULL_TURN
+
+ANGLE_DIGITS: Final = 9  # decimals of a cam angle: drops the rounding of degrees to rad and back
+ROUNDING: Final = 1e-12  # of a derivative's peak: an opposite peak that is smaller is 0
+AT_REST: Final = 1e-6  # of Cv and Ca: smaller rates at an end between two moves count as none
+REFERENCES: Final = {
+    "R-R": "modified_sine",
+    "R-U": "polynomial_3_4_5_6",
+    "U-R": "polynomial_3_4_5_6",
+    "U-U": "simple_harmonic",
+}
+"""Named laws by the kinds of both ends; between others the polynomial that meets their states."""
+OTHERWISE: Final = "polynomial_5"
+
+
+def summarise_motion(cam: MeasuredCam) -> MotionSummary:
+    """Peaks with sign and place, coefficients and jumps of every move and of the whole turn."""
+    return _Motion.of(cam.motion, cam.machine).summary()
+
+
+@dataclass(frozen=True)
+class _Jumps:
+    """Where s^(order) jumps: junctions, their size there [core units], and the piece after each."""
+
+    junctions: Indices
+    sizes: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """A motion with what several of its figures need.
+
+    ``moves``: segments that move. ``jumps``: of s', s'', s'''.
+    """
+
+    motion: PiecewiseMotion
+    machine: Machine
+    moves: Sequence[PlacedSegment]
+    jumps: Sequence[_Jumps]
+
+    @classmethod
+    def of(cls, motion: PiecewiseMotion, machine: Machine) -> _Motion:
+        everywhere = np.arange(motion.curve.count)
+        jumps = []
+        for order in ORDERS:
+            at = motion.discontinuities(order, everywhere)
+            jumps.append(_Jumps(at, motion.jump_sizes(order, at)))
+        moves = [s for s in motion.segments if s.angle > 0.0 and s.kind != "dwell" and s.scale]
+        return cls(motion, machine, moves, jumps)
+
+    def summary(self) -> MotionSummary:
+        """The figures, on the wire."""
+        each = [self._move(segment) for segment in self.moves]
+        v, a, j = (
+            self._over_turn(order, [getattr(move, name) for move in each])
+            for order, name in zip(ORDERS, ("velocity", "acceleration", "jerk"), strict=True)
+        )
+        return MotionSummary(velocity=v, acceleration=a, jerk=j, moves=each)
+
+    def _move(self, segment: PlacedSegment) -> MoveSummary:
+        assert segment.law is not None
+        own = figures(segment.law)
+        inside = self._junctions_of(segment)
+        each = [self._on_segment(segment, own, order, inside) for order in ORDERS]
+        finite = [entry.rms is not None for entry in each]
+        return MoveSummary(
+            segment=segment.index,
+            velocity=each[0],
+            acceleration=each[1],
+            jerk=each[2],
+            coefficients=_coefficients(own, finite),
+            reference=self._reference(segment),
+        )
+
+    def _on_segment(
+        self, segment: PlacedSegment, own: LawFigures, order: int, inside: Array
+    ) -> DerivativeSummary:
+        unit = segment.scale / segment.angle**order * self.machine.wire_factor(order)
+        # on a return the scale is negative, and the law's largest value the motion's smallest
+        ends = own.extremes[order - 1]
+        high, low = ends if unit > 0.0 else ends[::-1]
+
+        # a spline that starts from rest does so but for the rounding of its control points
+        rounding = ROUNDING * max(abs(high[0]), abs(low[0]))
+
+        def peak(value: float, x: float) -> PeakValue:
+            value = unit * value + 0.0 if abs(value) > rounding else 0.0
+            angle = degrees(segment.start + segment.angle * x)
+            return PeakValue(value=value, angle_deg=angle, segment=segment.index)
+
+        rms = abs(unit) * math.sqrt(own.mean_squares[order - 1])
+        return self._derivative(order, peak(*high), peak(*low), rms, inside)
+
+    def _over_turn(self, order: int, parts: Sequence[DerivativeSummary]) -> DerivativeSummary:
+        factor = self.machine.wire_factor(order)
+        square = sum(
+            s.scale**2 * s.angle ** (1 - 2 * order) * figures(s.law).mean_squares[order - 1]
+            for s in self.moves
+            if s.law is not None
+        )
+        return self._derivative(
+            order,
+            max((part.largest for part in parts), key=lambda peak: peak.value),
+            min((part.smallest for part in parts), key=lambda peak: peak.value),
+            factor * math.sqrt(square / FULL_TURN),
+            np.ones(self.motion.curve.count, dtype=bool),
+        )
+
+    def _derivative(
+        self, order: int, largest: PeakValue, smallest: PeakValue, rms: float, inside: Array
+    ) -> DerivativeSummary:
+        """``inside``: of all junctions, those that belong to the segment or the turn."""
+        below = [np.count_nonzero(inside[jump.junctions]) for jump in self.jumps[: order - 1]]
+        jumps = self.jumps[order - 1]
+        kept = np.flatnonzero(inside[jumps.junctions])
+        biggest = None
+        if len(kept):
+            k = int(kept[np.argmax(np.abs(jumps.sizes[kept]))])
+            junction = int(jumps.junctions[k])
+            after = int(self.motion.next_piece[junction])
+            biggest = PeakValue(
+                value=float(jumps.sizes[k]) * self.machine.wire_factor(order),
+                angle_deg=degrees(float(self.motion.curve.breaks[after])),
+                segment=int(self.motion.segment_of_piece[after]),
+            )
+        return DerivativeSummary(
+            unit=self.machine.derivative_unit(order), largest=largest, smallest=smallest,
+            rms=None if any(below) else rms, jumps=len(kept), largest_jump=biggest,
+        )  # fmt: skip
+
+    def _junctions_of(self, segment: PlacedSegment) -> Array:
+        """Which junctions (n,) are at an end of a piece of a segment: its own ends included."""
+        mine = self.motion.segment_of_piece == segment.index
+        return np.asarray(mine | mine[self.motion.next_piece])
+
+    def _reference(self, segment: PlacedSegment) -> ReferenceLaw | None:
+        if segment.kind == "table":  # it moves both ways: no law of one sense compares
+            return None
+        start, end = self._end(segment, at_start=True), self._end(segment, at_start=False)
+        ends = f"{start[0]}-{end[0]}"
+        law: MotionLaw = LAWS[REFERENCES.get(ends, OTHERWISE)]
+        if ends == "U-R":
+            law = law.model_copy(update={"turn": "bottom"})
+        curve = law.with_end_derivatives("rise", start[1], end[1])
+        return ReferenceLaw(
+            law=law.kind, ends=ends, source=law.entry.source,
+            coefficients=_coefficients(figures(curve)),
+        )  # fmt: skip
+
+    def _end(self, segment: PlacedSegment, *, at_start: bool) -> tuple[str, EndDerivatives]:
+        """Kind of an end by VDI 2143, and the g' and g'' that a law has to meet there."""
+        turning = [s for s in self.motion.segments if s.angle > 0.0]
+        here = next(k for k, s in enumerate(turning) if s.index == segment.index)
+        beside = turning[(here + (-1 if at_start else 1)) % len(turning)]
+        if beside.kind == "dwell":
+            return "R", (0.0, 0.0)
+        if {beside.kind, segment.kind} == {"rise", "return"}:
+            own = self._rates(segment, at_start=at_start)
+            return "U", (0.0, own[1])
+        v, a = self._rates(segment, at_start=at_start)
+        moving, bent = abs(v) > AT_REST, abs(a) > AT_REST
+        kind = ("B" if bent else "G") if moving else ("U" if bent else "R")
+        return kind, (v if moving else 0.0, a if bent else 0.0)
+
+    def _rates(self, segment: PlacedSegment, *, at_start: bool) -> tuple[float, float]:
+        """g' and g'' just inside an end."""
+        _, v, a = segment.end_derivatives(2, at_start=at_start)
+        return float(v) * segment.angle / segment.scale, float(a) * segment.angle**2 / segment.scale
+
+
+def _coefficients(own: LawFigures, finite: Sequence[bool] = (True,) * 3) -> Coefficients:
+    """Of a normalised law. ``finite``: whether velocity, acceleration and jerk are."""
+
+    def where(order: int, value: float) -> float | None:
+        return value if finite[order - 1] else None
+
+    return Coefficients(
+        Cv=where(1, own.peak(1)),
+        Ca=where(2, own.peak(2)),
+        Cj=where(3, own.peak(3)),
+        Cva=where(2, own.product_peak),
+        Ea=where(2, own.mean_squares[1]),
+        Ej=where(3, own.mean_squares[2]),
+    )
+
+
+def degrees(angle: float) -> float:
+    """A cam angle of the turn [rad] in degrees, from 0 to below 360."""
+    return round(angle / DEGREE, ANGLE_DIGITS) % 360.0

@@ -1,0 +1,182 @@
+"""The datasheet: a design on one A4 page, what an engineer reads first.
+
+Cam, figures, motion, coefficients beside those of the usual law, limits with margins, warnings, and
+the certificate in words. One drawing of the page in mm; PDF and HTML are made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from synthesis.design.design import WITHOUT_CAM, Design
+from synthesis.design.warnings import SEVERITIES, labelled_status, worst
+from synthesis.exporters.diagrams.plot import Frame, diagram, linear
+from synthesis.exporters.diagrams.sheet import angle_axis, grounds, motion_bounds, motion_plot
+from synthesis.exporters.drawing import canvas as svg
+from synthesis.exporters.drawing import html
+from synthesis.exporters.drawing.canvas import LABEL, TICK, TITLE, about
+from synthesis.exporters.drawing.raster import as_pdf
+from synthesis.exporters.drawing.summary_table import (
+    VERDICTS,
+    TextTable,
+    certificate_words,
+    coefficient_table,
+    figures_table,
+    force_figures,
+    geometry_figures,
+    motion_table,
+)
+from synthesis.exporters.exporter import asset, design_format
+from synthesis.exporters.figures.profile import cam_picture
+from synthesis.exporters.options import CamDrawingOptions, Options, PictureOptions, Theme
+from synthesis.exporters.samples.cam import Cam
+
+WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 12.0  # A4, ISO 216 [mm]
+INNER = WIDTH - 2.0 * MARGIN
+ROW, GAP = 3.6, 3.4  # [mm] of a line of a table, and between two blocks
+TOP, PICTURE_HEIGHT, PICTURE_WIDTH = 33.0, 80.0, 86.0  # [mm]
+PLOT_HEIGHT, PLOT_STEP, AXIS = 10.5, 17.0, 12.0  # [mm] of a diagram, from one to the next, below
+LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
+FOOT = HEIGHT - MARGIN
+# where the columns of tables begin, as shares of their widths
+FIGURES = (0.0, 0.53, 0.86)
+PEAKS = (0.0, 0.18, 0.26, 0.38, 0.48, 0.6, 0.69, 0.79)
+MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
+LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
+MOST_GEOMETRY = 12  # lines of figures where forces follow
+MOST_MOVES = 4  # in the table of coefficients
+CERTIFICATE_LINES, WARNING_LINES = 3, 6  # kept free at the foot, at most
+
+
+def _sheet(design: Design, theme: Theme) -> bytes:
+    """The page."""
+    cam = Cam.of(design)
+    body = [*_head(design)]
+    # 1. the cam, and beside it its figures
+    drawn = cam_picture(design, CamDrawingOptions(theme=theme))
+    body.append(svg.picture(drawn, MARGIN, TOP, PICTURE_WIDTH, PICTURE_HEIGHT, "The cam"))
+    beside = MARGIN + PICTURE_WIDTH + 6.0
+    geometry = [] if design.geometry is None else list(geometry_figures(design.geometry))
+    rows = list(figures_table(geometry, "").rows)
+    if design.forces is not None:
+        rows = _most(rows, MOST_GEOMETRY)
+        rows += figures_table(force_figures(design.forces), "").rows
+    figures = TextTable("", ("Figure", "value", "at"), rows)
+    most = int(PICTURE_HEIGHT / ROW) - 1
+    _, lines = _table(figures, beside, TOP, WIDTH - MARGIN - beside, FIGURES, most)
+    body += lines
+    # 2. the motion
+    y = TOP + PICTURE_HEIGHT + GAP + 4.0
+    for order in range(4):
+        frame = Frame(LEFT, y + order * PLOT_STEP, WIDTH - MARGIN - LEFT, PLOT_HEIGHT)
+        plot = motion_plot(cam, order, limits=motion_bounds(design, order))
+        plot = replace(plot, labels=partial(linear, most=4))
+        body += [*grounds(design.motion, frame), *diagram(plot, frame)]
+    body += angle_axis(frame)
+    y = frame.bottom + AXIS + GAP
+    # 3. peaks of the turn, coefficients of the moves
+    if design.motion_summary is not None:
+        peaks = motion_table(design, design.motion_summary)
+        y, lines = _table(peaks._replace(rows=peaks.rows[:3]), MARGIN, y, INNER, PEAKS, 3)
+        body += lines
+        moves = coefficient_table(design, design.motion_summary)
+        y, lines = _table(moves, MARGIN, y + GAP, INNER, MOVES, 2 * MOST_MOVES)
+        body += lines
+    # 4. at the foot, from below: certificate, warnings; limits have what is left
+    foot = _foot(design)
+    room = FOOT - ROW * len(foot) - GAP - (y + GAP)
+    limits = TextTable("", ("Limit", "value", "at", "allowed", "margin", ""), [*_limits(design)])
+    y, lines = _table(limits, MARGIN, y + GAP, INNER, LIMITS, int(room / ROW) - 1)
+    body += lines
+    for k, (kind, text) in enumerate(foot):
+        body.append(svg.text(kind, MARGIN, FOOT - ROW * (len(foot) - 1 - k), text))
+    title = f"Datasheet of {design.name or design.id}"
+    return svg.document(WIDTH, HEIGHT, 1.0, title, "A page to print.", body, theme=theme)
+
+
+def _head(design: Design) -> Iterator[str]:
+    name = design.name.strip() or f"Cam for a {design.follower.replace('_', ' ')} follower"
+    yield svg.text("title", MARGIN, MARGIN + 4.0, svg.shorten(name, 0.72 * INNER, TITLE * svg.BOLD))
+    made = f"Camwright {design.engine_version}"
+    yield svg.text("quiet", WIDTH - MARGIN, MARGIN + 4.0, made, "end")
+    yield svg.text("quiet", MARGIN, MARGIN + 9.0, svg.shorten(about(design), INNER, LABEL))
+    severity = worst(design.warnings)
+    verdict = f"{labelled_status(design.status, severity)}: {VERDICTS[design.status]}."
+    broken = [extreme.limit for extreme in design.extremes if not extreme.holds]
+    if broken:
+        verdict = f"{design.status}: this cam breaks {', '.join(broken).replace('_', ' ')}."
+    kind = "alarm" if design.status in WITHOUT_CAM or severity == "stop" else "label"
+    yield svg.text(kind, MARGIN, MARGIN + 14.0, svg.shorten(verdict, INNER, LABEL))
+
+
+def _limits(design: Design) -> Iterator[tuple[str, ...]]:
+    """Limits with a bound; those that are broken first, then those with a field of the spec."""
+    asked = [each for each in design.extremes if each.bound is not None]
+    for each in sorted(asked, key=lambda one: (one.holds, not one.field)):
+        shown = partial(svg.with_unit, name=each.unit, digits=5)
+        value, bound, margin = (
+            "–" if number is None else shown(number).rstrip()
+            for number in (each.value, each.bound, each.margin)
+        )
+        yield (
+            each.limit.replace("_", " "), value, f"{svg.figure(each.angle_deg, 5)}°", bound, margin,
+            "holds" if each.holds else "BROKEN",
+        )  # fmt: skip
+
+
+def _foot(design: Design) -> list[tuple[str, str]]:
+    """Warnings, then the certificate in words: kind of letters and text of every line."""
+    lines: list[tuple[str, str]] = []
+    for each in sorted(design.warnings, key=lambda one: -SEVERITIES.index(one.severity)):
+        kind = "label" if each.severity == "note" else "alarm"
+        text = svg.wrapped(f"{each.severity}: {each.sentence}", INNER, LABEL)
+        lines += [(kind, line) for line in text]
+    if len(lines) > WARNING_LINES:
+        lines = [*lines[: WARNING_LINES - 1], ("alarm", "More warnings are in the report.")]
+    words = svg.wrapped(certificate_words(design.certificate), INNER, LABEL)
+    return [*lines, *(("quiet", line) for line in words[:CERTIFICATE_LINES])]
+
+
+def _most(rows: Sequence[Sequence[str]], count: int) -> list[Sequence[str]]:
+    """The first rows; where there are more, the last line says so."""
+    if len(rows) <= count:
+        return list(rows)
+    left = len(rows) - count + 1
+    return [*rows[: count - 1], (f"… {left} more in the report", *[""] * (len(rows[0]) - 1))]
+
+
+def _table(
+    table: TextTable, x: float, y: float, width: float, columns: Sequence[float], most: int
+) -> tuple[float, list[str]]:
+    """A table from y down, its columns beginning at shares of the width; y below it, and lines."""
+    body = [svg.line("axis", x, y + 1.2, x + width, y + 1.2)]
+    ends = [*columns[1:], 1.0]
+
+    def cells(kind: str, row: Sequence[str], at: float) -> Iterator[str]:
+        for text, start, end in zip(row, columns, ends, strict=True):
+            fitting = svg.shorten(text, (end - start) * width - 1.0, TICK)
+            if fitting:
+                yield svg.text(kind, x + start * width, at, fitting)
+
+    body += cells("label", table.head, y)
+    for k, row in enumerate(_most(table.rows, max(most, 1))):
+        y += ROW if k else ROW + 0.9
+        body += cells("tick", row, y)
+    return y + ROW, body
+
+
+def _html(design: Design, options: PictureOptions) -> bytes:
+    drawing = _sheet(design, options.theme).decode()
+    body = drawing[drawing.index("<svg") :]
+    title = f"{design.name.strip() or 'Cam'}: datasheet"
+    return html.page(title, asset("datasheet.css"), body, options.theme)
+
+
+def _pdf(design: Design, options: Options) -> bytes:
+    return as_pdf(_sheet(design, "print"), f"Datasheet of {design.name or design.id}")
+
+
+DATASHEET_HTML = design_format("picture", "datasheet.html", _html, PictureOptions)
+DATASHEET_PDF = design_format("picture", "datasheet.pdf", _pdf, Options)

@@ -1,0 +1,86 @@
+"""Whether a shaft and its hub fit into the base circle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+from typing import Final
+
+from synthesis.catalogue.hub import hub_diameter, shaft_of_hub
+from synthesis.pipeline.advice.rule import Finding, Rule, number
+from synthesis.pipeline.advice.subject import Subject
+
+SHEAR_MPA: Final = 40.0  # allowed in a shaft with a keyway: 6000 psi of the ASME code
+THIN, THINNER = 0.2, 0.1  # shaft that the base circle leaves room for, over stroke
+
+
+def _find(subject: Subject) -> Iterator[Finding]:
+    if not subject.is_touched_from_outside:
+        return
+    radius, stroke, field = subject.base_radius, subject.stroke, "base_radius_mm"
+    needed, why = _shaft(subject)
+    hub, given = hub_diameter(needed), subject.spec.shaft_diameter_mm
+    room = max(shaft_of_hub(2.0 * radius), 0.0)
+    if radius <= 0.5 * needed:
+        yield Finding(
+            "stop", field,
+            f"The base radius of {number(radius)} mm lies inside the shaft of "
+            f"{number(needed)} mm diameter{why}.",
+            f"Ask for a base radius of at least {number(0.5 * hub)} mm.",
+        )  # fmt: skip
+    elif given is not None and given < needed:
+        yield Finding(
+            "caution", "shaft_diameter_mm",
+            f"The shaft of {number(given)} mm diameter is thinner than that of {number(needed)} "
+            f"mm{why}.",
+            f"Give a shaft of {number(needed)} mm or more, or lower the load.",
+        )  # fmt: skip
+    elif subject.base_radius_is_set:
+        return
+    elif radius < 0.5 * hub and needed > 0.0:
+        yield Finding(
+            "caution", field,
+            f"A shaft of {number(needed)} mm diameter{why} asks for a hub of {number(hub)} mm in "
+            f"cast iron; the base circle has {number(2.0 * radius)} mm.",
+            f"Give the shaft (shaft_diameter_mm) or a base radius of at least {number(0.5 * hub)} "
+            "mm, in steel slightly less; or make cam and shaft in one piece.",
+        )  # fmt: skip
+    elif room < THIN * stroke:
+        left = f"a shaft of {number(room)} mm diameter" if room > 0.0 else "no shaft"
+        yield Finding(
+            "stop" if room < THINNER * stroke else "caution", field,
+            f"The base radius of {number(radius)} mm leaves room for {left}, against a stroke of "
+            f"{number(stroke)} mm.",
+            "Give the shaft (shaft_diameter_mm), or a least base radius that suits it: "
+            'base_radius_mm {"min": …}, 0.875 shaft diameters plus 3.2 mm.',
+        )  # fmt: skip
+
+
+def _shaft(subject: Subject) -> tuple[float, str]:
+    """Diameter of the shaft [mm], and how it is known; 0 where nothing says it."""
+    forces = subject.design.forces
+    peaks = () if forces is None else (forces.torque.largest_n_m, forces.torque.smallest_n_m)
+    torque = max((abs(peak.value) for peak in peaks if peak is not None), default=0.0)
+    if torque <= 0.0:
+        return 0.0, ""
+    # τ = 16 T/(π d³), T in N mm
+    diameter = (16.0 * 1e3 * torque / (pi * SHEAR_MPA)) ** (1.0 / 3.0)
+    return diameter, f" (which the largest torque of {number(torque)} N m needs)"
+
+
+RULE = Rule(
+    code="hub",
+    thresholds="stop: the base circle inside the shaft that the load needs, the thinnest that "
+    "carries the largest torque at 40 N/mm²; caution: a given shaft that is thinner than that, or "
+    "a base circle below its hub's 1.75 shaft diameters plus 1/4 in. And by size alone: caution "
+    "where the shaft for which this rule leaves room is thinner than a fifth of the stroke, stop: "
+    "than a tenth.",
+    reason="The cam has to be fixed on a shaft, and a key needs material round it.",
+    source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
+    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway.",
+    checked="The page of 6.4.4 opened; the code's text not. A fifth and a tenth of the "
+    "stroke are this program's, for want of a rule.",
+    silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
+    "shaft too thin for the load)",
+    find=_find,
+)

@@ -1,0 +1,52 @@
+"""Jumps of velocity and of acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from synthesis.design.warnings import Severity
+from synthesis.pipeline.advice.rule import CRAWL, Finding, Rule, number
+from synthesis.pipeline.advice.subject import Subject
+
+BLOW, TAP = 0.1, 0.01  # m/s: what falls 0.5 mm, and 5 µm, hits with
+
+
+def _find(subject: Subject) -> Iterator[Finding]:
+    if subject.spec.continuity is not None:
+        return
+    velocity = subject.summary.velocity.largest_jump
+    acceleration = subject.summary.acceleration.largest_jump
+    severity: Severity
+    if velocity is not None:
+        size = subject.in_metres(abs(velocity.value))
+        severity = "stop" if size > BLOW else "caution" if size > TAP else "note"
+        yield Finding(
+            severity, f"program/{velocity.segment}",
+            f"The velocity jumps by {number(size)} m/s at {number(velocity.angle_deg)}°: the "
+            "acceleration is infinite there, and the follower is hit.",
+            "Take a law that begins and ends at rest, or let the program choose it "
+            '(law {"kind": "spline"}).',
+        )  # fmt: skip
+    if acceleration is not None:
+        size = subject.in_metres(abs(acceleration.value))
+        yield Finding(
+            "caution" if size > CRAWL else "note", f"program/{acceleration.segment}",
+            f"The acceleration jumps by {number(size)} m/s² at "
+            f"{number(acceleration.angle_deg)}°: the jerk is infinite there, and the train rings.",
+            "Take a law without jumps (cycloidal, modified sine, polynomial 3-4-5), or ask for "
+            "continuity 2.",
+        )  # fmt: skip
+
+
+RULE = Rule(
+    code="jumps",
+    thresholds="velocity: stop above 0.1 m/s, caution above 0.01 m/s, note below; acceleration: "
+    "caution above 0.98 m/s² (a tenth of the weight), note below: a crawl.",
+    reason="A jump of acceleration is an infinite jerk, that of velocity a blow (0.1 m/s as after "
+    "a fall of 0.5 mm). Only at the lowest speeds can a machine take them.",
+    source="Norton, fundamental law of cam design: velocity and acceleration continuous, jerk "
+    "finite over the whole turn.",
+    checked="Quotations of the law opened, not the book. Where a crawl ends is this program's.",
+    silenced_by="`continuity` in the spec",
+    find=_find,
+)

@@ -1,0 +1,86 @@
+"""Pressure angles where none is limited."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from synthesis.catalogue.limits.pressure_angle import PressureAngle
+from synthesis.catalogue.motion import Sense
+from synthesis.design.warnings import Severity
+from synthesis.pipeline.advice.rule import Finding, Rule, number
+from synthesis.pipeline.advice.subject import Subject
+
+SLIDE, ARM = 30.0, 35.0  # deg: the field's largest, of a slide and of an arm
+JAM: Final = 70.0  # deg: tan 70° μ (2A + B)/B = 1 at μ = 0.12 and an overhang A of the guide's B
+SPRING_NOTE, SPRING_CAUTION = 45.0, 70.0  # deg, where a spring drives and the cam only yields
+
+
+def _find(subject: Subject) -> Iterator[Finding]:
+    set_fields = {
+        name
+        for limit in subject.limits("pressure_angle")
+        if isinstance(limit, PressureAngle)
+        for name in ("rise_deg", "return_deg")
+        if getattr(limit, name) is not None
+    }
+    for sense in ("rise", "return"):
+        field = f"{sense}_deg"
+        if field not in set_fields:
+            yield from _on(subject, sense, field)
+
+
+def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
+    mask = subject.on(sense)
+    if not mask.any():
+        return
+    angles = np.where(mask, subject.pressure_angle_deg, 0.0)
+    at = int(np.argmax(angles))
+    found, advised = float(angles[at]), ARM if subject.is_arm else SLIDE
+    severity: Severity | None = None
+    if sense == "return" and subject.is_force_closed:
+        severity = "note" if found > max(SPRING_NOTE, advised) else None
+        severity = "caution" if found > SPRING_CAUTION else severity
+    elif found > advised:
+        locks = found > JAM and not subject.is_arm and _friction_is_open(subject)
+        severity = "stop" if locks else "caution"
+    remedy = f"Ask for the limit pressure_angle with {field} of {number(advised)}"
+    remedy += (
+        ", and for a larger base radius." if subject.base_radius_is_set else ": the cam grows."
+    )
+    if subject.minimises("peak_pressure_angle"):
+        remedy = "It is the least for these dimensions: allow a larger cam, or give more angle."
+    if severity is not None:
+        yield Finding(
+            severity, f"limits/pressure_angle/{field}",
+            f"The pressure angle on the {sense} comes to {number(found)}° at "
+            f"{number(subject.degrees_at(at))}°; {number(advised)}° is usual for "
+            f"{'an arm' if subject.is_arm else 'a slide'}"
+            + (": the slide would jam in its guide." if severity == "stop" else "."),
+            remedy,
+        )  # fmt: skip
+
+
+def _friction_is_open(subject: Subject) -> bool:
+    """Whether nothing is said of friction, by which the rule contact_force would judge."""
+    load = subject.spec.machine().load
+    return load is None or load.friction is None
+
+
+RULE = Rule(
+    code="pressure_angle",
+    thresholds="caution: above 30° on a slide, above 35° on an arm; stop: above 70° on a slide "
+    "that the cam pushes and of which no friction is given. On returns that a spring or weight "
+    "drives: note above 45°, caution above 70°.",
+    reason="The share of the force across the motion grows with tan α; it wears the guide, and at "
+    "μ = 0.12 with an overhang as long as the guide a slide jams at 70°.",
+    source="Norton, Cam Design and Manufacturing Handbook, fig. 7-2: about 30° translating, 35° "
+    "oscillating; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming. Returns that a spring "
+    "drives: 70 to 80° (Sun Heng, Theory of Machines and Mechanisms, in Chinese).",
+    checked="Norton's excerpt in the help of DYNACAM opened; ch. 6 and Sun Heng not. 45° is this "
+    "program's.",
+    silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
+    find=_find,
+)

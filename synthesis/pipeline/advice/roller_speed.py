@@ -1,0 +1,44 @@
+"""How fast the roller turns on its pin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from synthesis.pipeline.advice.rule import Finding, Rule, number
+from synthesis.pipeline.advice.subject import Subject
+
+FAST, TOO_FAST = 1e5, 2.5e5  # mm/min: outer diameter times speed of a track roller
+
+
+def _find(subject: Subject) -> Iterator[Finding]:
+    turning = [
+        (2.0 * flank.roller, found.roller_speed_rpm)
+        for flank, found in subject.flanks
+        if found.roller_speed_rpm is not None
+    ]
+    products = [(diameter * abs(peak.value), diameter, peak) for diameter, peak in turning]
+    if not products:
+        return
+    product, diameter, peak = max(products, key=lambda one: one[0])
+    if product > FAST:
+        fast = product > TOO_FAST
+        yield Finding(
+            "caution" if fast else "note", "follower/roller_radius_mm",
+            f"The roller of {number(diameter)} mm diameter turns on its pin at up to "
+            f"{number(abs(peak.value))} rpm: diameter times speed is {number(product)} mm/min, and "
+            f"catalogues end between {number(FAST)} and {number(TOO_FAST)}.",
+            "Compare with the limiting speed of your roller. A larger roller turns more slowly; "
+            "a smaller cam or a lower speed helps too.",
+        )  # fmt: skip
+
+
+RULE = Rule(
+    code="roller_speed",
+    thresholds="caution: outer diameter times speed above 250 000 mm/min; note: above 100 000.",
+    reason="Grease, seals and cage of a track roller bear a limited speed.",
+    source="Order of magnitude of the limiting speeds in makers' catalogues of stud-type track "
+    "rollers with grease (INA, SKF).",
+    checked="The tables could not be opened: look up your own roller.",
+    silenced_by="nothing: the spec has no field for it",
+    find=_find,
+)

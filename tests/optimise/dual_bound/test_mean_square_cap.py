@@ -1,0 +1,82 @@
+"""The lower bound of a size under a cap on rms jerk: over all laws, whatever the multipliers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synthesis.catalogue.objectives import RmsJerk
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.control import mean_square_caps
+from synthesis.optimise.conic.program import formulate
+from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import ObjectiveCap, Problem
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.scenes import Direct, angles, direct, dwell, fall, problem, rise, scene
+
+SCENES: dict[str, DesignSpec] = {
+    "between dwells": scene(
+        (rise(71.7), dwell(23.9), fall(71.7), dwell(192.7)), angles(33.0, 44.0)
+    ),
+    "laws meet": scene((rise(71.7), fall(71.7), dwell(216.6)), angles(29.0, 37.0)),
+    "all free": scene((rise(160.0), fall(200.0)), angles(23.0, 33.0), offset=4.7),
+    "beside a named law": scene(
+        (rise(71.7), dwell(23.9), fall(91.7, law="cycloidal"), dwell(172.7)), angles(33.0, 44.0)
+    ),
+}
+ALLOWED = 1.2  # of the least rms jerk
+
+
+def on(question: Problem, intervals: int) -> Direct:
+    return direct(question, [uniform_grid(segment, intervals) for segment in question.free])
+
+
+@pytest.fixture(params=SCENES)
+def question(request: pytest.FixtureRequest) -> Problem:
+    """The least base radius with the rms jerk capped."""
+    spec = SCENES[request.param]
+    jerk = RmsJerk()
+    least = on(problem(spec.model_copy(update={"objective": jerk})), 64).value
+    return problem(spec, (ObjectiveCap(jerk, ALLOWED * least),))
+
+
+def test_the_bound_covers_all_laws_and_closes_with_knots(question: Problem) -> None:
+    fine, gaps = on(question, 160).value, list[float]()
+    for intervals in (12, 48, 160):
+        answer = on(question, intervals)
+        lower = dual_bound(answer.model, answer.solution)
+        assert lower.valid_for == "all motion laws with a bounded jerk"
+        assert lower.value <= fine * (1.0 + 1e-9)
+        gaps.append(1.0 - lower.value / answer.value)
+    assert gaps[1] < 0.1 * gaps[0]
+    assert gaps[2] < 5e-4
+
+
+def test_perturbed_multipliers_give_a_bound_too(question: Problem) -> None:
+    """Weak duality: the bound may be useless, but it is never wrong."""
+    fine, answer = on(question, 96).value, on(question, 10)
+    z, rng = answer.solution.multipliers, np.random.default_rng(7)
+
+    def bound(wrong: Array) -> float:
+        return dual_bound(answer.model, replace(answer.solution, multipliers=wrong)).value
+
+    for magnitude in (-4.0, -2.0, -1.0, 0.0):
+        noise = rng.standard_normal(len(z)) * 10.0**magnitude
+        for wrong in (z * np.exp(noise), z + noise * np.abs(z).max(), z * 10.0**-magnitude):
+            assert bound(wrong) <= fine * (1.0 + 1e-9)
+
+
+def test_the_multiplier_is_the_slope_of_the_optimum(question: Problem) -> None:
+    """A little more room for the mean square makes the size smaller by the multiplier times it."""
+    grids = [uniform_grid(segment, 24) for segment in question.free]
+    (cap,), step = question.objective_caps, 1e-3
+    answer = direct(question, grids)
+    (own,) = mean_square_caps(answer.model, answer.solution.multipliers)
+    wider = replace(question, objective_caps=(replace(cap, value=cap.value * (1.0 + step)),))
+    room = next(c.room for c in formulate(wider, grids).cone_blocks if c.energy is not None)
+    unit = answer.model.scales.size
+    gained = (answer.value - direct(wider, grids).value) / unit
+    assert gained == pytest.approx(own.multiplier * (room - own.room), rel=5e-3)
