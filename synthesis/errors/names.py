@@ -118,6 +118,16 @@ def meant_kind(given: str, allowed: Sequence[str]) -> str | None:
     return None
 
 
+def right_name(name: str, fields: Iterable[str]) -> str | None:
+    """The field that a name stands for, by another word or misspelt; None where it is unsure."""
+    known = tuple(fields)
+    by_word = _by_word(known)
+    for stem, _ in readings(name):
+        if by_word.get(stem):
+            return by_word[stem][0]
+    return next(iter(get_close_matches(name[:LONGEST_GUESSED], known, 1, SURE)), None)
+
+
 def did_you_mean(given: str, allowed: Iterable[str]) -> str:
     """A question where a name looks like one of those allowed, else ''."""
     close = get_close_matches(given[:LONGEST_GUESSED], list(allowed), n=1)

@@ -336,6 +336,14 @@ REQUESTS: dict[str, WrongRequest] = {
         "sweeps", {"/axes/0/start": Named("from"), "/axes/0/stop": Named("to")},
         "/axes/0/from", 'Write "start": 25.', count=2,
     ),
+    "a sweep's pointer by another name": wrong(
+        "sweeps", {"/axes/0/pointer": "/program/0/stroke"}, "/axes/0/pointer",
+        "Write /program/0/lift_mm.",
+    ),
+    "a sweep's pointer without its stroke": wrong(
+        "sweeps", {"/axes/0/pointer": "limits/0/rise_deg"}, "/axes/0/pointer",
+        "Write /limits/0/rise_deg.",
+    ),
     "a lift within a sweep": wrong(
         "sweeps", {"/base/program/0/lift_mm": Named("stroke_inch", 1)},
         "/base/program/0/stroke_inch", 'Write "lift_mm": 25.4', count=2,
