@@ -42,8 +42,8 @@ class Sweep(dict[str, Any]):
         self.update(self._client.get(self["links"]["self"]))
         return self
 
-    def items(self, *, status: str | None = None) -> Iterator[Json]:
-        """Its finished items."""
+    def finished(self, *, status: str | None = None) -> Iterator[Json]:
+        """Its finished items, in the order in which they were finished."""
         return self._client.items(self["id"], status=status)
 
     def pareto(
@@ -61,7 +61,7 @@ class Sweep(dict[str, Any]):
     def columns(self) -> dict[str, list[Any]]:
         """The table of its finished items, by the names of its columns."""
         now = self._client.get(self["links"]["self"])
-        return table_of(now, sorted(self.items(), key=lambda item: item["number"]))
+        return table_of(now, sorted(self.finished(), key=lambda item: item["number"]))
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table as a data frame of pandas."""

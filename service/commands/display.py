@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 Cell = str | float | None
 MM_PER_INCH = 25.4  # mm: by definition of the inch
 LEAST_DIGITS = 4  # significant, of a length in inches: a thousandth of an inch of ten
-LENGTH = r"mm(?P<power>[²³])?(?P<rate>/s[²³]?)?"
+LENGTH = r"mm(?P<power>[²³⁴])?(?P<rate>/s[²³]?)?"
 VALUE = re.compile(rf"(?P<number>-?\d+(\.\d+)?(e[+-]?\d+)?) {LENGTH}(?![\w/·])")
 NAMED = re.compile(r"(?<=_)mm(?P<rest>(_per_s\d?)?) (?P<number>-?\d+(\.\d+)?(e[+-]?\d+)?)")
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
@@ -82,7 +82,7 @@ def _converted(cell: Cell, place: int, unit: re.Match[str] | None, column: str) 
 
 
 def _factor(unit: re.Match[str]) -> float:
-    return MM_PER_INCH ** {None: 1, "²": 2, "³": 3}[unit["power"]]
+    return MM_PER_INCH ** {None: 1, "²": 2, "³": 3, "⁴": 4}[unit["power"]]
 
 
 def _unit(unit: re.Match[str]) -> str:

@@ -40,7 +40,7 @@ async def get_sweep_proofs_zip(
 ) -> Response:
     """A ZIP archive with the file `proof.json` of each item's design, named by its number.
 
-    `python3 checker/check.py proofs.zip` checks all of them. Each takes as long as its design.
+    `python3 check.py proofs.zip` checks all of them. Each takes as long as its design.
     """
     chosen = sorted(set(item))
     rows = {number: await find_item(sweep, number, parts) for number in chosen}

@@ -32,6 +32,21 @@ Path = list[str | int]
 # Pydantic takes about 3 µs to build each error; beyond this many, they are not built.
 MAX_ITEMISED = 1000
 READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
+VALID = "Send valid JSON."
+LONGEST_WORD = 20  # characters, blanks before it included, of what JSON has otherwise
+# What other languages have that JSON has not, by how it begins.
+OTHERWISE = {
+    "'": "JSON has double quotes around texts and names.",
+    "}": "Leave out the comma before it.",
+    "]": "Leave out the comma before it.",
+    "True": "JSON writes true, false and null.",
+    "False": "JSON writes true, false and null.",
+    "None": "JSON writes true, false and null.",
+    "//": "JSON has no comments.",
+    "#": "JSON has no comments.",
+    ".": "A number begins with a digit: 0.5.",
+    "+": "A number has no plus sign before it.",
+}
 TOO_DEEP = "The body is nested too deeply. A design needs five levels."
 
 
@@ -137,7 +152,7 @@ def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
         document = json.loads(body, object_pairs_hook=make_object, parse_constant=make_constant)
     except json.JSONDecodeError as error:
         raise ProblemType.NOT_JSON(
-            f"Line {error.lineno}, column {error.colno}: {error.msg}. Send valid JSON."
+            f"Line {error.lineno}, column {error.colno}: {error.msg}. {_in_json(error)}"
         ) from None
     except UnicodeDecodeError:
         raise ProblemType.NOT_JSON("The body is not UTF-8. Send JSON in UTF-8.") from None
@@ -154,6 +169,14 @@ def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
         )
         raise _invalid_request(list(islice(wrong, MAX_LISTED)), constants)
     return document, unknown
+
+
+def _in_json(error: json.JSONDecodeError) -> str:
+    """What JSON has in place of what stands where reading it ended."""
+    found = error.doc[error.pos : error.pos + LONGEST_WORD].lstrip()
+    if found[:1] in "}]" and not error.doc[: error.pos].rstrip().endswith(","):
+        return VALID
+    return next((said for begin, said in OTHERWISE.items() if found.startswith(begin)), VALID)
 
 
 class _NotANumber(str):

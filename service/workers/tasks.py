@@ -78,9 +78,9 @@ def _prove(design: Design, _: Options) -> bytes:
 PROOF = Exporter(
     "proof.json", "Proof that anyone can check", "application/json", ".json", _prove, Options,
     "The question, the cam, and every claim with its witness, or with why it is not covered.\n\n"
-    "`checker/check.py` reads it: one file of Python without packages, in exact arithmetic. The "
-    "page `proof` of the documentation has the format and the theorems. Takes as long as the "
-    "design.",
+    "The checker reads it: one file of Python without packages, in exact arithmetic, which "
+    "`camwright proof design.json --checker check.py` writes. The page `proof` of the "
+    "documentation has the format and the theorems. Takes as long as the design.",
     in_worker=True, without_cam=True,
 )  # fmt: skip
 

@@ -10,8 +10,6 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, from_json
 
-from synthesis.errors.explanation import explained
-
 Name = Annotated[str, Field(max_length=200)]
 """What a person calls a cam or a set of cams."""
 
@@ -40,7 +38,7 @@ class FiniteModel(BaseModel):
         try:
             super().__init__(**fields)
         except ValidationError as error:
-            raise explained(error, type(self), fields) from None
+            raise _explained(error, type(self), fields) from None
 
     # For pydantic, which else calls it for each part of a body instead of validating that.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
@@ -51,7 +49,7 @@ class FiniteModel(BaseModel):
         try:
             return super().model_validate(obj, **options)
         except ValidationError as error:
-            raise explained(error, cls, obj) from None
+            raise _explained(error, cls, obj) from None
 
     @classmethod
     def model_validate_json(cls, json_data: str | bytes | bytearray, **options: Any) -> Self:
@@ -61,12 +59,19 @@ class FiniteModel(BaseModel):
         except ValidationError as error:
             if error.errors(include_input=False)[0]["type"] == "json_invalid":
                 raise
-            raise explained(error, cls, from_json(json_data)) from None
+            raise _explained(error, cls, from_json(json_data)) from None
 
 
 def doc(description: str) -> Any:
     """A required field with its description in the contract."""
     return Field(description=description)
+
+
+def _explained(error: ValidationError, model: type[BaseModel], body: Any) -> ValidationError:
+    # Imported here: few models are wrong, and the words take as long to load as the models.
+    from synthesis.errors.explanation import explained
+
+    return explained(error, model, body)
 
 
 class UnitFields(FiniteModel):

@@ -386,9 +386,9 @@ class Design(AnswerModel):
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """What Jupyter shows, by media type; pictures are drawn on a floor above this one."""
-        import synthesis
+        from importlib import import_module  # by name, as `synthesis` finds what it exports
 
-        shown: dict[str, str] = synthesis.notebook_display(self)
+        shown: dict[str, str] = import_module("synthesis").notebook_display(self)
         return shown
 
 

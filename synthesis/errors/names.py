@@ -10,7 +10,6 @@ from typing import Any
 
 from synthesis.errors.quantities import (
     LONGEST_GUESSED,
-    WORDS,
     field_unit,
     figure,
     in_field,
@@ -18,6 +17,7 @@ from synthesis.errors.quantities import (
     pretty,
     read_quantity,
     readings,
+    tables,
     words_of,
 )
 from synthesis.errors.schema import (
@@ -118,6 +118,16 @@ def meant_kind(given: str, allowed: Sequence[str]) -> str | None:
     return None
 
 
+def right_name(name: str, fields: Iterable[str]) -> str | None:
+    """The field that a name stands for, by another word or misspelt; None where it is unsure."""
+    known = tuple(fields)
+    by_word = _by_word(known)
+    for stem, _ in readings(name):
+        if by_word.get(stem):
+            return by_word[stem][0]
+    return next(iter(get_close_matches(name[:LONGEST_GUESSED], known, 1, SURE)), None)
+
+
 def did_you_mean(given: str, allowed: Iterable[str]) -> str:
     """A question where a name looks like one of those allowed, else ''."""
     close = get_close_matches(given[:LONGEST_GUESSED], list(allowed), n=1)
@@ -128,7 +138,7 @@ def did_you_mean(given: str, allowed: Iterable[str]) -> str:
 def _meanings(table: str) -> Mapping[str, frozenset[str]]:
     """What each word of ``words.toml`` may stand for, all names joined."""
     found: dict[str, set[str]] = {}
-    for right, words in WORDS[table].items():
+    for right, words in tables()[table].items():
         for word in words.split(", "):
             found.setdefault(joined(word), set()).add(joined(right))
     return {word: frozenset(rights) for word, rights in found.items()}
@@ -154,11 +164,19 @@ def _by_word(fields: tuple[str, ...]) -> Mapping[str, list[str]]:
 def _sentence(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     """The sentence of the table on a name, where the place has the fields that it speaks of."""
     said = {stem for stem, _ in readings(wrong.name)}
-    for entry in WORDS["sentences"]:
-        own = (joined(word) for word in entry["names"].split(", "))
-        if set(entry["beside"]) <= fields.keys() and not said.isdisjoint(own):
-            return Answer(entry["text"].format(value=_in_json(wrong.value)))
+    for names, beside, text in _sentences():
+        if beside <= fields.keys() and not said.isdisjoint(names):
+            return Answer(text.format(value=_in_json(wrong.value)))
     return None
+
+
+@cache
+def _sentences() -> list[tuple[set[str], set[str], str]]:
+    """The names, joined, the fields beside them, and what is said."""
+    return [
+        ({joined(word) for word in each["names"].split(", ")}, set(each["beside"]), each["text"])
+        for each in tables()["sentences"]
+    ]
 
 
 def _in_json(value: Any) -> str:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -21,20 +20,33 @@ RATES = {f"{per}s{n}": f"/s{n}" for n in ("", "2", "3") for per in ("", "per")}
 SPELLED = {
     "ø": " diameter ", "⌀": " diameter ", "α": " alpha ", "β": " beta ", "ω": " omega ",
     "φ": " phi ", "ψ": " psi ", "θ": " theta ", "μ": " mu ", "µ": " mu ", "ρ": " rho ",
-    "ζ": " zeta ", "center": "centre", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss",
+    "ζ": " zeta ", "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss",
 }  # fmt: skip
+_SPELLED = str.maketrans(
+    {**SPELLED, **{sign.upper(): word.capitalize() for sign, word in SPELLED.items()
+                   if len(sign.upper()) == 1}}
+)  # fmt: skip
+BRITISH = {"center": "centre", "millimeter": "millimetre"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 NUMBER = re.compile(r"\s*(ø|⌀|Ø)?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I)
 Unit = tuple[str, float]  # dimension, and factor to the unit of that dimension
 
-WORDS: dict[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text("utf-8"))
+
+@cache
+def tables() -> dict[str, Any]:
+    """The tables of ``words.toml``, read when the first error needs them."""
+    import tomllib  # its regular expressions take a while too
+
+    document: dict[str, Any] = tomllib.loads(
+        Path(__file__).with_name("words.toml").read_text("utf-8")
+    )
+    return document
 
 
 def words_of(name: str) -> list[str]:
     """The words of a name in lower case, however they are joined: ``baseCircle_mm``."""
-    for sign, spelled in SPELLED.items():
-        name = name.replace(sign, spelled).replace(sign.capitalize(), spelled.capitalize())
-    return [word.lower() for word in WORD.findall(name[:LONGEST_GUESSED])]
+    found = WORD.findall(name[:LONGEST_GUESSED].translate(_SPELLED))
+    return [BRITISH.get(word, word) for word in map(str.lower, found)]
 
 
 def joined(name: str) -> str:
@@ -51,7 +63,7 @@ def _unit_key(text: str) -> str:
 def _units() -> dict[str, list[Unit]]:
     """What each unit's name may mean; those of rates follow from lengths and angles."""
     found: dict[str, list[Unit]] = {}
-    for dimension, named in WORDS["units"].items():
+    for dimension, named in tables()["units"].items():
         for names, factor in named.items():
             for name in names.split(", "):
                 found.setdefault(_unit_key(name), []).append((dimension, factor))
@@ -112,6 +124,7 @@ def in_field(value: float, unit: str, field_unit: str) -> float | None:
     return float(f"{changed:.{digits}g}")
 
 
+@lru_cache(maxsize=1024)
 def field_unit(field: str) -> tuple[str, str]:
     """What a field of the contract says, joined, and its unit: ``baseradius`` and ``mm``."""
     whole = joined(field)

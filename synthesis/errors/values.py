@@ -227,7 +227,9 @@ def missing_kind(inside: Any, members: Sequence[Schema]) -> str:
     own = [each for each in fitting if names == each["properties"].keys() - {"kind"}]
     kinds, fit = kinds_of(members), kinds_of(own or fitting)
     if 0 < len(fit) < len(kinds):
-        return f'Add "kind": {" or ".join(json.dumps(kind) for kind in fit)}, as its fields say.'
+        *others, last = map(json.dumps, fit)
+        listed = f"{', '.join(others)} or {last}" if others else last
+        return f'Add "kind": {listed}, as the other fields say.'
     return f'Add "kind": it is one of {", ".join(kinds)}.'
 
 

@@ -36,6 +36,7 @@ from synthesis.errors.values import (
 
 MAX_LISTED = 50  # violations in one answer
 LONGEST_POINTER = 500  # characters; the names of fields are at most 28 long
+FEW = 8  # words that are all listed even where it is clear which one is meant
 ROUNDS = 3  # of writing what is meant: names hide values, and these hide sums
 SHAPES = ("model_type", "model_attributes_type", "list_type", "dict_type", "float_type")
 # Other types are raised by the core, with messages "Rule. What to do." and numbers.
@@ -289,8 +290,11 @@ def _other_word(error: Any, path: Loc, kind: str) -> Finding:
     if kind == "union_tag_invalid":
         path = (*path, str(ctx["discriminator"]).strip("'"))
     remedy, word = which_kind(given, allowed)
+    rule = f"must be one of {', '.join(allowed)}"
+    if word is not None and len(allowed) > FEW:
+        rule = f"is not a {'kind' if path[-1:] == ('kind',) else 'word'} here"
     change = Change(path, path, word) if word else None
-    return Finding(path, given, f"must be one of {', '.join(allowed)}", remedy, change)
+    return Finding(path, given, rule, remedy, change)
 
 
 def _without_kind(path: Loc, body: Any, model: Body, tag: str) -> Finding:

@@ -172,8 +172,7 @@ class DesignSpec(FiniteModel):
     def _check_closure(self) -> None:
         """Refuse a program that does not go round once, or does not end where it began."""
         check_turn(self._numbered, self.limits)
-        rest, units = math.fsum(self.lifts()), self._motion_units()
-        check_closed(rest, self.stroke(), units, self._numbered)
+        check_closed(math.fsum(self.lifts()), self.stroke(), self._motion_units(), self._numbered)
 
     def _check_base_radius(self) -> None:
         least, largest = ends(self.base_radius_mm)

@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.laws.base import extremes
 from synthesis.catalogue.motion import ANY_STATE, EndState, PlacedSegment
+from synthesis.errors.quantities import figure, in_field
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.spec.program import Segment
 from synthesis.units import FULL_TURN, MotionUnits
@@ -27,11 +28,10 @@ CLOSURE = 1e-9  # of the stroke: rounding of a sum of lifts that closes after on
 SAME = 1e-9  # of lift/β^k: two values of s^(k) that differ by rounding
 BACKWARD = 1e-9  # of g': motion backwards that is rounding
 SAME_TURN = 0.01  # relative: what is left of a turn's sum after numbers were rounded to 2 digits
-DIGITS = 4  # significant, of an angle that another unit is meant to be: 2.0944 rad is 120°
-# Sums of angles over a turn in other units, what they are called, and how they become degrees.
+# Sums of angles over a turn in other units, what they are called, and what a turn is in degrees.
 OTHER_TURNS = (
-    (2.0 * math.pi, "radians", "degrees are 57.2958 times as many"),
-    (1.0, "parts of a turn", "a turn has 360°"),
+    (FULL_TURN, "rad", "radians", "degrees are 57.2958 times as many"),
+    (1.0, "turn", "parts of a turn", "a turn has 360°"),
 )
 MOST_IN_RADIANS = 1.6  # a pressure angle: π/2 rad is more than any, 1.6° less than any in use
 AT_REST = EndState(0.0, 0.0)
@@ -43,16 +43,15 @@ def check_turn(program: Sequence[Segment], limits: Sequence[Any] = ()) -> None:
     missing = round(360.0 - turn, 9)
     if abs(missing) <= ANGLE_SUM_TOLERANCE_DEG:
         return
-    for whole, unit, words in OTHER_TURNS:
+    for whole, unit, called, words in OTHER_TURNS:
         if abs(turn - whole) <= SAME_TURN * whole:
-            factor, first = 360.0 / whole, program[0].degrees
+            first = program[0].degrees
             raise PydanticCustomError(
                 "program_angles",
                 "The angles of program sum to {turn}, not 360°: these look like {unit}. Write "
                 "{right} instead of {first} at program/0/angle_deg, and so on: {words}{also}.",
-                {"value": round(turn, 9), "turn": f"{turn:.9g}", "unit": unit, "first": first,
-                 "words": words, "right": f"{factor * first:.{DIGITS}g}",
-                 "also": _also(limits, whole, factor)},
+                {"value": round(turn, 9), "turn": f"{turn:.9g}", "unit": called, "first": first,
+                 "words": words, "right": _degrees(first, unit), "also": _also(limits, unit)},
             )  # fmt: skip
     # The longest dwell is the easiest to change, if it stays one.
     dwells = [(each.degrees, i) for i, each in enumerate(program) if each.kind == "dwell"]
@@ -69,9 +68,14 @@ def check_turn(program: Sequence[Segment], limits: Sequence[Any] = ()) -> None:
     )  # fmt: skip
 
 
-def _also(limits: Sequence[Any], whole: float, factor: float) -> str:
+def _degrees(value: float, unit: str) -> str:
+    """An angle of another unit, rounded as it was: 90 for 1.57 rad."""
+    return figure(in_field(value, unit, "deg"))
+
+
+def _also(limits: Sequence[Any], unit: str) -> str:
     """The pressure angles that are in radians as the program is, in words."""
-    if whole == 1.0:
+    if unit != "rad":
         return ""
     small = {
         f"limits/{i}/{name}": value
@@ -79,7 +83,7 @@ def _also(limits: Sequence[Any], whole: float, factor: float) -> str:
         for name, value in limit.model_dump().items()
         if isinstance(value, float) and value < MOST_IN_RADIANS
     }  # fmt: skip
-    return "".join(f"; {factor * small[at]:.{DIGITS}g} at {at} too" for at in small)
+    return "".join(f"; {_degrees(small[at], unit)} at {at} too" for at in small)
 
 
 def check_closed(

@@ -7,7 +7,14 @@ import math
 import pytest
 
 from service.resources.records import RESOURCES
-from synthesis.errors.quantities import WORDS, field_unit, in_field, joined, read_quantity, words_of
+from synthesis.errors.quantities import (
+    field_unit,
+    in_field,
+    joined,
+    read_quantity,
+    tables,
+    words_of,
+)
 from synthesis.errors.schema import all_names, kinds_of, schemas_in
 from synthesis.exporters.options import form
 from synthesis.studies.sweeps.spec import SweepSpec
@@ -19,14 +26,14 @@ FIELDS = {name for model in [*MODELS, *OPTIONS] for name in all_names(model) or 
 
 def test_every_field_of_the_table_exists() -> None:
     known = {joined(name) for name in FIELDS} | {field_unit(name)[0] for name in FIELDS}
-    assert [name for name in WORDS["fields"] if joined(name) not in known] == []
-    beside = {name for entry in WORDS["sentences"] for name in entry["beside"]}
+    assert [name for name in tables()["fields"] if joined(name) not in known] == []
+    beside = {name for entry in tables()["sentences"] for name in entry["beside"]}
     assert beside <= FIELDS
 
 
 def test_every_kind_of_the_table_exists() -> None:
     words = {word for model in MODELS for word in kinds_of(list(schemas_in(model)))} | {"cw", "ccw"}
-    assert [kind for kind in WORDS["kinds"] if kind not in words] == []
+    assert [kind for kind in tables()["kinds"] if kind not in words] == []
 
 
 def test_units_of_fields_are_known() -> None:

@@ -17,6 +17,7 @@ from pydantic_core import PydanticCustomError
 from synthesis.catalogue.fields import FiniteModel, Name
 from synthesis.catalogue.objectives import AnyObjective
 from synthesis.design.identity import identity
+from synthesis.errors.names import right_name
 from synthesis.spec.design_spec import DesignSpec
 
 MAX_VALUES = 100_000  # of an axis, and items of a Latin hypercube
@@ -295,8 +296,8 @@ class SweepSpec(FiniteModel):
                 except LookupError as error:
                     raise PydanticCustomError(
                         "axis_leads_nowhere",
-                        "{value} is not a field of the base: {there}. Name an existing field.",
-                        {**wrong, "there": str(error)},
+                        "{value} is not a field of the base: {there}. {remedy}.",
+                        {**wrong, "there": error.args[0], "remedy": error.args[1]},
                     ) from None
                 # In JSON a boolean is no number, though in Python it is.
                 if axis.balance_pointer is not None and type(holder[key]) not in (int, float):
@@ -368,23 +369,25 @@ def _locate(document: Any, pointer: str) -> tuple[Any, str | int]:
     """The container of the field that a pointer names, and the field's key or index in it.
 
     Raises:
-        LookupError: there is no such field; its argument says what there is instead.
+        LookupError: there is no such field; it says what there is instead, and what to do.
     """
     if not pointer.startswith("/"):
-        raise LookupError("a pointer begins with / and names a field")
-    holder, at, where = None, document, ""
+        raise LookupError("a pointer begins with / and names a field", f"Write /{pointer}")
+    holder, at, where, choose = None, document, "", "Name an existing field"
     key: str | int
     for token in pointer.split("/")[1:]:
         key = token.replace("~1", "/").replace("~0", "~")
         if isinstance(at, dict):
             if key not in at:
-                raise LookupError(f"{where or 'the base'} has {', '.join(map(str, at))}")
+                right, rest = right_name(key, at), pointer[len(where) + 1 + len(token) :]
+                there = f"{where or 'the base'} has {', '.join(at)}"
+                raise LookupError(there, f"Write {where}/{right}{rest}" if right else choose)
         elif isinstance(at, list):
             if not key.isdecimal() or int(key) >= len(at):
-                raise LookupError(f"{where} has the entries 0 to {len(at) - 1}")
+                raise LookupError(f"{where} has the entries 0 to {len(at) - 1}", choose)
             key = int(key)
         else:
-            raise LookupError(f"{where} is {at!r}, which holds no fields")
+            raise LookupError(f"{where} is {at!r}, which holds no fields", choose)
         holder, at, where = at, at[key], f"{where}/{token}"
     return holder, key
 

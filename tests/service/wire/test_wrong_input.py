@@ -377,13 +377,33 @@ def test_a_number_beyond_all_numbers(client: httpx2.Client) -> None:
         (b"   ", "empty"),
         (b'{"program": [', "Line 1, column"),
         (b"{'program': 1}", "Line 1, column 2"),
+        (b"{\"program\": 'x'}", "JSON has double quotes"),
+        (b'{"limits": [1, ]}', "Leave out the comma before it."),
+        (b'{"report_smoothness_cost": True}', "JSON writes true, false and null."),
+        (b'{"tolerance": .5}', "0.5"),
+        (b'{"speed_rpm": 60 // slow\n}', "JSON has no comments."),
         (b'{"a": "\xff\xfe"}', "UTF-8"),
         (b"[" * 100_000 + b"]" * 100_000, "nested"),
         (b'{"a":' * 50_000 + b"1" + b"}" * 50_000, "nested"),
         (b'{"name": "a", "name": "b"}', "'name' occurs twice"),
         (b'{"name": ' + b"9" * 10_000 + b"}", "digits"),
     ],
-    ids=["nothing", "blanks", "cut off", "quotes", "bytes", "lists", "objects", "twice", "digits"],
+    ids=[
+        "nothing",
+        "blanks",
+        "cut off",
+        "quotes",
+        "quotes of a text",
+        "comma",
+        "Python",
+        "point",
+        "comment",
+        "bytes",
+        "lists",
+        "objects",
+        "twice",
+        "digits",
+    ],
 )
 def test_what_is_not_json(client: httpx2.Client, content: bytes, words: str) -> None:
     problem = post(client, content)
@@ -420,7 +440,7 @@ def test_ten_megabytes_in_pieces(client: httpx2.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "remedy"), [("cycloid", 'Write "cycloidal".'), ("xyz", "Choose one of these.")]
+    ("name", "remedy"), [("cycloids", "Did you mean 'cycloidal'?"), ("xyz", "Choose one of these.")]
 )
 def test_the_kinds_that_there_are_are_listed_once(
     client: httpx2.Client, name: str, remedy: str

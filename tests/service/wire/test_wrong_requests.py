@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -80,6 +81,14 @@ def test_no_message_speaks_the_validators_language(base: str) -> None:
                 text = f"{told['rule']} {told['remedy']}"
                 assert all(told[part] for part in ("rule", "remedy")), (place, value)
                 assert not any(word in text for word in PRIVATE), text
+
+
+def test_the_page_on_errors_tells_what_is_answered() -> None:
+    page = (Path(__file__).resolve().parents[3] / "docs" / "errors.md").read_text("utf-8")
+    example = page.split("POST /v1/designs\n")[1].split("\n\n")[0]
+    told = refusal("/v1/designs", json.loads(example)).violations
+    rows = [f"| `{e['pointer']}` | {e['rule']} | {e['remedy']} |" for e in told]
+    assert "\n".join(rows) in page
 
 
 def table() -> str:

@@ -159,8 +159,12 @@ REQUESTS: dict[str, WrongRequest] = {
     "base circle": wrong(
         D, {"/base_circle_mm": 40}, "/base_circle_mm", 'Write "base_radius_mm": 40.',
     ),
+    "a bore": wrong(
+        D, {"/bore_in": 1, "/base_radius_mm": 60}, "/bore_in",
+        'Write "shaft_diameter_mm": 25.4 (1 in).',
+    ),
     "the prime radius": wrong(
-        D, {"/prime_radius_mm": 56}, "/prime_radius_mm", "less by the roller's radius",
+        D, {"/prime_radius_mm": 56}, "/prime_radius_mm", "as 56 less the roller's radius",
     ),
     "the roller at the top": wrong(
         D, {"/follower/roller_radius_mm": GONE, "/roller_radius_mm": 16},
@@ -331,6 +335,14 @@ REQUESTS: dict[str, WrongRequest] = {
     "a sweep's axis from, to": wrong(
         "sweeps", {"/axes/0/start": Named("from"), "/axes/0/stop": Named("to")},
         "/axes/0/from", 'Write "start": 25.', count=2,
+    ),
+    "a sweep's pointer by another name": wrong(
+        "sweeps", {"/axes/0/pointer": "/program/0/stroke"}, "/axes/0/pointer",
+        "Write /program/0/lift_mm.",
+    ),
+    "a sweep's pointer without its stroke": wrong(
+        "sweeps", {"/axes/0/pointer": "limits/0/rise_deg"}, "/axes/0/pointer",
+        "Write /limits/0/rise_deg.",
     ),
     "a lift within a sweep": wrong(
         "sweeps", {"/base/program/0/lift_mm": Named("stroke_inch", 1)},
