@@ -90,15 +90,16 @@ def test_lines_in_inches(line: str, expected: str) -> None:
 
 def test_tables_in_inches() -> None:
     table = Table(
-        "T", ("name", "value", "unit", "at °", "allowed", "rho mm"),
-        [("25.4 a", 254.0, "mm/s", "25.4", "±2.54", 25.4), ("b", 30.0, "deg", "1", None, "50.8")],
+        "T", ("name", "value", "unit", "at °", "allowed", "rho mm", "jumps"),
+        [("25.4 a", 254.0, "mm/s", "25.4", "±2.54", 25.4, "43"),
+         ("b", 30.0, "deg", "1", None, "50.8", "0.5")],
     )  # fmt: skip
     said = in_inches(table)
     assert isinstance(said, Table)
-    assert said.columns == ["name", "value", "unit", "at °", "allowed", "rho in"]
+    assert said.columns == ["name", "value", "unit", "at °", "allowed", "rho in", "jumps"]
     assert said.rows == [
-        ["25.4 a", 10.0, "in/s", "25.4", "±0.1", 1.0],
-        ["b", 30.0, "deg", "1", None, "2"],
+        ["25.4 a", 10.0, "in/s", "25.4", "±0.1", 1.0, "43"],
+        ["b", 30.0, "deg", "1", None, "2", "0.5"],
     ]
 
 
