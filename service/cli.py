@@ -43,9 +43,9 @@ or written, or a service refuses it; 3 answered, with a negative result (no cam 
 broken, a certificate is contradicted, items failed); 130 stopped by Ctrl-C. Of several questions
 on standard input: 2 where one is 2, else 3 where one is 3.
 
-Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back, linkage and
-sweep ask instead of computing here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds that one
-question may take here."""
+Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back, spatial, respond,
+linkage and sweep ask instead of computing here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds
+that one question may take here."""
 COMMANDS: Mapping[str, Callable[..., Any]] = {
     "design": questions.design,
     "analyse": questions.analyse,

@@ -93,8 +93,13 @@ def run(
     with ExitStack() as stack:
         if question == STREAM:
             asked = kind if isinstance(kind, Asked) else collection_of(kind, url, stack)
-            raise typer.Exit(_answer_stream(asked, shown, url, folder, more))
-        stack.enter_context(report_errors(question, url, CONTINUES))
+            try:
+                code = _answer_stream(asked, shown, url, folder, more)
+            except KeyboardInterrupt:
+                code = 130  # what is answered is printed
+            raise typer.Exit(code)
+        stopped = CONTINUES if url else "Nothing was written."
+        stack.enter_context(report_errors(question, url, stopped))
         asked = kind if isinstance(kind, Asked) else collection_of(kind, url, stack)
         known = read_spec(question, asked.model, more)
         started = time.perf_counter()

@@ -60,9 +60,14 @@ def in_inches(part: str | Table) -> str | Table:
     rows = []
     for row in part.rows:
         own = None if of_rows is None else UNIT.fullmatch(str(row[of_rows]))
-        rows.append([_converted(cell, place, headings[place] or own, part.columns[place])
-                     if place != of_rows else _unit(own) if own else cell
-                     for place, cell in enumerate(row)])  # fmt: skip
+        cells = []
+        for place, cell in enumerate(row):
+            is_count = isinstance(cell, str) and cell.isdigit()  # as of jumps
+            unit = headings[place] or (None if is_count else own)
+            cells.append(_converted(cell, place, unit, part.columns[place]))
+        if own is not None and of_rows is not None:
+            cells[of_rows] = _unit(own)
+        rows.append(cells)
     named = [
         IN_HEADING.sub(_unit(found), column) if found else column
         for column, found in zip(part.columns, headings, strict=True)
@@ -76,9 +81,9 @@ def _converted(cell: Cell, place: int, unit: re.Match[str] | None, column: str) 
         return cell
     if isinstance(cell, float):
         return cell / _factor(unit)
-    return (
-        NUMBER.sub(lambda found: _scaled(found[0], unit), cell) if NUMBERS.fullmatch(cell) else cell
-    )
+    if NUMBERS.fullmatch(cell) is None:
+        return cell
+    return NUMBER.sub(lambda found: _scaled(found[0], unit), cell)
 
 
 def _factor(unit: re.Match[str]) -> float:

@@ -12,6 +12,7 @@ from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 from synthesis.catalogue.fields import AnswerModel, Rotation, doc
 from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
 from synthesis.design.identity import design_id, question_id
+from synthesis.design.jupyter import ShownByJupyter
 from synthesis.design.summary import CamGeometry, MotionSummary
 from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.numerics.bspline import SplineSpace
@@ -293,7 +294,7 @@ def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
     return value if type(value) is DesignSpec else check(value)
 
 
-class Design(AnswerModel):
+class Design(AnswerModel, ShownByJupyter):
     """The answer to a DesignSpec."""
 
     id: str = doc("Hash of the spec and the engine's version.")
@@ -383,13 +384,6 @@ class Design(AnswerModel):
     def curve(self) -> Motion:
         """The motion, rebuilt to the last bit from the spec and the spline coefficients."""
         return rebuild_motion(self.resolved_spec.placed_segments(), self.motion)
-
-    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
-        """What Jupyter shows, by media type; pictures are drawn on a floor above this one."""
-        from importlib import import_module  # by name, as `synthesis` finds what it exports
-
-        shown: dict[str, str] = import_module("synthesis").notebook_display(self)
-        return shown
 
 
 def rebuild_motion(segments: Sequence[PlacedSegment], delivered: Sequence[SegmentMotion]) -> Motion:
