@@ -17,6 +17,7 @@ FEW = 4  # fields: fewer are read sooner where they are than at another place
 NULL = {"type": "null"}
 # What a place says of a type beyond the type itself.
 BESIDE = ("description", "default")
+COMPOSITE = {"anyOf", "oneOf", "items", "additionalProperties"}
 # Types that are written out at several places, each by one of them.
 NAMED = {
     "BalancePointer": "RangeAxis.balance_pointer",
@@ -25,6 +26,7 @@ NAMED = {
     "Dimension": "OscillatingRoller.centre_distance_mm",
     "Follower": "DesignSpec.follower",
     "Inflection": "Scca.inflection",
+    "JsonObject": "Entry.json_schema",
     "Law": "Rise.law",
     "Lift": "Rise.lift_mm",
     "LinkedPointers": "RangeAxis.linked_pointers",
@@ -164,7 +166,11 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
 
 
 def _kind_of(place: Json) -> str:
-    return json.dumps({key: place[key] for key in place if key not in BESIDE}, sort_keys=True)
+    """What makes two places one type: of plain ones the description too, which alone tells what."""
+    kind = {key: place[key] for key in place if key not in BESIDE}
+    if not COMPOSITE & place.keys():
+        kind["description"] = place.get("description")
+    return json.dumps(kind, sort_keys=True)
 
 
 def _open_answers(paths: Json, schemas: Json) -> None:
@@ -207,11 +213,14 @@ def _inherit(schemas: Json) -> None:
         if bases:
             base = max(bases, key=lambda each: len(fields[each]))
             schema = schemas[name]
-            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}]
-            schema["properties"] = {key: own[key] for key in own if key not in fields[base]}
-            schema["required"] = [
-                key for key in schema.get("required", []) if key not in needed[base]
-            ]
+            more = {
+                "properties": {key: own[key] for key in own if key not in fields[base]},
+                "required": [key for key in schema.pop("required", []) if key not in needed[base]],
+                "type": schema.pop("type"),
+            }
+            del schema["properties"]
+            # Generators take the only member of allOf for all that there is.
+            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}, more]
 
 
 def _shorten_parameter(parameter: Json) -> None:
