@@ -16,7 +16,7 @@ Place = tuple[Any, Any, str]  # container, key, and what is there is to be calle
 FEW = 4  # fields: fewer are read sooner where they are than at another place
 NULL = {"type": "null"}
 # What a place says of a type beyond the type itself.
-BESIDE = ("description", "default")
+BESIDE = {"description", "default"}
 COMPOSITE = {"anyOf", "oneOf", "items", "additionalProperties"}
 # Types that are written out at several places, each by one of them.
 NAMED = {
@@ -80,12 +80,15 @@ def share(document: Json) -> None:
 
 
 def _objects(place: Any) -> Iterator[Json]:
-    """Every object at or below a place, but for what stands below names that are no keywords."""
-    if isinstance(place, dict):
-        yield place
-    for inner in list(place.values()) if isinstance(place, dict) else place:
-        if isinstance(inner, dict | list):
-            yield from _objects(inner)
+    """Every object at or below a place."""
+    rest = [place]
+    while rest:
+        at = rest.pop()
+        if isinstance(at, dict):
+            yield at
+            rest.extend(at.values())
+        elif isinstance(at, list):
+            rest.extend(at)
 
 
 def _write_whole_numbers(place: Json) -> None:
@@ -148,8 +151,9 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
     found = schemas[schema]["properties"][field]
     for key in keys:
         found = found[key]
-    kind = _kind_of(found)
-    places = [each for each in _objects(schemas) if _kind_of(each) == kind]
+    kind, keys_of_kind = _kind_of(found), found.keys() - BESIDE
+    alike = (each for each in _objects(schemas) if each.keys() - BESIDE == keys_of_kind)
+    places = [each for each in alike if _kind_of(each) == kind]
     # What most places say beside the type is said with it; a default where all have it.
     named = {key: value for key, value in found.items() if key not in BESIDE}
     texts = Counter(each["description"] for each in places if "description" in each)
@@ -158,7 +162,7 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
     if all(each.get("default", named) == found.get("default", named) for each in places):
         named |= {"default": found["default"]} if "default" in found else {}
     for place in places:
-        beside = {key: place[key] for key in BESIDE if key in place}
+        beside = {key: place[key] for key in place if key in BESIDE}
         place.clear()
         place["$ref"] = f"#/components/schemas/{name}"
         place |= {key: value for key, value in beside.items() if value != named.get(key)}
