@@ -53,11 +53,12 @@ def share(document: Json) -> None:
     components = document["components"]
     schemas = components["schemas"]
     for place in _objects([document["paths"], components]):
-        _write_whole_numbers(place)
+        place |= {key: _whole(value) for key, value in place.items()}
     for name, schema in schemas.items():
         _drop_repetition(name, schema)
     for place in _objects(schemas):
         _merge_null(place)
+        _close_pair(place)
         _require_kinds(place, schemas)
     for name, at in NAMED.items():
         _name_type(schemas, name, at.split("."))
@@ -91,16 +92,12 @@ def _objects(place: Any) -> Iterator[Json]:
             rest.extend(at)
 
 
-def _write_whole_numbers(place: Json) -> None:
-    """Write 60.0 as 60: the same number in JSON."""
-    for key, value in place.items():
-        if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:  # exact
-            place[key] = int(value)
-        elif isinstance(value, list):
-            place[key] = [
-                int(each) if isinstance(each, float) and each.is_integer() else each
-                for each in value
-            ]
+def _whole(value: Any) -> Any:
+    """A number without empty decimals, 60 for 60.0, which is the same in JSON; lists likewise."""
+    if isinstance(value, list):
+        return [_whole(each) for each in value]
+    exact = isinstance(value, float) and value.is_integer() and abs(value) < 2.0**53
+    return int(value) if exact else value
 
 
 def _drop_repetition(name: str, schema: Json) -> None:
@@ -115,15 +112,19 @@ def _drop_repetition(name: str, schema: Json) -> None:
 
 
 def _merge_null(place: Json) -> None:
-    """Say of a plain type that may be null: of two types, and of pairs that they end there."""
+    """Say of a plain type that may be null that it is of two types."""
     several = place.get("anyOf")
     if isinstance(several, list) and len(several) == 2 and several[1] == NULL:
         kind = several[0].get("type")
         if isinstance(kind, str) and "enum" not in several[0] and not place.keys() & several[0]:
             del place["anyOf"]
             place |= {**several[0], "type": [kind, "null"]}
-    if "prefixItems" in place and "items" not in place:  # no item follows: maxItems says so
-        place["items"] = place["prefixItems"][-1]
+
+
+def _close_pair(place: Json) -> None:
+    """Say of what kind the items of a pair are too: none follows, but linters ask for it."""
+    if "prefixItems" in place:
+        place.setdefault("items", place["prefixItems"][-1])
 
 
 def _require_kinds(place: Json, schemas: Json) -> None:
@@ -244,9 +245,10 @@ def _shorten_parameter(parameter: Json) -> None:
 
 def _name_of(status: str, response: Json) -> str:
     """What a response is called where several operations have it."""
-    media_type, content = next(iter(response.get("content", {}).items()), ("", {}))
-    if status >= "400" or not media_type:
+    contents: Json = response.get("content", {})
+    if status >= "400" or not contents:
         return status
+    media_type, content = next(iter(contents.items()))
     schema = content.get("schema", {}).get("$ref", "").rpartition("/")[2]
     kind = media_type.partition("/")[2].partition("+")[0].split(".")[-1].capitalize()
     return f"{schema or kind}{'' if status == '200' else status}"
