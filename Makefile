@@ -21,12 +21,16 @@ LOCK := $(PY) -m uv pip compile --quiet --universal --python-version 3.11 \
         --fork-strategy fewest --strip-extras --no-header --no-annotate \
         $(if $(UPGRADE),--upgrade)
 
+# What the tests of the contract take from Node.js; no script of a package runs.
+NODE := tests/service/contract/node
+NPM  := npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
+
 # Whatever virtualenv or Python settings the caller has must not leak into ours.
 unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIREMENT
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hard mutants lint format bench gaps openapi constants lock clean distclean
+.PHONY: help run test hard mutants lint format bench gaps openapi contract constants lock clean distclean
 
 help:  ## print this list
 	@echo "Camwright. Targets:"
@@ -82,6 +86,12 @@ bench: $(DEV)  ## measure speed and error, print it, write docs/benchmarks and t
 gaps: $(DEV)  ## gaps and times of proofs for random scenes of every family, write docs/benchmarks/gaps (ARGS="--scenes 1 --family arm" only prints)
 	$(PY) -m benchmarks.gaps $(or $(ARGS),--write)
 
+contract: $(DEV)  ## Redocly's and Spectral's rules over openapi/openapi.json (Spectral is installed on the first call, 70 MB)
+	$(PY) -m pytest -q tests/service/contract/test_typescript_client.py -k redocly
+	$(NPM) --prefix $(NODE)/spectral
+	$(NODE)/spectral/node_modules/.bin/spectral lint --fail-severity=hint \
+	  --ruleset $(NODE)/spectral/ruleset.yaml openapi/openapi.json
+
 constants: $(DEV)  ## write docs/constants.md, the numbers of the product with their reasons
 	$(PY) -m tests.architecture.constants
 
@@ -96,7 +106,7 @@ lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
 
 clean:  ## remove caches and build products
 	rm -rf build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
-	  .import_linter_cache .mutants
+	  .import_linter_cache .mutants $(NODE)/node_modules $(NODE)/spectral/node_modules
 	find . -name __pycache__ -not -path './$(VENV)/*' -type d -prune -exec rm -rf {} +
 
 distclean: clean  ## the same and the virtual environment
@@ -133,8 +143,11 @@ $(RUN): requirements.lock
 	$(call install,requirements.lock)
 	@touch $(RUN)
 
-$(DEV): requirements-dev.lock requirements.lock
+$(DEV): requirements-dev.lock requirements.lock $(NODE)/package-lock.json
 	$(venv)
 	@echo "Installing the locked packages and the test tools into $(VENV): once, 500 MB to fetch, two minutes or more."
 	$(call install,requirements-dev.lock)
+	@if command -v npm >/dev/null; then $(NPM) --prefix $(NODE); else \
+	  echo "npm was not found: the tests of the TypeScript client will fail. They need Node.js 20.19 or" \
+	    "newer; on Debian: apt install nodejs npm; then: npm ci --ignore-scripts --prefix $(NODE)" >&2; fi
 	@touch $(RUN) $(DEV)

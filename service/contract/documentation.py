@@ -62,17 +62,16 @@ def problems(*statuses: int, late: bool = True) -> dict[int | str, Json]:
     """
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
     responses: dict[int | str, Json] = {}
-    if late and 504 in statuses:
-        responses[504] = _problem(LateProblem, f"{titles[504]}.")
+    alone = {504} & set(statuses) if late else set()
     for first in (4, 5):
-        those = [
-            status for status in statuses if status // 100 == first and status not in responses
-        ]
+        those = [each for each in statuses if each // 100 == first and each not in alone]
         if len(those) == 1:
             responses[those[0]] = _problem(Problem, f"{titles[those[0]]}.")
         elif those:
             lines = "\n".join(f"* {status}: {titles[status]}." for status in those)
             responses[f"{first}XX"] = _problem(Problem, lines)
+    for status in alone:
+        responses[status] = _problem(LateProblem, f"{titles[status]}.")
     return responses
 
 
@@ -168,6 +167,9 @@ def _tidy(document: Json) -> None:
         if "application/json" in responses.get("422", {}).get("content", {}):
             del responses["422"]
         for response in responses.values():
+            for content in response.get("content", {}).values():
+                if content.pop("itemSchema", None):  # a word of OpenAPI 3.2: text in 3.1
+                    content["schema"] = {"type": "string"}
             if response["description"] == "Successful Response":
                 response["description"] = "The answer." if "content" in response else "Done."
     for schema in schemas.values():

@@ -16,7 +16,8 @@ Place = tuple[Any, Any, str]  # container, key, and what is there is to be calle
 FEW = 4  # fields: fewer are read sooner where they are than at another place
 NULL = {"type": "null"}
 # What a place says of a type beyond the type itself.
-BESIDE = ("description", "default")
+BESIDE = {"description", "default"}
+COMPOSITE = {"anyOf", "oneOf", "items", "additionalProperties"}
 # Types that are written out at several places, each by one of them.
 NAMED = {
     "BalancePointer": "RangeAxis.balance_pointer",
@@ -25,6 +26,7 @@ NAMED = {
     "Dimension": "OscillatingRoller.centre_distance_mm",
     "Follower": "DesignSpec.follower",
     "Inflection": "Scca.inflection",
+    "JsonObject": "Entry.json_schema",
     "Law": "Rise.law",
     "Lift": "Rise.lift_mm",
     "LinkedPointers": "RangeAxis.linked_pointers",
@@ -51,11 +53,12 @@ def share(document: Json) -> None:
     components = document["components"]
     schemas = components["schemas"]
     for place in _objects([document["paths"], components]):
-        _write_whole_numbers(place)
+        place |= {key: _whole(value) for key, value in place.items()}
     for name, schema in schemas.items():
         _drop_repetition(name, schema)
     for place in _objects(schemas):
         _merge_null(place)
+        _close_pair(place)
         _require_kinds(place, schemas)
     for name, at in NAMED.items():
         _name_type(schemas, name, at.split("."))
@@ -78,24 +81,23 @@ def share(document: Json) -> None:
 
 
 def _objects(place: Any) -> Iterator[Json]:
-    """Every object at or below a place, but for what stands below names that are no keywords."""
-    if isinstance(place, dict):
-        yield place
-    for inner in list(place.values()) if isinstance(place, dict) else place:
-        if isinstance(inner, dict | list):
-            yield from _objects(inner)
+    """Every object at or below a place."""
+    rest = [place]
+    while rest:
+        at = rest.pop()
+        if isinstance(at, dict):
+            yield at
+            rest.extend(at.values())
+        elif isinstance(at, list):
+            rest.extend(at)
 
 
-def _write_whole_numbers(place: Json) -> None:
-    """Write 60.0 as 60: the same number in JSON."""
-    for key, value in place.items():
-        if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:  # exact
-            place[key] = int(value)
-        elif isinstance(value, list):
-            place[key] = [
-                int(each) if isinstance(each, float) and each.is_integer() else each
-                for each in value
-            ]
+def _whole(value: Any) -> Any:
+    """A number without empty decimals, 60 for 60.0, which is the same in JSON; lists likewise."""
+    if isinstance(value, list):
+        return [_whole(each) for each in value]
+    exact = isinstance(value, float) and value.is_integer() and abs(value) < 2.0**53
+    return int(value) if exact else value
 
 
 def _drop_repetition(name: str, schema: Json) -> None:
@@ -110,15 +112,19 @@ def _drop_repetition(name: str, schema: Json) -> None:
 
 
 def _merge_null(place: Json) -> None:
-    """Say of a plain type that may be null: of two types, and of pairs that they end there."""
+    """Say of a plain type that may be null that it is of two types."""
     several = place.get("anyOf")
     if isinstance(several, list) and len(several) == 2 and several[1] == NULL:
         kind = several[0].get("type")
         if isinstance(kind, str) and "enum" not in several[0] and not place.keys() & several[0]:
             del place["anyOf"]
             place |= {**several[0], "type": [kind, "null"]}
-    if "prefixItems" in place and "items" not in place:  # no item follows: maxItems says so
-        place["items"] = place["prefixItems"][-1]
+
+
+def _close_pair(place: Json) -> None:
+    """Say of what kind the items of a pair are too: none follows, but linters ask for it."""
+    if "prefixItems" in place:
+        place.setdefault("items", place["prefixItems"][-1])
 
 
 def _require_kinds(place: Json, schemas: Json) -> None:
@@ -146,8 +152,9 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
     found = schemas[schema]["properties"][field]
     for key in keys:
         found = found[key]
-    kind = _kind_of(found)
-    places = [each for each in _objects(schemas) if _kind_of(each) == kind]
+    kind, keys_of_kind = _kind_of(found), found.keys() - BESIDE
+    alike = (each for each in _objects(schemas) if each.keys() - BESIDE == keys_of_kind)
+    places = [each for each in alike if _kind_of(each) == kind]
     # What most places say beside the type is said with it; a default where all have it.
     named = {key: value for key, value in found.items() if key not in BESIDE}
     texts = Counter(each["description"] for each in places if "description" in each)
@@ -156,7 +163,7 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
     if all(each.get("default", named) == found.get("default", named) for each in places):
         named |= {"default": found["default"]} if "default" in found else {}
     for place in places:
-        beside = {key: place[key] for key in BESIDE if key in place}
+        beside = {key: place[key] for key in place if key in BESIDE}
         place.clear()
         place["$ref"] = f"#/components/schemas/{name}"
         place |= {key: value for key, value in beside.items() if value != named.get(key)}
@@ -164,7 +171,11 @@ def _name_type(schemas: Json, name: str, at: list[str]) -> None:
 
 
 def _kind_of(place: Json) -> str:
-    return json.dumps({key: place[key] for key in place if key not in BESIDE}, sort_keys=True)
+    """What makes two places one type: of plain ones the description too, which alone tells what."""
+    kind = {key: place[key] for key in place if key not in BESIDE}
+    if not COMPOSITE & place.keys():
+        kind["description"] = place.get("description")
+    return json.dumps(kind, sort_keys=True)
 
 
 def _open_answers(paths: Json, schemas: Json) -> None:
@@ -207,11 +218,14 @@ def _inherit(schemas: Json) -> None:
         if bases:
             base = max(bases, key=lambda each: len(fields[each]))
             schema = schemas[name]
-            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}]
-            schema["properties"] = {key: own[key] for key in own if key not in fields[base]}
-            schema["required"] = [
-                key for key in schema.get("required", []) if key not in needed[base]
-            ]
+            more = {
+                "properties": {key: own[key] for key in own if key not in fields[base]},
+                "required": [key for key in schema.pop("required", []) if key not in needed[base]],
+                "type": schema.pop("type"),
+            }
+            del schema["properties"]
+            # Generators take the only member of allOf for all that there is.
+            schema["allOf"] = [{"$ref": f"#/components/schemas/{base}"}, more]
 
 
 def _shorten_parameter(parameter: Json) -> None:
@@ -231,9 +245,10 @@ def _shorten_parameter(parameter: Json) -> None:
 
 def _name_of(status: str, response: Json) -> str:
     """What a response is called where several operations have it."""
-    media_type, content = next(iter(response.get("content", {}).items()), ("", {}))
-    if status >= "400" or not media_type:
+    contents: Json = response.get("content", {})
+    if status >= "400" or not contents:
         return status
+    media_type, content = next(iter(contents.items()))
     schema = content.get("schema", {}).get("$ref", "").rpartition("/")[2]
     kind = media_type.partition("/")[2].partition("+")[0].split(".")[-1].capitalize()
     return f"{schema or kind}{'' if status == '200' else status}"

@@ -11,7 +11,8 @@ export class Schemas {
 
   resolved(schema) {
     const name = schema.$ref?.split("/").at(-1);
-    return name ? { ...this.named[name], description: schema.description ?? this.named[name].description } : schema;
+    const found = name ? { ...this.named[name], ...schema } : schema;
+    return Array.isArray(found.type) ? { ...found, type: found.type.find((each) => each !== "null") } : found;
   }
 
   /** {shape, …}: const, union, dimension, range, choice, number, text, flag, group or raw. */

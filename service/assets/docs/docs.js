@@ -22,7 +22,7 @@ function resolved(contract, place, written = new Map()) {
   const { $ref, ...beside } = place;
   if (typeof $ref !== "string" || !$ref.startsWith("#/")) {
     const inner = ([key, value]) => [key, key === "examples" ? value : resolved(contract, value, written)];
-    return Object.fromEntries(Object.entries(place).map(inner));
+    return together(Object.fromEntries(Object.entries(place).map(inner)));
   }
   if (!written.has($ref)) {
     written.set($ref, null);
@@ -33,6 +33,14 @@ function resolved(contract, place, written = new Map()) {
     return { title: $ref.split("/").at(-1), type, description, ...beside };
   }
   return { ...written.get($ref), ...beside };
+}
+
+/** A schema that has all fields of others, with those among its own. */
+function together({ allOf, ...own }) {
+  if (!Array.isArray(allOf)) return own;
+  const parts = [...allOf.map(({ title, description, ...part }) => part), own];
+  const fields = Object.assign({}, ...parts.map((part) => part.properties));
+  return Object.assign({}, ...parts, { properties: fields, required: parts.flatMap((part) => part.required ?? []) });
 }
 
 /** As a plugin. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from functools import cache
 from typing import Any
@@ -10,7 +11,8 @@ from typing import Any
 import httpx2
 import pytest
 
-from service.contract.examples import SELF_CHECK, examples
+from service.contract.examples import ORDER, SELF_CHECK, examples
+from service.contract.sharing import NAMED
 from service.openapi import TARGET, openapi_text
 from synthesis.spec.design_spec import DesignSpec
 
@@ -37,6 +39,34 @@ def test_the_committed_document_is_the_one_that_is_served(client: httpx2.Client)
     assert client.get("/openapi.json").json() == document()
 
 
+def test_it_stays_small() -> None:
+    """A browser goes through all of it, and so does every reader."""
+    compact = json.dumps(document(), ensure_ascii=False, separators=(",", ":")).encode()
+    assert len(compact) <= 320 * 1024
+
+
+def test_members_of_unions_are_told_apart_by_what_they_must_say() -> None:
+    unions = []
+
+    def collect(at: Any) -> None:
+        if isinstance(at, dict):
+            unions.extend([at] if "mapping" in at.get("discriminator", ()) else [])
+            at = list(at.values())
+        for inner in at if isinstance(at, list) else ():
+            collect(inner)
+
+    collect(document())
+    assert len(unions) > 10
+    for union in unions:
+        key = union["discriminator"]["propertyName"]
+        for kind, reference in union["discriminator"]["mapping"].items():
+            member = meant({"$ref": reference})
+            said = member["properties"][key]
+            assert kind in said.get("enum", [said.get("const")])
+            assert key in member["required"]
+            assert "default" not in said
+
+
 def test_names_for_generated_clients_are_clean_and_unique() -> None:
     names = [operation["operationId"] for operation in operations()]
     assert len(set(names)) == len(names)
@@ -61,6 +91,8 @@ def assert_described(operation: dict[str, Any]) -> None:
         assert described or parameter["in"] == "path", parameter
     for status, response in ((at, meant(each)) for at, each in operation["responses"].items()):
         assert response["description"]
+        if status.endswith("XX"):  # each status of the range with its meaning
+            assert response["description"].count(f"* {status[0]}") > 1
         if status >= "400" and operation["operationId"] != "get_readyz":
             schema = response["content"]["application/problem+json"]["schema"]
             name = "LateProblem" if status == "504" else "Problem"  # which has the best in it
@@ -88,10 +120,12 @@ def test_what_operations_have_alike_stands_once() -> None:
             if "$ref" not in part:
                 alike[json.dumps(part, sort_keys=True)] += 1
     assert [part for part, count in alike.items() if count > 1] == []
-    used = json.dumps(document()["paths"])
-    for kind in ("parameters", "responses"):
+    used = text()
+    for kind in ("headers", "parameters", "responses"):
         for name in document()["components"][kind]:
             assert used.count(f'"#/components/{kind}/{name}"') > 1
+    for name in NAMED:
+        assert used.count(f'"#/components/schemas/{name}"') > 1, name
     for name, parameter in document()["components"]["parameters"].items():
         assert name.partition("_no_")[0] == parameter["name"]
 
@@ -100,7 +134,10 @@ def test_fields_of_answers_are_described() -> None:
     schemas = document()["components"]["schemas"]
     ours = ("DesignSummary", "DesignPage", "Problem", "Violation", "ServerLimits", "Formats")
     for name in ours:
-        for field, schema in schemas[name]["properties"].items():
+        parts = [schemas[name], *schemas[name].get("allOf", [])]
+        fields = [each for part in parts for each in part.get("properties", {}).items()]
+        assert fields
+        for field, schema in fields:
             reported = "description" in schema or "$ref" in schema or field in ("name", "items")
             assert reported or "anyOf" in schema or "discriminator" in schema, (name, field)
 
@@ -112,6 +149,20 @@ def test_worked_examples_are_documented_and_sound(name: str) -> None:
     DesignSpec.model_validate_json(json.dumps(example["value"]), strict=True)
     body = document()["paths"]["/v1/designs"]["post"]["requestBody"]["content"]["application/json"]
     assert body["examples"][name] == example
+
+
+def test_examples_come_from_the_simplest_to_the_special_with_a_sentence_each() -> None:
+    found = []
+    for methods in document()["paths"].values():
+        content = methods.get("post", {}).get("requestBody", {}).get("content", {})
+        shown = content.get("application/json", {}).get("examples", {})
+        assert list(shown) == sorted(shown, key=ORDER.index)
+        found += shown.values()
+    assert len(found) == len(ORDER)
+    for example in found:
+        assert re.fullmatch(r"[^\n]{20,150}[^.\s]\.", example["description"])
+        assert ". " not in example["description"]
+        assert len(example["summary"]) < 60
 
 
 def test_the_self_check_is_among_them() -> None:

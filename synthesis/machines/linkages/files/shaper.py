@@ -290,9 +290,10 @@ def _data(answer: SixBarShaper, options: Options) -> bytes:
 
 FILES = (
     LinkageFile("motion.csv", "Table of the motion", CSV, ".csv",
-                lambda answer, options: csv_table(_motion_columns(answer, options)), MotionOptions),
+                lambda answer, options: csv_table(_motion_columns(answer, options)), MotionOptions,
+                "For spreadsheets: the motion of crank, guide and ram, a row for each angle."),
     LinkageFile("motion.json", "Table of the motion, with units and meanings", "application/json",
-                ".json", _motion_json, MotionOptions),
+                ".json", _motion_json, MotionOptions, "For programs: the same by columns."),
     LinkageFile(
         "cam.json", "Question for a cam that moves its follower as the ram", "application/json",
         ".json", cam_spec, CamOptions,
