@@ -30,11 +30,7 @@ from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.longer_moves import LongerMoves
 from synthesis.optimise.parameters.merged_moves import MergedMoves
-from synthesis.optimise.parameters.number_search import (
-    ALL_NUMBERS,
-    NumberProof,
-    NumberSearch,
-)
+from synthesis.optimise.parameters.number_search import ALL_NUMBERS, NumberProof, NumberSearch
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
 from synthesis.optimise.problem.problem import formulate_problem
@@ -138,7 +134,9 @@ def _search_merged(
         earlier=None if inner is None else inner.cam,
     )  # fmt: skip
     worth.calls += 1
-    bounded = inner is not None or (state.covers_all_laws and not numbered.free_parameters.parameters)
+    bounded = inner is not None or (
+        state.covers_all_laws and not numbered.free_parameters.parameters
+    )
     if state.incumbent is None or not bounded:
         return None
     spec = merged.with_lifts(numbered, state.incumbent)
@@ -186,7 +184,7 @@ def _search_program(
 
     # 1. Branch and bound: with one or two directions it often closes the gap at once.
     first = prove(middle, FIRST_PROGRAMS)
-    if first is not None and first.closed:
+    if first is not None and (first.closed or first.gap <= all_numbers):
         return BundlePoint(first.u, first.value), first
     # 2. Curved limits are in the bounds of longer moves alone.
     if first is not None and longer is not None and longer.serves():
