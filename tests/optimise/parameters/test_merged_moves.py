@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from synthesis import synthesise
+from synthesis.catalogue.limits.motion import TRAVEL
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.merged_moves import MergedMoves
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.spec.design_spec import DesignSpec
+from synthesis.spec.program import Rise
 from tests.optimise.parameters.test_number_search import angles, dwell, move
 
 LOW, HIGH = 3.1, 9.6  # mm, of a free lift
@@ -37,6 +39,13 @@ def test_one_move_has_the_cams_of_all_lifts() -> None:
     question = spec(RISES)
     merged = MergedMoves.of(question)
     assert merged is not None
+    one = merged.spec.program[0]
+    assert isinstance(one, Rise)
+    (point,) = one.points
+    low, high = point.ends_of(TRAVEL)
+    assert low <= LOW
+    assert high >= HIGH
+    assert high - low == pytest.approx(HIGH - LOW)
     problem = formulate_problem(merged.spec, merged.spec.objectives()[0])
     state = optimise(problem, 5e-3)
     assert state.incumbent is not None
@@ -59,9 +68,9 @@ def test_one_move_has_the_cams_of_all_lifts() -> None:
     # no lifts have a smaller cam than its bound
     for first in (LOW, 6.3):
         given = spec([move("rise", 47.3, first), move("rise", 38.9, 12.7 - first)])
-        one = optimise(formulate_problem(given, given.objectives()[0]), 5e-3)
-        assert one.incumbent is not None
-        assert one.incumbent.value >= state.lower
+        found = optimise(formulate_problem(given, given.objectives()[0]), 5e-3)
+        assert found.incumbent is not None
+        assert found.incumbent.value >= state.lower
 
 
 def test_the_answer_has_the_bound_of_all_lifts() -> None:
