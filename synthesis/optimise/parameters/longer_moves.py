@@ -71,6 +71,7 @@ class LongerMoves:
 
     Attributes:
         placement: where segments lie. solve_at: the search at single numbers to a gap.
+        bound: a bound of a box that leaves curvature out, up to a target [core units].
         tolerance: relative gap [wire] at which to stop. single: that at single numbers.
         proof: what may be spent on each box.
         known: boxes' problems solved as they come, by the longest angles.
@@ -79,6 +80,7 @@ class LongerMoves:
 
     placement: Placement
     solve_at: Callable[[Array, float], SolveState | None]
+    bound: Callable[[Box, float], tuple[float, Array]]
     tolerance: float
     single: float
     proof: ProofBudget
@@ -101,6 +103,11 @@ class LongerMoves:
             k is None or _rests(boundary.start) or _rests(boundary.end)
             for k, boundary in zip(place.coordinates, model.boundary_states, strict=True)
         )
+
+    @property
+    def has_one_size(self) -> bool:
+        """Whether one size is open, so that each law by itself decides how large it must be."""
+        return sum(low != high for low, high in self.placement.problem.sizing.bounds) <= 1
 
     def problem(self, high: Array) -> Problem:
         """The problem with every free angle as long as at ``high``, which need not be a turn."""
@@ -179,7 +186,8 @@ class LongerMoves:
                 if inside is None:
                     continue
                 state = self._bound(inside, value, deadline)
-                bound = max(lower, state.lower if state.covers_all_laws else -inf)
+                own = state.lower if state.covers_all_laws else -inf
+                bound = max(lower, own, self.bound(inside, target)[0])
                 bound = inf if state.infeasibility_proof else bound
                 if bound >= target:
                     pruned = min(pruned, bound)
@@ -189,7 +197,7 @@ class LongerMoves:
         proof = NumberProof(
             u, best.incumbent.value, lower, f"{valid_for}, {ALL_NUMBERS}",
             best.gap_between(best.incumbent, lower), lower >= target, self.searches, why,
-            best.incumbent,
+            curved=True, cam=best.incumbent,
         )  # fmt: skip
         return proof, solved
 

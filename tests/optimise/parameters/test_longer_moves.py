@@ -52,7 +52,14 @@ def of_body(changes: dict[str, Any]) -> tuple[ValueFunction, LongerMoves]:
     worth = ValueFunction(spec, spec.free_parameters, inf)
     placement = Placement.of(spec.free_parameters, worth.problem)
     assert placement is not None
-    return worth, LongerMoves(placement, worth.state, 0.95 * TOLERANCE, 0.4 * TOLERANCE, QUICK)
+    return worth, LongerMoves(
+        placement, worth.state, unknown, 0.95 * TOLERANCE, 0.4 * TOLERANCE, QUICK
+    )
+
+
+def unknown(box: Box, target: float) -> tuple[float, Array]:
+    """No bound without curvature: that of longer moves is to be seen alone."""
+    return -inf, 0.5 * (box.low + box.high)
 
 
 def _serves(changes: dict[str, Any]) -> bool:
