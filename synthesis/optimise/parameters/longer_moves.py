@@ -3,25 +3,26 @@
 The bound of ``parametric_bound`` leaves curved limits out. Here a box of angles is bounded by one
 problem, with every limit that a problem has:
 
-**Theorem.** Let a box leave the law k an angle of at most B_k, each law resting at one of its ends:
-all derivatives below the capped one are known to be 0 there. Then the problem with the angles B_k,
-whose sum may be more than a turn, has no larger optimum than that of any angles in the box.
+**Theorem.** Laws are those of which bounds speak: s'' continuous, the jerk capped. Let a box leave
+law k an angle of at most B_k, each of these laws at rest at one of its ends: s' and s'' are known
+to be 0 there. Then the problem with the angles B_k, whose sum may be more than a turn, has no
+larger optimum than that of any angles in the box.
 
-*Proof.* Take a cam with angles β_k ≤ B_k in the box, and add a rest of B_k − β_k to the end of law
-k that rests. The longer law has the capped derivative 0 there and all lower ones as they were, so
-that it joins its neighbours as before, is monotone if it was, and keeps every cap. All other limits
-and objectives speak of one cam angle at a time: of motion, size and the sense of the move. At the
-added angles these are what they were at the end of the law, where the limits hold. Means over the
-turn gain nothing from a rest. What speaks of the place on the cam is excluded: ``Placement`` refuses
-windows, vibration and rows that change with the place, ``of`` process forces that do. So the longer
-laws and the same size satisfy the longer problem, with the same value. ∎
+*Proof.* Take a cam with angles β_k ≤ B_k, and add a rest of B_k − β_k to the end of law k that is
+at rest. The longer law has continuous s, s' and s'' and meets its neighbours as before; it is
+monotone if it was; its jerk is 0 on the rest. All other limits and objectives speak of one cam
+angle at a time: of s, s', s'', the size and the sense of the move. On the added rest these are what
+they are at that end of the law, where the limits hold. Means over the turn gain nothing from a
+rest. What speaks of the place on the cam is excluded: ``Placement`` refuses windows, vibration and
+rows that change with the place, ``serves`` forces of the process that do. So the longer laws and
+the same size satisfy the longer problem, with the same value. ∎
 
 With the sum of angles given, no other numbers u have all angles larger than those at u*: in each,
-one angle k is below u*_k, unless it is u* itself. So the boxes {u_k ≤ u*_k}, one for each angle that
-is not at its least, hold all numbers; in each of them one law is as short as at u*, and all others
-as long as they may be. If each law by itself decides how large the cam must be, the box of law k
-has a bound of what that law asks for at u*_k: where these are equal, the bounds are those at u*
-itself, and nothing is lost by the boxes. ``_balanced`` seeks such numbers. Where laws decide
+one angle k is below u*_k, unless it is u* itself. So the boxes {u_k ≤ u*_k}, one for each angle
+that is not at its least, hold all numbers; in each of them one law is as short as at u*, and all
+others as long as they may be. If each law by itself decides how large the cam must be, the box of
+law k has a bound of what that law asks for at u*_k: where these are equal, the bounds are those at
+u* itself, and nothing is lost by the boxes. ``_balanced`` seeks such numbers. Where laws decide
 together, in the offset for example, boxes have lower bounds, and are divided.
 """
 
@@ -48,6 +49,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.state import ProofBudget, SolveState
 
+JERK = 3  # order of the derivative
 COARSE = 4  # intervals of laws of which only the ends are looked at
 EQUAL = 0.1  # of the tolerance: by how much two laws may differ in what they ask for
 EXCHANGES = 2  # between two angles, for each of them
@@ -69,6 +71,7 @@ class LongerMoves:
 
     Attributes:
         placement: where segments lie. solve_at: the search at single numbers to a gap.
+        bound: a bound of a box that leaves curvature out, up to a target [core units].
         tolerance: relative gap [wire] at which to stop. single: that at single numbers.
         proof: what may be spent on each box.
         known: boxes' problems solved as they come, by the longest angles.
@@ -77,6 +80,7 @@ class LongerMoves:
 
     placement: Placement
     solve_at: Callable[[Array, float], SolveState | None]
+    bound: Callable[[Box, float], tuple[float, Array]]
     tolerance: float
     single: float
     proof: ProofBudget
@@ -93,14 +97,17 @@ class LongerMoves:
         if load is not None and not load.process.is_constant:
             return False
         model = formulate(problem, [uniform_grid(s, COARSE) for s in problem.free])
-        controls = law_controls(model)
-        if not controls:
+        if {control.order for control in law_controls(model) or ()} != {JERK}:
             return False
-        order = controls[0].order
         return all(
-            k is None or _rests(boundary.start, order) or _rests(boundary.end, order)
+            k is None or _rests(boundary.start) or _rests(boundary.end)
             for k, boundary in zip(place.coordinates, model.boundary_states, strict=True)
         )
+
+    @property
+    def has_one_size(self) -> bool:
+        """Whether one size is open, so that each law by itself decides how large it must be."""
+        return sum(low != high for low, high in self.placement.problem.sizing.bounds) <= 1
 
     def problem(self, high: Array) -> Problem:
         """The problem with every free angle as long as at ``high``, which need not be a turn."""
@@ -176,10 +183,12 @@ class LongerMoves:
             lower, _, box = heappop(heap)
             for half in box.halves():
                 inside = half.within(self.placement.polytope)
-                state = None if inside is None else self._bound(inside, value, deadline)
-                if inside is None or state is None or state.infeasibility_proof:
+                if inside is None:
                     continue
-                bound = max(lower, state.lower if state.covers_all_laws else -inf)
+                state = self._bound(inside, value, deadline)
+                own = state.lower if state.covers_all_laws else -inf
+                bound = max(lower, own, self.bound(inside, target)[0])
+                bound = inf if state.infeasibility_proof else bound
                 if bound >= target:
                     pruned = min(pruned, bound)
                 else:
@@ -188,7 +197,7 @@ class LongerMoves:
         proof = NumberProof(
             u, best.incumbent.value, lower, f"{valid_for}, {ALL_NUMBERS}",
             best.gap_between(best.incumbent, lower), lower >= target, self.searches, why,
-            best.incumbent,
+            curved=True, cam=best.incumbent,
         )  # fmt: skip
         return proof, solved
 
@@ -328,7 +337,6 @@ class LongerMoves:
         return state.problem.objective.to_wire(value, state.problem.machine)
 
 
-def _rests(state: Array, order: int) -> bool:
-    """Whether all derivatives below the control's are known to be 0 at an end."""
-    return len(state) >= order and not state[1:].any()
-
+def _rests(state: Array) -> bool:
+    """Whether all derivatives below the jerk are known to be 0 at an end."""
+    return len(state) >= JERK and not state[1:].any()

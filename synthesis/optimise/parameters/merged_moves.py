@@ -86,11 +86,11 @@ class MergedMoves:
 
     def with_lifts(self, numbered: DesignSpec, cam: Candidate) -> DesignSpec:
         """The spec with the lifts of a cam of the one move, and the other numbers of its spec."""
-        count, (merged, g) = len(self.joints) - 1, self._merged_law(cam)
+        count, (_, law) = len(self.joints) - 1, self._merged_law(cam)
         run = self.original.program[self.first : self.first + count]
         name = run[0].given_field("lift")
         lift = abs(numbered.program[self.first].signed_lift)
-        levels = lift * np.clip(g.curve()(self.joints), 0.0, 1.0)
+        levels = lift * np.clip(law.curve()(self.joints), 0.0, 1.0)
         lifts = list(np.diff(levels))
         for j, move in enumerate(run):
             low, high = ends(move.given("lift"))
@@ -103,7 +103,7 @@ class MergedMoves:
         return self.original.model_copy(update={"program": [*before, *moves, *after]})
 
     def split(self, problem: Problem, cam: Candidate) -> Candidate:
-        """The cam of the one move as one of the moves: the problem's, its lifts those of the cam."""
+        """The cam of the one move as one of the moves: their problem has the lifts of the cam."""
         position, law = self._merged_law(cam)
         count, curve = len(self.joints) - 1, law.curve()
         parts = []

@@ -49,6 +49,7 @@ class NumberProof:
         valid_for: the laws that this covers. gap: relative, on the wire.
         closed: whether the best cam is within the tolerance of it.
         searches: how many at single numbers it took. exit: why it ended.
+        curved: whether limits that are not in the bound of programs at single numbers matter.
         cam: the best one, where no further search is to better it.
     """
 
@@ -60,6 +61,7 @@ class NumberProof:
     closed: bool
     searches: int
     exit: str
+    curved: bool = False
     cam: Candidate | None = None
 
     def with_bound(self, other: NumberProof) -> NumberProof:
@@ -126,7 +128,7 @@ class NumberSearch:
         self._tolerance, self._single = tolerance, single
         self.known: list[tuple[ParametricBound, float]] = []
         self.best: tuple[float, Array, SolveState] | None = None
-        self._searches, self._lower = 0, -inf
+        self._searches, self._lower, self._curved = 0, -inf, False
 
     def run(self, start: Array, last_program: float, deadline: float) -> NumberProof | None:
         """The best numbers and a bound over all of them; None where nothing bounds a box.
@@ -146,9 +148,7 @@ class NumberSearch:
         while heap:
             # 1. The box with the least bound, bounded by the programs nearest to it.
             lower, _, box = heappop(heap)
-            nearest = sorted(self.known, key=lambda one: box.distance(one[0].u))[:TOGETHER]
-            programs = [one for one, _ in nearest]
-            bound, u = bound_over_box(programs, box.low, box.high, self._target)
+            bound, u = self.bound(box, self._target)
             lower = max(lower, bound)
             if lower >= self._target:
                 pruned = min(pruned, lower)
@@ -187,7 +187,18 @@ class NumberSearch:
             numbers, value, lower,
             f"{all_laws(self.known[0][0].lagrangian.order)}, {ALL_NUMBERS}",
             state.gap_between(state.incumbent, lower), lower >= self._target, self._searches, why,
+            self._curved,
         )  # fmt: skip
+
+    def bound(self, box: Box, target: float) -> tuple[float, Array]:
+        """A bound of a box, and where it is least, from the programs nearest to it.
+
+        Above ``target`` [core units] nothing is gained. −∞ where no program is known.
+        """
+        nearest = sorted(self.known, key=lambda one: box.distance(one[0].u))[:TOGETHER]
+        if not nearest:
+            return -inf, 0.5 * (box.low + box.high)
+        return bound_over_box([one for one, _ in nearest], box.low, box.high, target)
 
     def _solve(self, u: Array, gap: float) -> bool:
         """Solve at single numbers; whether that bounds others too."""
@@ -195,6 +206,7 @@ class NumberSearch:
         state = self._solve_at(u, gap)
         if state is None or state.relaxation is None:
             return False
+        self._curved |= state.local_optimum is not None
         cam = state.incumbent
         if cam is not None and (self.best is None or cam.value < self.best[0]):
             self.best = cam.value, u, state

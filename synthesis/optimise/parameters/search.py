@@ -30,11 +30,7 @@ from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.longer_moves import LongerMoves
 from synthesis.optimise.parameters.merged_moves import MergedMoves
-from synthesis.optimise.parameters.number_search import (
-    ALL_NUMBERS,
-    NumberProof,
-    NumberSearch,
-)
+from synthesis.optimise.parameters.number_search import ALL_NUMBERS, NumberProof, NumberSearch
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
 from synthesis.optimise.problem.problem import formulate_problem
@@ -138,7 +134,9 @@ def _search_merged(
         earlier=None if inner is None else inner.cam,
     )  # fmt: skip
     worth.calls += 1
-    bounded = inner is not None or (state.covers_all_laws and not numbered.free_parameters.parameters)
+    bounded = inner is not None or (
+        state.covers_all_laws and not numbered.free_parameters.parameters
+    )
     if state.incumbent is None or not bounded:
         return None
     spec = merged.with_lifts(numbered, state.incumbent)
@@ -151,8 +149,8 @@ def _search_merged(
     value = state.incumbent.value if cam is None else cam.value
     gap = state.gap_between(state.incumbent if cam is None else cam, lower)
     return numbers, NumberProof(
-        np.array(numbers), value, lower, valid_for, gap, gap <= tolerance, 1, state.stages[-1].exit,
-        cam,
+        np.array(numbers), value, lower, valid_for, gap, gap <= tolerance, 1,
+        state.stages[-1].exit, cam=cam,
     )  # fmt: skip
 
 
@@ -177,7 +175,9 @@ def _search_program(
     searched = longer = None
     if placement is not None:
         searched = NumberSearch(placement, worth.state, all_numbers, single)
-        longer = LongerMoves(placement, worth.state, all_numbers, single, proof)
+        longer = LongerMoves(
+            placement, worth.state, searched.bound, all_numbers, single, proof
+        )  # fmt: skip
     freedom = worth.free_parameters.polytope.directions.shape[1]
 
     def prove(start: Array, programs: float) -> NumberProof | None:
@@ -186,23 +186,27 @@ def _search_program(
 
     # 1. Branch and bound: with one or two directions it often closes the gap at once.
     first = prove(middle, FIRST_PROGRAMS)
-    if first is not None and first.closed:
+    if first is not None and (first.closed or first.gap <= all_numbers):
         return BundlePoint(first.u, first.value), first
-    # 2. Curved limits are in the bounds of longer moves alone.
-    if first is not None and longer is not None and longer.serves():
+    # 2. Longer moves bound curved limits too, and lose nothing where laws do not decide together.
+    suits = longer is not None and (longer.has_one_size or (first is not None and first.curved))
+    if first is not None and longer is not None and suits and longer.serves():
         last = clock.programs_solved() + freedom * proof.programs
         other = longer.run(first.u, last, deadline)
-        if other is not None and other.gap < first.gap:
-            return BundlePoint(other.u, other.value), other.with_bound(first)
+        first = first if other is None or other.gap >= first.gap else other.with_bound(first)
     if first is not None and first.gap <= LITTLE:
         return BundlePoint(first.u, first.value), first
     # 3. Descents, which cost little, and branch and bound from where they end.
     best = _descend(worth, middle)
     more = max(proof.programs, FIRST_PROGRAMS)
     again = None if best is None or best.value == inf else prove(best.u, more)
-    if again is None:
-        return best, first
-    return BundlePoint(again.u, again.value), again
+    if again is not None and (first is None or again.gap <= first.gap):
+        return BundlePoint(again.u, again.value), again if first is None else again.with_bound(
+            first
+        )
+    if first is not None and first.cam is not None:
+        return BundlePoint(first.u, first.value), first
+    return best, first
 
 
 def _descend(worth: ValueFunction, middle: Array) -> BundlePoint | None:

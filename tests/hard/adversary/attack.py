@@ -15,6 +15,9 @@ from tests.hard.adversary.search import Found, cams
 from tests.hard.verifier import Cam, objectives, readings
 
 AGREED = 1e-6  # relative: a cam this little better than a bound proves nothing
+ALL_NUMBERS = "at all angles and lifts"
+STEPS = (0.0, 0.003, 0.02, 0.1, 0.3, 1.0)
+"""Of the way from the numbers chosen to random ones: a bound over all of them holds at each."""
 BACKWARDS = 1e-9  # of a lift: what rounding may make of a law that rests
 Spec = dict[str, Any]
 
@@ -87,9 +90,12 @@ def attempts(spec: Spec, design: dict[str, Any], seconds: float, seed: int) -> I
     known = design["certificate"]["value"] if objectives(spec)[0] == "base_radius" else None
     chosen = design.get("free_parameters") or {}
     free = any(isinstance(v, dict) for s in spec["program"] for v in s.values())
-    rounds = 6 if free and not chosen else 1
+    everywhere = ALL_NUMBERS in design["certificate"]["bound_valid_for"]
+    rounds = 6 if free and (everywhere or not chosen) else 1
     for turn in range(rounds):
-        given = with_numbers(spec, chosen) if chosen else given_numbers(spec, random)
+        given = given_numbers(spec, random) if free and (turn or not chosen) else spec
+        if chosen and given is not None:
+            given = between(spec, given, chosen, STEPS[turn % len(STEPS)])
         if given is None:
             return
         kept: list[Found] = []
@@ -114,6 +120,20 @@ def with_numbers(spec: Spec, chosen: dict[str, float]) -> Spec:
         elif index == "follower":
             follower[name] = value
     return {**spec, "program": program, "follower": follower}
+
+
+def between(spec: Spec, other: Spec, chosen: dict[str, float], share: float) -> Spec:
+    """The question with numbers a share of the way from those chosen to another one's.
+
+    Sums of numbers stay what they are.
+    """
+    moved = {}
+    for field, value in chosen.items():
+        *_, index, name = field.strip("/").split("/")
+        there = other["program"][int(index)] if index.isdigit() else other["follower"]
+        known = share > 0.0 and not isinstance(there[name], dict)
+        moved[field] = value + share * (there[name] - value) if known else value
+    return with_numbers(spec, moved)
 
 
 def stands_up(spec: Spec, found: Found) -> bool:

@@ -1,0 +1,152 @@
+"""Problems with longer moves bound boxes of angles; the boxes about some numbers hold all."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis.numerics import clock
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.parameters.longer_moves import LongerMoves
+from synthesis.optimise.parameters.number_search import Box
+from synthesis.optimise.parameters.placement import Placement
+from synthesis.optimise.parameters.value_function import ValueFunction
+from synthesis.optimise.problem.nondimensional import NondimensionalSpec
+from synthesis.optimise.state import QUICK
+from synthesis.spec.design_spec import DesignSpec
+from tests.optimise.parameters.test_number_search import CASES, PRESSURE, angles, dwell, move
+
+TOLERANCE = 5e-3
+RADIUS = {"kind": "profile_radius", "min_mm": 4.4}
+JERK = {"kind": "jerk", "max_mm_per_s3": 1.9e7}
+CURVED: dict[str, dict[str, Any]] = {
+    # one free direction, the size one number
+    "two": {**CASES["angles"], "limits": [PRESSURE, JERK, RADIUS]},
+    # no dwell above; the offset couples the laws; a dwell is free as well: two directions
+    "coupled": {
+        "program": [move("rise", angles(60.0, 90.0), 28.2),
+                    move("return", angles(62.0, 92.0), 28.2), dwell(angles(190.0, 230.0))],
+        "limits": [PRESSURE, JERK, RADIUS],
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 11.2},
+    },
+}  # fmt: skip
+
+
+@cache
+def question(name: str) -> tuple[ValueFunction, LongerMoves]:
+    return of_body(CURVED[name])
+
+
+def of_body(changes: dict[str, Any]) -> tuple[ValueFunction, LongerMoves]:
+    body = {
+        "speed_rpm": 190.0,
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 11.2, "offset_mm": 0.0},
+        **changes,
+    }
+    spec = NondimensionalSpec.of(DesignSpec.model_validate(body)).scaled
+    worth = ValueFunction(spec, spec.free_parameters, inf)
+    placement = Placement.of(spec.free_parameters, worth.problem)
+    assert placement is not None
+    return worth, LongerMoves(
+        placement, worth.state, unknown, 0.95 * TOLERANCE, 0.4 * TOLERANCE, QUICK
+    )
+
+
+def unknown(box: Box, target: float) -> tuple[float, Array]:
+    """No bound without curvature: that of longer moves is to be seen alone."""
+    return -inf, 0.5 * (box.low + box.high)
+
+
+def _serves(changes: dict[str, Any]) -> bool:
+    return of_body(changes)[1].serves()
+
+
+def points(longer: LongerMoves, count: int) -> list[Array]:
+    """Random numbers that the equation allows."""
+    corners = longer.placement.polytope.corners(9)
+    shares = np.random.default_rng(5).dirichlet(np.full(len(corners), 0.6), count)
+    return [np.asarray(share @ np.array(corners)) for share in shares]
+
+
+@pytest.mark.parametrize("name", CURVED)
+def test_no_cam_of_a_box_is_smaller_than_the_bound_of_longer_moves(name: str) -> None:
+    worth, longer = question(name)
+    assert longer.serves()
+    for u in points(longer, 1):
+        state = worth.state(u, TOLERANCE)
+        assert state is not None
+        assert state.incumbent is not None
+        step = np.random.default_rng(2).uniform(0.0, 0.2, len(u))
+        high = np.minimum(u + step, 1.0)
+        bound = optimise(longer.problem(high), TOLERANCE)
+        assert bound.covers_all_laws
+        assert bound.lower <= state.incumbent.value * (1.0 + 1e-9)
+        # the box of the numbers alone has the bound there
+        own = optimise(longer.problem(u), TOLERANCE)
+        assert own.lower == pytest.approx(state.lower, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", CURVED)
+def test_the_boxes_about_some_numbers_hold_all(name: str) -> None:
+    longer = question(name)[1]
+    known = points(longer, 5)
+    for u in (*known, *longer.placement.polytope.corners(4)):
+        boxes = [box for _, box in longer._cover(np.asarray(u))]
+        assert all(any(holds(box, other) for box in boxes) for other in known)
+
+
+def holds(box: Box, u: Array) -> bool:
+    return bool(np.all(u >= box.low - 1e-7) and np.all(u <= box.high + 1e-7))
+
+
+def test_where_curvature_decides_the_gap_over_all_angles_closes() -> None:
+    worth, longer = question("two")
+    centre = longer.placement.polytope.centre()
+    assert centre is not None
+    proof = longer.run(centre, clock.programs_solved(), inf)
+    assert proof is not None
+    assert proof.cam is not None
+    assert proof.lower <= proof.value
+    assert proof.gap <= 2.0 * TOLERANCE
+    # cams at these numbers and at others are not below the bound
+    for other in points(longer, 2):
+        state = worth.state(proof.u + 0.03 * (other - proof.u), TOLERANCE)
+        assert state is not None
+        assert state.incumbent is not None
+        assert state.incumbent.value >= proof.lower
+
+
+def test_the_numbers_are_those_at_which_laws_ask_for_equal_sizes() -> None:
+    longer = question("two")[1]
+    centre = longer.placement.polytope.centre()
+    assert centre is not None
+    u = longer._balanced(centre, inf)
+    first, second = (longer._asked(k, u[k], inf) for k in range(2))
+    assert first == pytest.approx(second, abs=0.1 * TOLERANCE)
+
+
+def test_it_does_not_serve_what_the_theorem_leaves_out() -> None:
+    """Free lifts; a force that depends on the cam angle; a law that rests at neither end."""
+    assert not _serves(CASES["lifts"])
+    load = {"kind": "slide", "moving_mass_kg": 1.0, "spring": {"rate_n_per_mm": 3.0,
+            "preload_n": 900.0}}  # fmt: skip
+    # of a torque there are no rows, which would tell that they differ with the place
+    limits = [PRESSURE, JERK, {"kind": "camshaft_torque", "max_n_m": 900.0}]
+    constant = {**CURVED["two"], "limits": limits, "load": load}
+    assert _serves(constant)
+    course = [{"angle_deg": 0.0, "force_n": 0.0}, {"angle_deg": 90.0, "force_n": 70.0}]
+    assert not _serves({**constant, "load": {**load, "process": course}})
+    fast = {"velocity_mm_per_s": 80.0}
+    gliding = {
+        "program": [{**move("rise", 70.0, 14.0), "end": fast},
+                    {**move("rise", angles(30.0, 60.0), 8.0), "start": fast, "end": fast},
+                    {**move("rise", 70.0, 14.0), "start": fast}, dwell(20.0),
+                    move("return", angles(80.0, 120.0), 36.0), dwell(37.0)],
+        "limits": [PRESSURE, JERK],
+    }  # fmt: skip
+    assert not _serves(gliding)
