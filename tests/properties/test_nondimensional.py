@@ -33,7 +33,7 @@ UNITS = {
     "rad": (0, 0),
 }  # fmt: skip
 PURE = {
-    "b", "c", "d", "coefficient", "continuity", "damping_ratio", "inflection", "life_exponent",
+    "allowance", "b", "c", "d", "coefficient", "continuity", "damping_ratio", "inflection", "life_exponent",
     "poisson_ratio", "report_smoothness_cost", "smoothness", "tolerance", "time_budget_s", "min",
     "max", "points", "overshoot",
 }  # fmt: skip

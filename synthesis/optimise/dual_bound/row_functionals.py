@@ -143,9 +143,8 @@ class RowFunctional:
             size[:] = _of_rows(block.size, which)
         x, weights = block.x[which], np.zeros((len(rhs), order))
         spans = poly = None
-        if block.kind == "monotone":
+        if block.kind == "monotone" and block.segment is not None:
             # Coefficients in order act as −g' ≤ 0 near by.
-            assert block.segment is not None
             first = len(self.model.boundary_states[block.segment].first) - 1
             here = slice(first, first + self.count)
             x, slopes = (a[here][which] for a in self.model.grids[block.segment].space.step_slopes)
@@ -155,7 +154,7 @@ class RowFunctional:
             assert block.spans is not None
             spans, alpha = block.spans[which], np.zeros((len(rhs), order + 1))
             alpha[:] = _of_rows(block.alpha.T, which)[..., : order + 1]
-            even = Hats(spans[:, 0], spans[:, 1], np.full(len(rhs), 0.5), alpha[:, :order])
+            even = Hats(*spans.T, np.full(len(rhs), 0.5), alpha[:, :order])
             x, weights, poly = even.left, even.weights, even.poly
             poly[:, 0] += alpha[:, order] / np.ptp(spans, axis=1)
         else:
