@@ -33,8 +33,8 @@ UNITS = {
     "rad": (0, 0),
 }  # fmt: skip
 PURE = {
-    "allowance", "b", "c", "d", "coefficient", "continuity", "damping_ratio", "inflection", "life_exponent",
-    "poisson_ratio", "report_smoothness_cost", "smoothness", "tolerance", "time_budget_s", "min",
+    "allowance", "b", "c", "d", "coefficient", "continuity", "damping_ratio", "inflection",
+    "life_exponent", "poisson_ratio", "report_smoothness_cost", "smoothness", "tolerance", "time_budget_s", "min",
     "max", "points", "overshoot",
 }  # fmt: skip
 

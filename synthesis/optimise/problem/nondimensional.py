@@ -29,7 +29,8 @@ DIMENSIONS: Mapping[str, tuple[int, int]] = MappingProxyType({
     **{f"mm{per_time}": (1, -order) for order, per_time in enumerate(FIELD_SUFFIXES)},
     **{f"deg{per_time}": (0, -order) for order, per_time in enumerate(FIELD_SUFFIXES)},
     "rpm": (0, -1), "hz": (0, -1),
-    "kg": (0, 0), "kg_per_m3": (-3, 0), "n": (1, -2), "n_per_mm": (0, -2), "n_s_per_m": (0, -1), "mpa": (-1, -2),
+    "kg": (0, 0), "kg_per_m3": (-3, 0),
+    "n": (1, -2), "n_per_mm": (0, -2), "n_s_per_m": (0, -1), "mpa": (-1, -2),
     "kg_m2": (2, 0), "n_m": (2, -2), "n_m_per_rad": (2, -2), "n_m_s_per_rad": (2, -1),
 })  # fmt: skip
 """Exponents of length and of time, by the unit at the end of a field's name."""
