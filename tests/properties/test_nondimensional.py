@@ -34,8 +34,8 @@ UNITS = {
 }  # fmt: skip
 PURE = {
     "allowance", "b", "c", "d", "coefficient", "continuity", "damping_ratio", "inflection",
-    "life_exponent", "poisson_ratio", "report_smoothness_cost", "smoothness", "tolerance", "time_budget_s", "min",
-    "max", "points", "overshoot",
+    "life_exponent", "poisson_ratio", "report_smoothness_cost", "smoothness", "tolerance",
+    "time_budget_s", "min", "max", "points", "overshoot",
 }  # fmt: skip
 
 
