@@ -11,7 +11,7 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.contract.examples import examples
+from service.contract.examples import VARIANTS, examples
 from service.contract.sharing import share
 from service.wire.errors import ProblemType
 from service.wire.problem import MEDIA_TYPE, LateProblem, Problem
@@ -123,8 +123,9 @@ UNDER_WAY_HEADERS = {
 
 
 def spec_body(part: str = "", schema: str = "DesignSpec") -> Json:
-    """A spec as request body, with the worked examples of a folder."""
-    content = {"schema": {"$ref": f"{REFERENCE}{schema}"}, "examples": examples(part)}
+    """A spec as request body, with the worked examples of a folder but for variants of others."""
+    shown = {name: each for name, each in examples(part).items() if name not in VARIANTS}
+    content = {"schema": {"$ref": f"{REFERENCE}{schema}"}, "examples": shown}
     return {"requestBody": {"required": True, "content": {"application/json": content}}}
 
 

@@ -20,6 +20,7 @@ BESIDE = {"description", "default"}
 COMPOSITE = {"anyOf", "oneOf", "items", "additionalProperties"}
 # Types that are written out at several places, each by one of them.
 NAMED = {
+    "Allowance": "BaseRadius.allowance",
     "BalancePointer": "RangeAxis.balance_pointer",
     "CrownRadius": "GloboidalIndexer.crown_radius_mm",
     "Cursor": "DesignPage.next",
@@ -34,6 +35,7 @@ NAMED = {
     "Numbers": "Design.dimensions",
     "Objective": "SweepSpec.quantities.items",
     "MeshAngle": "GloboidalIndexer.mesh_angle_deg",
+    "PeakOrNone": "FlankGeometry.convex_radius_mm",
     "Pair": "BorderArc.from_mm",
     "PivotDirection": "OscillatingRoller.pivot_direction_deg",
     "Pointer": "RangeAxis.pointer",
