@@ -311,22 +311,23 @@ async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     parts.engine.admit()
     owner, _, file = request.url.path.rpartition("/")
     again = f"{request.url.path}?{request.url.query}".removesuffix("?")
-    later = f"{owner} is as it was. GET {again} makes {file} later, when less is going on here"
-    coarser = "options that are coarser, such as fewer points, make it sooner."
+    later = (
+        f"{owner} is as it was: ask for the file again by GET {again}, when less is going on here "
+        "or with coarser options, such as fewer points."
+    )
     budget_s = parts.settings.budget_s(None)
     try:
         return await parts.engine.run(work, budget_s=budget_s)
     except TimeBudgetExceeded:
         raise ProblemType.TIME_BUDGET(
             f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "
-            f"{later}; {coarser}"
+            f"{later}"
         ) from None
     except ServiceError as error:
         if error.problem is not ProblemType.WORKER_LOST:
             raise
         raise ProblemType.WORKER_LOST(
-            f"The process that made {file} died, perhaps for lack of memory. {later}; {coarser}",
-            error.headers,
+            f"The process that made {file} died, perhaps for lack of memory. {later}", error.headers
         ) from None
 
 

@@ -108,7 +108,7 @@ def test_a_file_that_is_not_made_says_where_to_get_it_later(
     assert refused.value.headers == getattr(raised, "headers", {})
     text = str(refused.value)
     assert words in text
-    assert "/v1/designs/abc is as it was. GET /v1/designs/abc/solid.step?tolerance_um=1" in text
+    assert "again by GET /v1/designs/abc/solid.step?tolerance_um=1, when less is going on" in text
     assert "tolerance was reached" not in text
 
 
