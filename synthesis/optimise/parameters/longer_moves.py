@@ -133,11 +133,11 @@ class LongerMoves:
             deadline: ``clock.now()`` to stop at.
         """
         u, found = self._balanced(start, deadline), None
-        for _ in range(ROUNDS):
+        for left in range(ROUNDS, 0, -1):
             best = self.solve_at(u, self.single)
             if best is None or best.incumbent is None:
                 break
-            proof, solved = self._prove(u, best, last_program, deadline)
+            proof, solved = self._prove(u, best, last_program, deadline, left)
             if proof is None:
                 break
             better = found is None or proof.gap < found.gap
@@ -150,7 +150,7 @@ class LongerMoves:
         return found
 
     def _prove(
-        self, u: Array, best: SolveState, last_program: float, deadline: float
+        self, u: Array, best: SolveState, last_program: float, deadline: float, rounds: int
     ) -> tuple[NumberProof | None, dict[int, SolveState]]:
         """The bound over all numbers from boxes about u, and the boxes' own problems by the law.
 
@@ -161,8 +161,11 @@ class LongerMoves:
         # 1. Boxes that hold all numbers: in each one angle is no longer than at u.
         pruned, valid_for, why = inf, "", "no box has a better cam"
         value = self._wire(best, best.incumbent.value)
-        for k, box in self._cover(u):
-            state = self._bound(box, value, deadline)
+        cover = self._cover(u)
+        for number, (k, box) in enumerate(cover):
+            # Boxes share the time that is left, and so do the rounds, of which ``rounds`` are left.
+            now, shares = clock.now(), rounds * len(cover) - number
+            state = self._bound(box, value, now + (deadline - now) / shares)
             if not state.covers_all_laws:
                 return None, {}
             if state.infeasibility_proof:
