@@ -5,10 +5,11 @@ point is solved in full.
 
 * Lifts of moves that run into each other: one solve of the moves as one (``merged_moves``).
 * Other angles and lifts: branch and bound (``number_search``), which bounds all numbers; of angles
-  with curved limits ``longer_moves``. Where a gap is left, descents give it a better start: a few cone programs on coarse grids give a point's value;
-  samples give starts; a bundle method descends from the best, first on a coarse mesh, then on the
-  knots of the full search. Where a whole search at the end comes to another value, its knots or its
-  curved limits matter more than a coarse mesh shows: then whole searches choose among the samples.
+  with curved limits ``longer_moves``. Where a gap is left, descents give it a better start: a few
+  cone programs on coarse grids give a point's value; samples give starts; a bundle method descends
+  from the best, first on a coarse mesh, then on the knots of the full search. Where a whole search
+  at the end comes to another value, its knots or its curved limits matter more than a coarse mesh
+  shows: then whole searches choose among the samples.
 * A length of the machine changes what limits say of the size, and not in a convex way, so each one
   costs a whole search: over all its range, then near the best. A given law's size is exact, so
   that the length can be too; free laws leave some noise. What else can be fixed, the pivot's
