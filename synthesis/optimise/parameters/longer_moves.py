@@ -133,11 +133,11 @@ class LongerMoves:
             deadline: ``clock.now()`` to stop at.
         """
         u, found = self._balanced(start, deadline), None
-        for left in range(ROUNDS, 0, -1):
+        for _ in range(ROUNDS):
             best = self.solve_at(u, self.single)
             if best is None or best.incumbent is None:
                 break
-            proof, solved = self._prove(u, best, last_program, deadline, left)
+            proof, solved = self._prove(u, best, last_program, deadline)
             if proof is None:
                 break
             better = found is None or proof.gap < found.gap
@@ -150,7 +150,7 @@ class LongerMoves:
         return found
 
     def _prove(
-        self, u: Array, best: SolveState, last_program: float, deadline: float, rounds: int
+        self, u: Array, best: SolveState, last_program: float, deadline: float
     ) -> tuple[NumberProof | None, dict[int, SolveState]]:
         """The bound over all numbers from boxes about u, and the boxes' own problems by the law.
 
@@ -163,9 +163,9 @@ class LongerMoves:
         value = self._wire(best, best.incumbent.value)
         cover = self._cover(u)
         for number, (k, box) in enumerate(cover):
-            # Boxes share the time that is left, and so do the rounds, of which ``rounds`` are left.
-            now, shares = clock.now(), rounds * len(cover) - number
-            state = self._bound(box, value, now + (deadline - now) / shares)
+            # Boxes share the time that is left.
+            now = clock.now()
+            state = self._bound(box, value, now + (deadline - now) / (len(cover) - number))
             if not state.covers_all_laws:
                 return None, {}
             if state.infeasibility_proof:
