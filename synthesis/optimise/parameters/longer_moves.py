@@ -161,8 +161,11 @@ class LongerMoves:
         # 1. Boxes that hold all numbers: in each one angle is no longer than at u.
         pruned, valid_for, why = inf, "", "no box has a better cam"
         value = self._wire(best, best.incumbent.value)
-        for k, box in self._cover(u):
-            state = self._bound(box, value, deadline)
+        cover = self._cover(u)
+        for number, (k, box) in enumerate(cover):
+            # Boxes share the time that is left.
+            now = clock.now()
+            state = self._bound(box, value, now + (deadline - now) / (len(cover) - number))
             if not state.covers_all_laws:
                 return None, {}
             if state.infeasibility_proof:

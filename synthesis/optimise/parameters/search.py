@@ -3,11 +3,13 @@
 With them fixed all is as ever, so they are searched for around the convex program, and the best
 point is solved in full.
 
-* Angles and lifts: branch and bound (``number_search``), which bounds all numbers. Where it leaves
-  a gap, descents give it a better start: a few cone programs on coarse grids give a point's value;
-  samples give starts; a bundle method descends from the best, first on a coarse mesh, then on the
-  knots of the full search. Where a whole search at the end comes to another value, its knots or its
-  curved limits matter more than a coarse mesh shows: then whole searches choose among the samples.
+* Lifts of moves that run into each other: one solve of the moves as one (``merged_moves``).
+* Other angles and lifts: branch and bound (``number_search``), which bounds all numbers; of angles
+  with curved limits ``longer_moves``. Where a gap is left, descents give it a better start: a few
+  cone programs on coarse grids give a point's value; samples give starts; a bundle method descends
+  from the best, first on a coarse mesh, then on the knots of the full search. Where a whole search
+  at the end comes to another value, its knots or its curved limits matter more than a coarse mesh
+  shows: then whole searches choose among the samples.
 * A length of the machine changes what limits say of the size, and not in a convex way, so each one
   costs a whole search: over all its range, then near the best. A given law's size is exact, so
   that the length can be too; free laws leave some noise. What else can be fixed, the pivot's
@@ -68,6 +70,11 @@ NEAR = 0.1  # of a value: so near to an end of its range the end is tried too
 INWARDS = 0.02
 """Of the way from an end of the range to the next length tried: whether the end itself is best."""
 
+NOTE = (
+    "angles and lifts by branch and bound, angles also by longer moves, then by cutting planes "
+    "from several starts and by whole searches where a coarse mesh misleads; lengths one by one"
+)
+MERGED_NOTE = "moves that run into each other solved as one, its level where they meet left free"
 
 P = TypeVar("P", bound=BundlePoint)
 
@@ -114,8 +121,7 @@ def choose_parameters(
         "proportions", f"search over {freedom} of {len(numbers)} free numbers", "Clarabel",
         len(numbers), 0, worth.calls, time.perf_counter() - started,
         status,
-        "angles and lifts by branch and bound, then by cutting planes from several starts and by "
-        "whole searches where a coarse mesh misleads; lengths one by one",
+        NOTE if found is None else MERGED_NOTE,
         exit="" if bounded is None else bounded.exit,
     )  # fmt: skip
     return spec.with_values(numbers), stage, bounded
@@ -193,7 +199,11 @@ def _search_program(
     if first is not None and longer is not None and suits and longer.serves():
         last = clock.programs_solved() + freedom * proof.programs
         other = longer.run(first.u, last, deadline)
-        first = first if other is None or other.gap >= first.gap else other.with_bound(first)
+        if other is not None:
+            better, worse = sorted((other, first), key=lambda one: one.value)
+            first = better.with_bound(worse)
+            if longer.has_one_size:
+                return BundlePoint(first.u, first.value), first
     if first is not None and first.gap <= LITTLE:
         return BundlePoint(first.u, first.value), first
     # 3. Descents, which cost little, and branch and bound from where they end.
