@@ -1,0 +1,463 @@
+"""Witnesses of bounds that a roller's profile radius raises: rounds of steps, then multipliers.
+
+Linear programs over laws whose third derivative is constant between knots: the rows are those that
+the checker derives, made into floating point, and the checker's own arithmetic says what their
+multipliers prove. Nothing here has to be right: what is wrong proves less.
+
+Symbols as in ``docs/proof.md``: X = s0 + s, U = v − c e, E = c e, angles in degrees. A round bounds
+the size, and X and U at places of the free laws where radii are small; from these bounds the
+checker derives the rows of the next round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import ceil, cos, pi, sin
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.highs import LinearRows, minimise_each
+from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.pipeline.proof_file.checker import checker
+
+Json = dict[str, Any]
+DEGREE = pi / 180.0
+ORDER = 3  # of the derivative that is limited
+KNOTS = 40  # equal intervals of a law, at least
+PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
+ZONE_STEP = 0.02  # of a law: between knots where rows of radii are written
+NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
+DIRECTIONS = 64  # of tangents of a circle around the axis
+SAMPLES = 25  # of a given law
+FIGURES = 9  # of a multiplier
+SMALL = 1e-9  # of the largest multiplier: what is left out
+LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
+ROUNDS = 6
+KEPT = 0.8  # of the widths of bounds: a round that leaves more is the last
+FAR = 1e3  # lifts: where nothing else bounds a size
+
+
+@dataclass
+class Law:
+    """A free law as columns of the program: g''' over its cap on intervals, and what starts it.
+
+    Attributes:
+        first: its first column. knots: (n + 1,). cap: of |g'''|. start: of g' and g'' at 0 the
+            values, or None where columns of their own follow those of the intervals.
+    """
+
+    segment: Any
+    first: int
+    knots: Array
+    cap: float
+    start: list[float | None]
+    columns: list[int] = field(default_factory=list)
+
+    def rows(self, x: Array, order: int, width: int) -> tuple[Array, Array]:
+        """g^(order) at x (q,), affine in all columns: (q, width) and constants (q,)."""
+        matrix, constant = np.zeros((len(x), width)), np.zeros(len(x))
+        n = ORDER - order
+        ahead = np.maximum(x[:, None] - self.knots, 0.0) ** n * (self.cap / _factorial(n))
+        matrix[:, self.first : self.first + len(self.knots) - 1] = ahead[:, :-1] - ahead[:, 1:]
+        for k, (value, column) in enumerate(zip(self.start, self.columns, strict=True), 1):
+            if k >= order:
+                power = x ** (k - order) / _factorial(k - order)
+                if value is None:
+                    matrix[:, column] += power
+                else:
+                    constant += value * power
+        return matrix, constant
+
+
+def _factorial(n: int) -> float:
+    return float(np.prod(np.arange(1, n + 1)))
+
+
+@dataclass
+class Row:
+    """A row of the program and what its multiplier is in the file.
+
+    ``densities``: whether it is the mean over a span. ``x``, ``y``: its ends, equal at points.
+    """
+
+    segment: int
+    limit: str
+    side: int
+    x: float
+    y: float
+    values: Array
+    upper: float
+
+
+class Program:
+    """The linear program of a question."""
+
+    def __init__(self, question: Any, knots: dict[int, Array]) -> None:
+        judge = checker()
+        self.question, self.judge, self.laws = question, judge, list[Law]()
+        self.jerk, width = float(question.jerk), 0
+        free = [s for s in question.turning if s.free]
+        for s in free:
+            cap = self.jerk * float(s.degrees) ** ORDER / abs(float(s.lift))
+            law = Law(s, width, knots[s.index], cap, [])
+            width += len(law.knots) - 1
+            for k in (1, 2):
+                law.start.append(self._known(s.before, s, k))
+                law.columns.append(width if law.start[-1] is None else -1)
+                width += law.start[-1] is None
+            self.laws.append(law)
+        self.width = width + 2  # the size e and s0 [mm] come last
+        self.by_index = {law.segment.index: law for law in self.laws}
+        self.ends, self.end_values, self.end_names = self._end_conditions()
+        self.fixed = list(self._linear_rows())
+
+    def _known(self, left: Any, right: Any, k: int) -> float | None:
+        """g^(k) of a free law at 0 where what comes before it tells; None where it is open."""
+        factor = float(right.degrees) ** k / float(right.lift)
+        if not left.free:
+            low, high = self.judge.given(left.law, k, Fraction(1))
+            return float(low + high) / 2 * float(left.lift) / float(left.degrees) ** k * factor
+        turns = left.forward and right.forward and left.lift * right.lift < 0
+        return 0.0 if k == 1 and turns else None
+
+    def _end_conditions(self) -> tuple[Array, Array, list[tuple[int, int]]]:
+        rows, values, names = [], [], []
+        for law in self.laws:
+            left, right = law.segment, law.segment.after
+            for k in range(ORDER):
+                matrix, constant = law.rows(np.ones(1), k, self.width)
+                value = 1.0 if k == 0 else 0.0
+                factor = float(left.degrees) ** k / float(left.lift)
+                if k and not right.free:
+                    low, high = self.judge.given(right.law, k, Fraction(0))
+                    value = float(low + high) / 2 * float(right.lift) / float(right.degrees) ** k
+                    value *= factor
+                elif k:
+                    after = self.by_index[right.index]
+                    if after.start[k - 1] is None:
+                        share = float(right.lift) / float(right.degrees) ** k * factor
+                        matrix[:, after.columns[k - 1]] -= share
+                rows.append(matrix[0])
+                values.append(value - constant[0])
+                names.append((left.index, k))
+        return np.array(rows).reshape(-1, self.width), np.array(values), names
+
+    def motion(self, segment: Any, x: Array, order: int) -> tuple[Array, Array]:
+        """s, v or a at x, affine in the columns."""
+        factor = float(segment.lift) / float(segment.degrees) ** order
+        level = float(segment.level) if order == 0 else 0.0
+        if segment.free:
+            matrix, constant = self.by_index[segment.index].rows(x, order, self.width)
+            return factor * matrix, factor * constant + level
+        places = [Fraction(float(each)).limit_denominator(10**9) for each in x]
+        g = [sum(map(float, self.judge.given(segment.law, order, each))) / 2 for each in places]
+        return np.zeros((len(x), self.width)), factor * np.array(g) + level
+
+    def _row(self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any) -> tuple[Array, Array]:
+        """Rows alpha · (s, v, a) + size · (c e, s0) ≤ upper at x: the columns' share and the rest."""
+        matrix, rest = np.zeros((len(x), self.width)), np.full(len(x), float(upper))
+        for k, each in enumerate(alpha[:ORDER]):
+            if each:
+                part, constant = self.motion(segment, x, k)
+                matrix += float(each) * part
+                rest -= float(each) * constant
+        matrix[:, -2] += float(size[0]) * DEGREE
+        matrix[:, -1] += float(size[1])
+        return matrix, rest
+
+    def _points(self, segment: Any) -> Array:
+        if segment.free:
+            return self.by_index[segment.index].knots
+        return np.round(np.linspace(0.0, 1.0, SAMPLES), 9) if segment.lift else np.zeros(1)
+
+    def _linear_rows(self) -> Iterator[Row]:
+        for name, limit in self.question.limits.items():
+            for segment in self.question.turning:
+                for side in (1, -1):
+                    if self._bends(limit):
+                        continue
+                    found = self.question.row(segment, limit, side, *self.judge.C, 1)
+                    if found is None or (segment.free and any(found[0][ORDER:])):
+                        continue
+                    if not segment.free and not any(found[1]):
+                        continue
+                    x, jumps = self._points(segment), segment.free and found[0][2]
+                    matrix, upper = self._row(segment, x, *found)
+                    for at, row, most in zip(x.tolist(), matrix, upper, strict=True):
+                        most += LOOSE * abs(most) * bool(jumps)
+                        yield Row(segment.index, name, side, at, at, row, most)
+                    if jumps:
+                        yield from self._mean_rows(segment, name, side, x, found)
+
+    def _mean_rows(
+        self, segment: Any, name: str, side: int, x: Array, found: Any
+    ) -> Iterator[Row]:
+        for a, b in zip(x[:-1].tolist(), x[1:].tolist(), strict=True):
+            at = a + (b - a) * (np.arange(8) + 0.5) / 8.0
+            matrix, upper = self._row(segment, at, *found)
+            yield Row(segment.index, name, side, a, b, matrix.mean(axis=0), float(upper.mean()))
+
+    def _bends(self, limit: Json) -> bool:
+        return self.question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
+
+    def bend_rows(self, zones: dict[int, list[tuple[float, float]]]) -> Iterator[Row]:
+        """Rows of radii: of free laws in their zones, of others all along."""
+        judge, question = self.judge, self.question
+        for name, limit in question.limits.items():
+            if not self._bends(limit):
+                continue
+            for segment in question.turning:
+                points = self._points(segment)
+                if segment.free:
+                    inside = [(a <= points) & (points <= b) for a, b in zones.get(segment.index, ())]
+                    points = points[np.any(inside, axis=0)] if inside else points[:0]
+                places = [(x, x) for x in points.tolist()]
+                if segment.free:
+                    places += [
+                        (a, b) for (a, _), (b, _) in zip(places[:-1], places[1:], strict=True)
+                        if any(low <= a and b <= high for low, high in zones[segment.index])
+                    ]
+                for a, b in places:
+                    if any(p is None for p in (question.heights[1], *question.offsets)):
+                        continue
+                    try:
+                        row = self._bend_row(segment, name, limit, a, b)
+                    except judge.Failure:
+                        continue
+                    yield row
+
+    def _bend_row(self, segment: Any, name: str, limit: Json, a: float, b: float) -> Row:
+        count = self.judge.SLICES if a < b else 1
+        first, last = (Fraction(repr(x)) for x in (a, b))
+        total, rest = np.zeros(self.width), 0.0
+        for k in range(count):
+            x = first + (last - first) * Fraction(2 * k + 1, 2 * count)
+            self.judge.spent.clear()
+            found = self.question.bend_row(segment, limit, x)
+            matrix, upper = self._row(segment, np.array([float(x)]), *found)
+            total, rest = total + matrix[0] / count, rest + float(upper[0]) / count
+        if a == b and segment.free:
+            rest += LOOSE * abs(rest)
+        return Row(segment.index, name, 1, a, b, total, rest)
+
+    def minimise(
+        self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None
+    ) -> list[tuple[float, Json]] | None:
+        """The least values of some costs (width,) and their multipliers; None where nothing fits.
+
+        ``radius``: largest √(e² + s0²). None: it is minimised itself, and there are no costs.
+        """
+        alone = radius is None
+        width = self.width + alone
+        table = np.array([row.values for row in rows]).reshape(-1, self.width)
+        upper = np.array([row.upper for row in rows])
+        angles = np.linspace(-0.5, 0.5, DIRECTIONS + 1) * pi
+        fan = np.zeros((len(angles), width))
+        fan[:, self.width - 2], fan[:, self.width - 1] = np.sin(angles), np.cos(angles)
+        if alone:
+            fan[:, -1] = -1.0
+            table, ends = _widened(table), _widened(self.ends)
+            limit, costs = 0.0, [np.eye(width)[-1]]
+        else:
+            ends, limit = self.ends, float(radius or 0.0)
+        scale = np.maximum(np.abs(table).max(axis=1, initial=0.0), 1e-12)
+        matrix = np.concatenate([ends, table / scale[:, None], fan])
+        rhs = np.concatenate([self.end_values, upper / scale, np.full(len(fan), limit)])
+        low, high = np.full(width, -np.inf), np.full(width, np.inf)
+        for law in self.laws:
+            own = slice(law.first, law.first + len(law.knots) - 1)
+            low[own], high[own] = -1.0, 1.0
+        most = FAR * max(abs(float(s.lift)) for s in self.question.turning)
+        for column, ends_ in ((self.width - 2, self.question.offsets),
+                              (self.width - 1, self.question.heights)):
+            low[column], high[column] = (
+                s * most if e is None or alone and k and column == self.width - 1 else float(e)
+                for k, (s, e) in enumerate(zip((-1.0, 1.0), ends_, strict=True))
+            )  # fmt: skip
+        program = LinearRows(sparse.csc_matrix(matrix), rhs, len(ends), low, high)
+        found = minimise_each(program, costs)
+        if found[-1].stopped is not StopReason.SOLVED:
+            return None
+        answers = []
+        for each, cost in zip(found, costs, strict=True):
+            z = each.multipliers
+            own = np.maximum(z[len(ends) : len(ends) + len(rows)], 0.0) / scale
+            answers.append((float(cost @ each.x), self._stated(z[: len(ends)], own, rows)))
+        return answers
+
+    def _stated(self, nu: Array, z: Array, rows: Sequence[Row]) -> Json:
+        """Multipliers as the file has them."""
+        parts: dict[int, dict[tuple[str, int], list[list[float]]]] = {}
+        ends: dict[int, list[float]] = {}
+        for law in self.laws:
+            parts[law.segment.index] = {}
+            ends[law.segment.index] = []
+        for (index, _), value in zip(self.end_names, nu.tolist(), strict=True):
+            ends[index].append(_short(value))
+        most = float(z.max(initial=0.0))
+        for row, value in zip(rows, z.tolist(), strict=True):
+            if value <= SMALL * most:
+                continue
+            group = parts.setdefault(row.segment, {}).setdefault((row.limit, row.side), [])
+            height = _short(value / (row.y - row.x or 1.0))
+            group.append([row.x, height] if row.x == row.y else [row.x, row.y, height, height])
+        return {
+            "order": ORDER,
+            "segments": [
+                {
+                    "segment": index,
+                    "rows": [
+                        {"limit": name, "side": side, "multipliers": values}
+                        for (name, side), values in groups.items()
+                    ],
+                    "ends": ends.get(index, []),
+                }
+                for index, groups in sorted(parts.items())
+            ],
+        }
+
+
+def _widened(table: Array) -> Array:
+    return np.column_stack([table, np.zeros(len(table))])
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{FIGURES}g}")
+
+
+def witness(asked: bytes, laws: Sequence[Json | None], size: Array, target: float) -> Json | None:
+    """Rounds and multipliers that no cam of a question is smaller than nearly its target.
+
+    Args:
+        asked: the question. laws, size: of its best cam. target: base radius [mm].
+
+    Returns:
+        ``rounds``, ``multipliers``, and ``at_least``, which they show in floating point; None where
+        no row of a radius is needed, or none is known.
+    """
+    judge = checker()
+    judge.spent.clear()
+    question = judge.Question(judge.read(asked))
+    if not question.roller or question.jerk is None:
+        return None
+    radius = Fraction(repr(target)) + question.gap
+    question.radii[1] = min(radius, question.radii[1] or radius)
+    question.heights[1] = question.radii[1]
+    own = {s.index: _knots(laws[s.index]) for s in question.turning if s.free}
+    linear = Program(question, own)
+    zones = {
+        s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free
+    }
+    program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
+    rounds, rows = [], program.fixed
+    for number in range(ROUNDS):
+        steps = list(_round(program, rows, zones, with_places=bool(number or not own)))
+        if steps is None:
+            break
+        if not steps:
+            break
+        rounds.append([step for step, _ in steps])
+        for _, (ends, k, bound) in steps:
+            way = (1, -1)[k % 2]
+            ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
+        rows = program.fixed + list(program.bend_rows(zones))
+        last = program.minimise((), rows, None)
+        if last is None:
+            return None
+        (least, found), = last
+        print(number, len(steps), len(rows), least - float(question.gap), target, question.offsets and [float(x) for x in question.offsets], [float(x) for x in question.heights])
+        if least >= float(radius):
+            break
+    return {"at_least": least - float(question.gap), "rounds": rounds, "multipliers": found}
+
+
+def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
+    """Steps that narrow what is known of the size, and of X and U at places, with their bounds."""
+    judge, question, width = program.judge, program.question, program.width
+    aims, costs, widths = list[Json](), list[Array](), list[float]()
+    for k in range(4):
+        ends = (question.offsets, question.heights)[k // 2]
+        if ends[0] is not None and ends[0] == ends[1]:
+            continue
+        cost = np.zeros(width)
+        cost[-2 if k < 2 else -1] = (-1.0) ** k * (DEGREE if k < 2 else 1.0)
+        aims.append({"bound": k})
+        costs.append(cost)
+    if with_places:
+        for index, parts in zones.items():
+            segment = question.program[index]
+            for a, b in parts:
+                for x in np.round(np.linspace(a, b, 1 + max(1, ceil((b - a) / PLACE_STEP))), 9):
+                    for k in range(4):
+                        cost = (-1.0) ** k * program.motion(segment, np.array([x]), k // 2)[0][0]
+                        cost[-1 if k < 2 else -2] += (-1.0) ** k * (1.0 if k < 2 else -DEGREE)
+                        aims.append({"bound": k, "segment": index, "x": float(x)})
+                        costs.append(cost)
+    found = program.minimise(costs, rows, float(question.radii[1]))
+    if found is None:
+        return
+    for aim, (_, multipliers) in zip(aims, found, strict=True):
+        step = {**aim, "multipliers": multipliers}
+        judge.spent.clear()
+        yield step, judge.bound_of(question, judge.read(_bytes(step)))
+
+
+def _bytes(body: Any) -> bytes:
+    import json
+
+    return json.dumps(body, separators=(",", ":")).encode()
+
+
+def _knots(law: Json | None) -> Array:
+    found = np.linspace(0.0, 1.0, KNOTS + 1)
+    if law is not None:
+        found = np.union1d(found, np.array(law["knots"], dtype=float))
+    return _thinned(found)
+
+
+def _thinned(x: Array, least: float = 2e-3) -> Array:
+    x, kept = np.round(np.unique(x), 9), [0.0]
+    for each in x.tolist():
+        if each - kept[-1] >= least and 1.0 - each >= least:
+            kept.append(each)
+    return np.array([*kept, 1.0])
+
+
+def _with_zones(x: Array, zones: Sequence[tuple[float, float]]) -> Array:
+    for a, b in zones:
+        x = np.union1d(x, np.linspace(a, b, 1 + ceil((b - a) / ZONE_STEP)))
+    return _thinned(x)
+
+
+def _zones(
+    program: Program, segment: Any, law: Json | None, size: Array
+) -> list[tuple[float, float]]:
+    """Parts of a free law where a radius is small on the cam."""
+    from scipy.interpolate import BSpline
+
+    question, x = program.question, np.linspace(0.0, 1.0, 401)
+    if law is None:
+        return []
+    degree = int(law["degree"])
+    knots = np.concatenate([np.zeros(degree), law["knots"], np.ones(degree)])
+    spline = BSpline(knots, np.array(law["coefficients"], dtype=float), degree)
+    h, d = float(segment.lift), float(segment.degrees) * DEGREE
+    s, v, a = (h / d**k * spline.derivative(k)(x) if k else h * spline(x) for k in range(3))
+    e, s0 = size
+    X, u = s0 + s + float(segment.level), v - e
+    bend = (X * X + u * (2 * v - e) - X * a) / np.hypot(X, u) ** 3
+    near = np.zeros(len(x), dtype=bool)
+    for limit in question.limits.values():
+        if limit["kind"] == "profile_radius":
+            near |= bend * float(question.gap + limit["min_mm"]) > NEAR
+        if limit["kind"] == "cutter_radius":
+            near |= -bend * float(limit["radius_mm"] - question.gap) > NEAR
+    where = np.flatnonzero(near)
+    runs = np.split(where, np.flatnonzero(np.diff(where) > 30) + 1) if len(where) else []
+    return [(round(float(max(x[r[0]] - 0.02, 0.0)), 9), round(float(min(x[r[-1]] + 0.02, 1.0)), 9))
+            for r in runs]
