@@ -23,10 +23,10 @@ from itertools import product, zip_longest
 from math import comb, factorial, isqrt
 from zipfile import ZipFile
 
-MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 1_000_000, 25, 60  # of the file; of a number
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 5_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
-MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
+MOST = {"numbers": 400_000, "halvings of intervals": 1_000_000, "coefficients": 3_000_000}
 SLICES, FINE = 8, 1 << 70  # of a density of rows that differ from place to place; what is rounded
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
@@ -210,6 +210,7 @@ class Question:
         jerks = [get(x, FIELDS["jerk"]) for x in self.limits.values() if x["kind"] == "jerk"]
         self.jerk = min(jerks) / rate**3 if jerks else None
         self.heights, self.known, self.bent = [ZERO, None], {}, {}  # s0; X and U at places
+        self.aim = None  # the prime radius below which there is no cam, if rounds have a larger one
 
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
@@ -243,6 +244,9 @@ class Question:
         side a >= A - B, A and B convex. A is of degree 1, so nowhere below its tangents; B less a
         linear function is largest at a corner of the hull.
         """
+        place = segment.index, x, id(limit)
+        if place in self.bent:
+            return self.bent[place]
         spend("coefficients", 16)
         side = 1 if limit["kind"] == "profile_radius" else -1
         radius = side * self.gap + get(limit, FIELDS[limit["kind"]])
@@ -259,15 +263,17 @@ class Question:
             sharp = root((C[1] * x) ** 2 + u * u) ** 3 / (C[0] * radius * x)
             return sharp + (slight if side > 0 else steep)(x, u, e)
 
-        x, u, e = (y + z for y, z in zip(low, high))
-        q = floor((u + e / 4) / x) if side > 0 else floor(e / x)
+        mean = [y + z for y, z in zip(low, high)]
+        q = floor((mean[1] + mean[2] / 4) / mean[0]) if side > 0 else floor(mean[2] / mean[0])
         slopes = (C[0] ** 2 - 2 * q * q, 4 * q, q) if side > 0 else (-q * q / 8, ZERO, q / 4)
         corners = [(z, convex(*z)) for z in product(*zip(low, high))]
         turns = [floor(sum(b if z[k] == high[k] else -b for z, b in corners) / (4 * (y - w)))
                  if w < y else ZERO for k, (w, y) in enumerate(zip(low, high))]
         most = -floor(min(sum(m * y for m, y in zip(turns, z)) - b for z, b in corners))
-        x, u, e = (floor(p - m) if k == 0 else p - m for k, (p, m) in enumerate(zip(slopes, turns)))
-        return [x, u, -side * ONE, ZERO], [e - u, x], most
+        b, c, d = (floor(p - m) if k == 0 else p - m for k, (p, m) in enumerate(zip(slopes, turns)))
+        row = [b, c, -side * ONE, ZERO], [d - c, b], most  # times X, rounded down: X > 0
+        self.bent[place] = scaled(segment, row)
+        return self.bent[place]
 
     def row(self, segment, limit, side, low, high, relaxed):
         """A limit's row on a segment, alpha . (s, v, a, j) + size . z <= rhs, or None.
@@ -599,6 +605,14 @@ class Cam:
         share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
         return "holds at every cam angle" + (share if self.jump else "")
 
+def scaled(segment, row):
+    """A row as one of g and its derivatives."""
+    if row is None:
+        return None
+    alpha, size, rhs = row
+    return ([f * segment.lift / segment.degrees**k for k, f in enumerate(alpha)], size,
+            rhs - alpha[0] * segment.level)
+
 # Step 6. What the multipliers say of all cams: constant + size . z <= 0.
 def half_plane(question, proof, aim=None):
     """``aim``: a segment, a place and factors of (s, v, a, j) and of z, of what is bounded."""
@@ -629,7 +643,7 @@ def half_plane(question, proof, aim=None):
             name = get(group, "limit", str)
             limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
             bends = question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
-            row = None if bends else question.row(segment, limit, side, *C, 1)
+            row = None if bends else scaled(segment, question.row(segment, limit, side, *C, 1))
             demand(side in (1, -1) and (row or (bends and side == 1)),
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             spread = []
@@ -643,11 +657,9 @@ def half_plane(question, proof, aim=None):
                 else:
                     spread.append((x, y, low, high))
             for x, y, low, high in spread:
-                if bends and (name, segment, x) not in question.bent:
-                    question.bent[name, segment, x] = question.bend_row(segment, limit, x)
-                alpha, size, rhs = question.bent[name, segment, x] if bends else row
-                rhs -= alpha[0] * segment.level
-                alpha = [f * h / d**k for k, f in enumerate(alpha)]
+                if bends:
+                    row = question.bend_row(segment, limit, x)
+                alpha, size, rhs = row
                 good = not segment.free or not any(alpha[order:])
                 demand(good, "a row is of the derivative that is limited itself")
                 mass, kernels = low, [(x, 0, low)]
@@ -697,25 +709,35 @@ def half_plane(question, proof, aim=None):
 def remainder(kernels):
     """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
 
-    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left.
+    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left,
+    in integers of a unit that is small beside all c; rounding is less than 100 units a cut.
     """
-    psi, area, cuts = [ZERO] * 5, [], sorted({ZERO, ONE, *kernels}, reverse=True)
+    cuts, area, psi = sorted({ZERO, ONE, *kernels}, reverse=True), [], [0] * 5
+    unit = max((abs(c) for each in kernels.values() for c in each), default=ZERO) / (1 << 96)
+    shares = [sum(c[j] * x ** (j - i) / factorial(j - i)
+                  for x, c in kernels.items() for j in range(i, 5) if c[j]) for i in range(2)]
+    if not unit:
+        return ZERO, shares
     for right, left in zip(cuts, [*cuts[1:], ZERO]):
         # in powers y^n / n! of y = right - tau, then of y = left - tau
-        psi, w = [p + q for p, q in zip(psi, kernels.get(right, [ZERO] * 5))], right - left
-        area.append(([sum(Fraction(comb(k, i), comb(4, i) * factorial(i)) * psi[i] * w**i
-                          for i in range(k + 1)) for k in range(5)], w))
-        psi = [sum(psi[j] * w ** (j - i) / factorial(j - i) for j in range(i, 5)) for i in range(5)]
+        w = [(right - left) ** i * UNIT // factorial(i) for i in range(5)]
+        psi = [p + q // unit for p, q in zip(psi, kernels.get(right, ()))] if (
+            right in kernels) else psi
+        steps = [p * v >> BITS for p, v in zip(psi, w)]
+        area.append(([sum(comb(k, i) * (12 // comb(4, i)) * steps[i] for i in range(k + 1)) // 12
+                      for k in range(5)], w[1] + 1))
+        psi = [sum(psi[j] * w[j - i] >> BITS for j in range(i, 5)) for i in range(5)]
     # |p| is at most the mean size of its coefficients; where they have one sign, just that.
-    total, spare = ZERO, sum(sum(map(abs, b)) * w for b, w in area) / (len(area) << 30)
+    total = sum(sum(map(abs, b)) * w for b, w in area)
+    spare, total = total // (len(area) << 24), 500 * len(cuts) * UNIT
     while area:
         b, width = area.pop()
         size = sum(map(abs, b))
         if (size - abs(sum(b))) * width <= spare:
-            total += size * width / 5
+            total += (size + 1000) * width
         else:
-            area += [(half, width / 2) for half in halves(b, lambda x, y: (x + y) / 2)]
-    return total, psi
+            area += [(half, width + 1 >> 1) for half in halves(b, lambda x, y: (x + y) >> 1)]
+    return total * unit / (5 * UNIT), shares
 
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
 def least(question, proof, aim=None):
@@ -723,18 +745,21 @@ def least(question, proof, aim=None):
     radius = question.radii[1]
     constant, (p, q) = half_plane(question, proof, aim)
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
-    radius, up, most = radius or ZERO, max(-q, ZERO), []
+    radius, up, most = radius or ZERO, -q, []
     ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
     ends = [f(radius * sign, radius * sign if e is None else e)
             for e, f, sign in zip(ends, (max, min), (-1, 1))]
-    bottom, top = question.heights[0], question.heights[1] or radius
-    inner = [e for e in ends if e * e < radius * radius]
+    bottom, top = heights = [question.heights[0], min(radius, question.heights[1] or radius)]
+
+    def leg(x):  # the other side of a right triangle
+        return root(radius * radius - x * x) if x * x < radius * radius else ONE
+
     for slope in (-p * (c if question.roller else c * c) for c in C):
-        # slope e + up s0 = (slope - y) e + (y e + up s0), by Cauchy and Schwarz for every y
-        ys = [slope, *(up * e / root(radius**2 - e * e) for e in inner)]
-        most.append(min(slope * ends[slope > 0] - q * (bottom if q > 0 else top),
-                        *(radius * root(y * y + up * up) + (slope - y) * ends[slope > y]
-                          for y in ys)))
+        # slope e + up s0 is at most (slope - y) e + (up - w) s0 at ends of both, and radius |(y, w)|
+        ys = [(slope, max(up, ZERO)), (slope, abs(slope) * bottom / leg(bottom)), (ZERO, ZERO),
+              *((up * e / leg(e), up) for e in ends)]
+        most.append(min(radius * root(y * y + w * w) + (slope - y) * ends[slope > y]
+                        + (up - w) * heights[up > w] for y, w in ys))
     return constant - max(most)
 
 def exclude(question, body):
@@ -751,6 +776,7 @@ def exclude(question, body):
             ends[end] = way * bound if ends[end] is None else way * max(bound, way * ends[end])
         question.bent.clear()
     if "cases" not in body:
+        question.radii = small, radius if question.aim is None else question.aim
         excess = least(question, get(body, "multipliers", dict))
         demand(excess > 0, "the multipliers do not exclude every size")
         return
@@ -797,8 +823,13 @@ def excluded(asked, place, claim):
                       "base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle")
         text = f"no cam of this question has a {aim} below {decimal(value)}"
         if aim == "base_radius":
-            radius = value + question.gap
-            question.radii[1] = min(radius, question.radii[1] or radius)
+            # rounds speak of all cams below another radius, which is no smaller
+            below = get(claim, "below") if "rounds" in claim or "cases" in claim else value
+            demand(below >= value, "rounds do not speak of all cams")
+            most = question.radii[1]
+            question.radii[1], question.aim = (
+                r + question.gap if most is None else min(most, r + question.gap)
+                for r in (below, value))
         elif aim == "peak_pressure_angle":
             demand(question.roller, "it has no pressure angle")
             question.limits["objective"] = {"kind": aim[5:], "rise_deg": value, "return_deg": value,

@@ -28,7 +28,7 @@ from synthesis.pipeline.proof_file.checker import checker
 Json = dict[str, Any]
 DEGREE = pi / 180.0
 ORDER = 3  # of the derivative that is limited
-KNOTS = 40  # equal intervals of a law, at least
+KNOTS = 24  # equal intervals of a law, at least
 PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
 ZONE_STEP = 0.02  # of a law: between knots where rows of radii are written
 NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
@@ -36,8 +36,13 @@ DIRECTIONS = 64  # of tangents of a circle around the axis
 SAMPLES = 25  # of a given law
 FIGURES = 9  # of a multiplier
 SMALL = 1e-9  # of the largest multiplier: what is left out
+import os
+DEBUG = os.environ.get('DBG')
+FINE = 16  # points of an interval at which ψ is looked at
+LOST = 2e-5  # of the least radius, in mm: what an interval may lose to a ψ that changes its sign
+LEAST = 4e-4  # of a law: width of an interval
 LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
-ROUNDS = 6
+ROUNDS, MESHES = 6, 3
 KEPT = 0.8  # of the widths of bounds: a round that leaves more is the last
 FAR = 1e3  # lifts: where nothing else bounds a size
 
@@ -92,6 +97,8 @@ class Row:
     y: float
     values: Array
     upper: float
+    places: Array
+    alpha: Array
 
 
 class Program:
@@ -100,7 +107,7 @@ class Program:
     def __init__(self, question: Any, knots: dict[int, Array]) -> None:
         judge = checker()
         self.question, self.judge, self.laws = question, judge, list[Law]()
-        self.jerk, width = float(question.jerk), 0
+        self.jerk, width = float(question.jerk or 0.0), 0
         free = [s for s in question.turning if s.free]
         for s in free:
             cap = self.jerk * float(s.degrees) ** ORDER / abs(float(s.lift))
@@ -147,10 +154,12 @@ class Program:
                 names.append((left.index, k))
         return np.array(rows).reshape(-1, self.width), np.array(values), names
 
-    def motion(self, segment: Any, x: Array, order: int) -> tuple[Array, Array]:
-        """s, v or a at x, affine in the columns."""
-        factor = float(segment.lift) / float(segment.degrees) ** order
-        level = float(segment.level) if order == 0 else 0.0
+    def motion(
+        self, segment: Any, x: Array, order: int, factor: float = 0.0
+    ) -> tuple[Array, Array]:
+        """s, v or a at x, affine in the columns; with a factor, so much of a derivative of g."""
+        level = float(segment.level) if order == 0 and not factor else 0.0
+        factor = factor or float(segment.lift) / float(segment.degrees) ** order
         if segment.free:
             matrix, constant = self.by_index[segment.index].rows(x, order, self.width)
             return factor * matrix, factor * constant + level
@@ -159,11 +168,11 @@ class Program:
         return np.zeros((len(x), self.width)), factor * np.array(g) + level
 
     def _row(self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any) -> tuple[Array, Array]:
-        """Rows alpha · (s, v, a) + size · (c e, s0) ≤ upper at x: the columns' share and the rest."""
+        """Rows alpha · (g, g', g'') + size · (c e, s0) ≤ upper at x: the columns' share, the rest."""
         matrix, rest = np.zeros((len(x), self.width)), np.full(len(x), float(upper))
         for k, each in enumerate(alpha[:ORDER]):
             if each:
-                part, constant = self.motion(segment, x, k)
+                part, constant = self.motion(segment, x, k, 1.0)
                 matrix += float(each) * part
                 rest -= float(each) * constant
         matrix[:, -2] += float(size[0]) * DEGREE
@@ -182,25 +191,30 @@ class Program:
                     if self._bends(limit):
                         continue
                     found = self.question.row(segment, limit, side, *self.judge.C, 1)
+                    found = self.judge.scaled(segment, found)
                     if found is None or (segment.free and any(found[0][ORDER:])):
                         continue
                     if not segment.free and not any(found[1]):
                         continue
                     x, jumps = self._points(segment), segment.free and found[0][2]
                     matrix, upper = self._row(segment, x, *found)
+                    alpha = np.array([[float(a) for a in found[0][:ORDER]]])
                     for at, row, most in zip(x.tolist(), matrix, upper, strict=True):
-                        most += LOOSE * abs(most) * bool(jumps)
-                        yield Row(segment.index, name, side, at, at, row, most)
+                        loose = LOOSE * abs(most) * bool(jumps)
+                        one = np.array([at])
+                        yield Row(segment.index, name, side, at, at, row, most + loose, one, alpha)
                     if jumps:
                         yield from self._mean_rows(segment, name, side, x, found)
 
     def _mean_rows(
         self, segment: Any, name: str, side: int, x: Array, found: Any
     ) -> Iterator[Row]:
-        for a, b in zip(x[:-1].tolist(), x[1:].tolist(), strict=True):
+        for a, b in zip(x[:-2].tolist(), x[2:].tolist(), strict=True):
             at = a + (b - a) * (np.arange(8) + 0.5) / 8.0
             matrix, upper = self._row(segment, at, *found)
-            yield Row(segment.index, name, side, a, b, matrix.mean(axis=0), float(upper.mean()))
+            alpha = np.array([[float(f) for f in found[0][:ORDER]]] * 8) / 8.0
+            row, most = matrix.mean(axis=0), float(upper.mean())
+            yield Row(segment.index, name, side, a, b, row, most, at, alpha)
 
     def _bends(self, limit: Json) -> bool:
         return self.question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
@@ -219,7 +233,7 @@ class Program:
                 places = [(x, x) for x in points.tolist()]
                 if segment.free:
                     places += [
-                        (a, b) for (a, _), (b, _) in zip(places[:-1], places[1:], strict=True)
+                        (a, b) for (a, _), (b, _) in zip(places[:-2], places[2:], strict=True)
                         if any(low <= a and b <= high for low, high in zones[segment.index])
                     ]
                 for a, b in places:
@@ -234,20 +248,23 @@ class Program:
     def _bend_row(self, segment: Any, name: str, limit: Json, a: float, b: float) -> Row:
         count = self.judge.SLICES if a < b else 1
         first, last = (Fraction(repr(x)) for x in (a, b))
-        total, rest = np.zeros(self.width), 0.0
+        total, rest, alpha, places = np.zeros(self.width), 0.0, [], []
         for k in range(count):
             x = first + (last - first) * Fraction(2 * k + 1, 2 * count)
             self.judge.spent.clear()
             found = self.question.bend_row(segment, limit, x)
             matrix, upper = self._row(segment, np.array([float(x)]), *found)
+            alpha.append([float(f) / count for f in found[0][:ORDER]])
+            places.append(float(x))
             total, rest = total + matrix[0] / count, rest + float(upper[0]) / count
         if a == b and segment.free:
             rest += LOOSE * abs(rest)
-        return Row(segment.index, name, 1, a, b, total, rest)
+        both = np.array(places), np.array(alpha)
+        return Row(segment.index, name, 1, a, b, total, rest, *both)
 
     def minimise(
         self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None
-    ) -> list[tuple[float, Json]] | None:
+    ) -> list[tuple[float, Array, Array]] | None:
         """The least values of some costs (width,) and their multipliers; None where nothing fits.
 
         ``radius``: largest √(e² + s0²). None: it is minimised itself, and there are no costs.
@@ -281,16 +298,49 @@ class Program:
             )  # fmt: skip
         program = LinearRows(sparse.csc_matrix(matrix), rhs, len(ends), low, high)
         found = minimise_each(program, costs)
+        if DEBUG and found[-1].stopped is not StopReason.SOLVED: print(found[-1].stopped, len(found), len(costs), matrix.shape)
         if found[-1].stopped is not StopReason.SOLVED:
             return None
         answers = []
         for each, cost in zip(found, costs, strict=True):
             z = each.multipliers
             own = np.maximum(z[len(ends) : len(ends) + len(rows)], 0.0) / scale
-            answers.append((float(cost @ each.x), self._stated(z[: len(ends)], own, rows)))
+            answers.append((float(cost @ each.x), z[: len(ends)], own))
         return answers
 
-    def _stated(self, nu: Array, z: Array, rows: Sequence[Row]) -> Json:
+    def finer(self, nu: Array, z: Array, rows: Sequence[Row], least: float) -> dict[int, Array]:
+        """Knots where ψ changes its sign, and in the middle of intervals that lose by it."""
+        result = {}
+        for law in self.laws:
+            x, index = law.knots, law.segment.index
+            tau = x[:-1, None] + np.diff(x)[:, None] * (np.arange(FINE) + 0.5) / FINE
+            psi = np.zeros(tau.size)
+            at, weights = [np.ones(1)], [np.zeros((1, ORDER))]
+            for (i, k), value in zip(self.end_names, nu, strict=True):
+                weights[0][0, k] += value if i == index else 0.0
+            for row, value in zip(rows, z, strict=True):
+                if row.segment == index and value > 0.0:
+                    at.append(row.places)
+                    weights.append(value * row.alpha)
+            for place, each in zip(np.concatenate(at), np.concatenate(weights), strict=True):
+                ahead = np.maximum(place - tau.ravel(), 0.0)
+                for k in range(ORDER):
+                    power = ORDER - 1 - k
+                    psi += each[k] * (ahead**power / _factorial(power) if power else ahead > 0.0)
+            psi = psi.reshape(tau.shape)
+            lost = law.cap * np.diff(x) * (np.abs(psi).mean(axis=1) - np.abs(psi.mean(axis=1)))
+            new = list(x)
+            for i in np.flatnonzero(lost > least):
+                change = np.flatnonzero(psi[i, 1:] * psi[i, :-1] < 0.0)
+                new += [0.5 * (x[i] + x[i + 1])]
+                if 0 < len(change) < 3:
+                    for j in change:
+                        a, b = psi[i, j], psi[i, j + 1]
+                        new.append(tau[i, j] + (tau[i, j + 1] - tau[i, j]) * a / (a - b))
+            result[index] = _thinned(np.array(new), LEAST)
+        return result
+
+    def stated(self, nu: Array, z: Array, rows: Sequence[Row]) -> Json:
         """Multipliers as the file has them."""
         parts: dict[int, dict[tuple[str, int], list[list[float]]]] = {}
         ends: dict[int, list[float]] = {}
@@ -330,20 +380,22 @@ def _short(value: float) -> float:
     return float(f"{value:.{FIGURES}g}")
 
 
-def witness(asked: bytes, laws: Sequence[Json | None], size: Array, target: float) -> Json | None:
-    """Rounds and multipliers that no cam of a question is smaller than nearly its target.
+def witness(
+    asked: bytes, laws: Sequence[Json | None], size: Array, target: float
+) -> tuple[float, Json] | None:
+    """What shows that no cam of a question is smaller than nearly its target.
 
     Args:
         asked: the question. laws, size: of its best cam. target: base radius [mm].
 
     Returns:
-        ``rounds``, ``multipliers``, and ``at_least``, which they show in floating point; None where
-        no row of a radius is needed, or none is known.
+        the base radius that is reached [mm], and the witness; None where nothing limits the jerk of
+        a roller, so that no row of a radius is known.
     """
     judge = checker()
     judge.spent.clear()
     question = judge.Question(judge.read(asked))
-    if not question.roller or question.jerk is None:
+    if not question.roller or (question.jerk is None and any(s.free for s in question.turning)):
         return None
     radius = Fraction(repr(target)) + question.gap
     question.radii[1] = min(radius, question.radii[1] or radius)
@@ -354,26 +406,39 @@ def witness(asked: bytes, laws: Sequence[Json | None], size: Array, target: floa
         s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free
     }
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, rows = [], program.fixed
+    rounds, reached = list[list[Json]](), None
     for number in range(ROUNDS):
-        steps = list(_round(program, rows, zones, with_places=bool(number or not own)))
-        if steps is None:
+        if number:
+            rows = program.fixed + list(program.bend_rows(zones))
+            steps = list(_round(program, rows, zones, with_places=number > 1 or not own))
+            if not steps:
+                break
+            rounds.append([step for step, _ in steps])
+            for _, (ends, k, bound) in steps:
+                way = (1, -1)[k % 2]
+                ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
+            question.bent.clear()
+        for _ in range(MESHES):
+            rows = program.fixed + list(program.bend_rows(zones))
+            last = program.minimise((), rows, None)
+            if last is None:
+                return None
+            (least, nu, z), = last
+            found = program.stated(nu, z, rows)
+            judge.spent.clear()
+            excess = float(judge.least(question, judge.read(_bytes(found))))
+            loss = least - float(radius) - excess
+            if DEBUG: print(number, len(rows), least - float(question.gap), excess, target, question.offsets and [e and float(e) for e in question.offsets], flush=True)
+            if excess > 0.0 or loss < 0.15 * abs(excess):
+                break
+            finer = program.finer(nu, z, rows, max(LOST * target, 0.01 * abs(excess)))
+            program = Program(question, finer)
+        reached = target + min(excess, 0.0), {
+            "below": target, "rounds": list(rounds), "multipliers": found,
+        }  # fmt: skip
+        if excess > 0.0:
             break
-        if not steps:
-            break
-        rounds.append([step for step, _ in steps])
-        for _, (ends, k, bound) in steps:
-            way = (1, -1)[k % 2]
-            ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
-        rows = program.fixed + list(program.bend_rows(zones))
-        last = program.minimise((), rows, None)
-        if last is None:
-            return None
-        (least, found), = last
-        print(number, len(steps), len(rows), least - float(question.gap), target, question.offsets and [float(x) for x in question.offsets], [float(x) for x in question.heights])
-        if least >= float(radius):
-            break
-    return {"at_least": least - float(question.gap), "rounds": rounds, "multipliers": found}
+    return reached
 
 
 def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
@@ -401,8 +466,8 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
     found = program.minimise(costs, rows, float(question.radii[1]))
     if found is None:
         return
-    for aim, (_, multipliers) in zip(aims, found, strict=True):
-        step = {**aim, "multipliers": multipliers}
+    for aim, (_, nu, z) in zip(aims, found, strict=True):
+        step = {**aim, "multipliers": program.stated(nu, z, rows)}
         judge.spent.clear()
         yield step, judge.bound_of(question, judge.read(_bytes(step)))
 
