@@ -125,9 +125,10 @@ def range_of(value):
 
 def choose(asked, chosen):
     """A number as it is given, or that of the cam if the question leaves a range."""
-    if not isinstance(asked, dict) or chosen is None:
+    if not isinstance(asked, dict):
         demand(chosen in (None, asked), "a number of the cam is not that asked for")
         return asked
+    demand(chosen is not None, "an angle or a lift is free: over all of them nothing is covered")
     low, high = range_of(asked)
     good = isinstance(chosen, Fraction) and low is not None and high is not None
     demand(good and low <= chosen <= high, "a number is not within the range asked for")
@@ -749,13 +750,14 @@ def least(question, proof, aim=None):
     ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
     ends = [f(radius * sign, radius * sign if e is None else e)
             for e, f, sign in zip(ends, (max, min), (-1, 1))]
-    bottom, top = heights = [question.heights[0], min(radius, question.heights[1] or radius)]
+    bottom = question.heights[0]
+    heights = [bottom, min(radius, question.heights[1] or radius)]
 
     def leg(x):  # the other side of a right triangle
         return root(radius * radius - x * x) if x * x < radius * radius else ONE
 
     for slope in (-p * (c if question.roller else c * c) for c in C):
-        # slope e + up s0 is at most (slope - y) e + (up - w) s0 at ends of both, and radius |(y, w)|
+        # slope e + up s0 = (slope - y) e + (up - w) s0 + (y e + w s0), by Cauchy and Schwarz
         ys = [(slope, max(up, ZERO)), (slope, abs(slope) * bottom / leg(bottom)), (ZERO, ZERO),
               *((up * e / leg(e), up) for e in ends)]
         most.append(min(radius * root(y * y + w * w) + (slope - y) * ends[slope > y]

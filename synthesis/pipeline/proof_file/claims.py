@@ -36,8 +36,8 @@ from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.checker import not_covered, objections, places
-from synthesis.pipeline.proof_file.improving import witness
 from synthesis.pipeline.proof_file.multipliers import broken_by_given_law, multipliers
+from synthesis.pipeline.proof_file.rounds import in_rounds
 from synthesis.spec.design_spec import DesignSpec
 
 Json = dict[str, Any]
@@ -101,9 +101,11 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     if place == INFEASIBLE:  # whatever the objective
         plain = spec.model_copy(update={"objective": BaseRadius()}) if of_angle else spec
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
-    witnesses = [
-        ({"multipliers": found}, bound) for found, bound in _witnesses(spec)
-    ] if place == OBJECTIVE and not of_angle else []
+    witnesses = (
+        [({"multipliers": found}, bound) for found, bound in _witnesses(spec)]
+        if place == OBJECTIVE and not of_angle
+        else []
+    )
     best = max((bound for _, bound in witnesses), default=0.0)
     if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
@@ -130,7 +132,7 @@ def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
     if design.spec.free_parameters.parameters:
         return
     asked = _bytes(design.spec.model_dump(mode="json"))
-    found = witness(asked, cam["laws"], np.array(design.size), answer)
+    found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
     if found is not None and found[0] > best:
         yield found[1], found[0]
 

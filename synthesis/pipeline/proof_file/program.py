@@ -1,12 +1,7 @@
-"""Witnesses of bounds that a roller's profile radius raises: rounds of steps, then multipliers.
+"""Linear programs over laws whose third derivative is constant between knots.
 
-Linear programs over laws whose third derivative is constant between knots: the rows are those that
-the checker derives, made into floating point, and the checker's own arithmetic says what their
-multipliers prove. Nothing here has to be right: what is wrong proves less.
-
-Symbols as in ``docs/proof.md``: X = s0 + s, U = v − c e, E = c e, angles in degrees. A round bounds
-the size, and X and U at places of the free laws where radii are small; from these bounds the
-checker derives the rows of the next round.
+Their rows are those that the checker derives, made into floating point, and its own arithmetic
+says what their multipliers prove. Nothing here has to be right: what is wrong proves less.
 """
 
 from __future__ import annotations
@@ -14,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import ceil, cos, pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -28,22 +23,13 @@ from synthesis.pipeline.proof_file.checker import checker
 Json = dict[str, Any]
 DEGREE = pi / 180.0
 ORDER = 3  # of the derivative that is limited
-KNOTS = 24  # equal intervals of a law, at least
-PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
-ZONE_STEP = 0.02  # of a law: between knots where rows of radii are written
-NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
 DIRECTIONS = 64  # of tangents of a circle around the axis
 SAMPLES = 25  # of a given law
 FIGURES = 9  # of a multiplier
 SMALL = 1e-9  # of the largest multiplier: what is left out
-import os
-DEBUG = os.environ.get('DBG')
 FINE = 16  # points of an interval at which ψ is looked at
-LOST = 2e-5  # of the least radius, in mm: what an interval may lose to a ψ that changes its sign
 LEAST = 4e-4  # of a law: width of an interval
 LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
-ROUNDS, MESHES = 6, 3
-KEPT = 0.8  # of the widths of bounds: a round that leaves more is the last
 FAR = 1e3  # lifts: where nothing else bounds a size
 
 
@@ -167,8 +153,10 @@ class Program:
         g = [sum(map(float, self.judge.given(segment.law, order, each))) / 2 for each in places]
         return np.zeros((len(x), self.width)), factor * np.array(g) + level
 
-    def _row(self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any) -> tuple[Array, Array]:
-        """Rows alpha · (g, g', g'') + size · (c e, s0) ≤ upper at x: the columns' share, the rest."""
+    def _row(
+        self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any
+    ) -> tuple[Array, Array]:
+        """Rows alpha · (g, g', g'') + size · (c e, s0) ≤ upper at x: the columns' part, rest."""
         matrix, rest = np.zeros((len(x), self.width)), np.full(len(x), float(upper))
         for k, each in enumerate(alpha[:ORDER]):
             if each:
@@ -206,9 +194,7 @@ class Program:
                     if jumps:
                         yield from self._mean_rows(segment, name, side, x, found)
 
-    def _mean_rows(
-        self, segment: Any, name: str, side: int, x: Array, found: Any
-    ) -> Iterator[Row]:
+    def _mean_rows(self, segment: Any, name: str, side: int, x: Array, found: Any) -> Iterator[Row]:
         for a, b in zip(x[:-2].tolist(), x[2:].tolist(), strict=True):
             at = a + (b - a) * (np.arange(8) + 0.5) / 8.0
             matrix, upper = self._row(segment, at, *found)
@@ -228,12 +214,15 @@ class Program:
             for segment in question.turning:
                 points = self._points(segment)
                 if segment.free:
-                    inside = [(a <= points) & (points <= b) for a, b in zones.get(segment.index, ())]
+                    inside = [
+                        (a <= points) & (points <= b) for a, b in zones.get(segment.index, ())
+                    ]
                     points = points[np.any(inside, axis=0)] if inside else points[:0]
                 places = [(x, x) for x in points.tolist()]
                 if segment.free:
                     places += [
-                        (a, b) for (a, _), (b, _) in zip(places[:-2], places[2:], strict=True)
+                        (a, b)
+                        for (a, _), (b, _) in zip(places[:-2], places[2:], strict=True)
                         if any(low <= a and b <= high for low, high in zones[segment.index])
                     ]
                 for a, b in places:
@@ -265,9 +254,10 @@ class Program:
     def minimise(
         self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None
     ) -> list[tuple[float, Array, Array]] | None:
-        """The least values of some costs (width,) and their multipliers; None where nothing fits.
+        """The least values of some costs (width,), and multipliers of ends and rows.
 
         ``radius``: largest √(e² + s0²). None: it is minimised itself, and there are no costs.
+        Returns None where no law and size fit.
         """
         alone = radius is None
         width = self.width + alone
@@ -290,15 +280,16 @@ class Program:
             own = slice(law.first, law.first + len(law.knots) - 1)
             low[own], high[own] = -1.0, 1.0
         most = FAR * max(abs(float(s.lift)) for s in self.question.turning)
-        for column, ends_ in ((self.width - 2, self.question.offsets),
-                              (self.width - 1, self.question.heights)):
+        for column, ends_ in (
+            (self.width - 2, self.question.offsets),
+            (self.width - 1, self.question.heights),
+        ):
             low[column], high[column] = (
-                s * most if e is None or alone and k and column == self.width - 1 else float(e)
+                s * most if e is None or (alone and k and column == self.width - 1) else float(e)
                 for k, (s, e) in enumerate(zip((-1.0, 1.0), ends_, strict=True))
             )  # fmt: skip
         program = LinearRows(sparse.csc_matrix(matrix), rhs, len(ends), low, high)
         found = minimise_each(program, costs)
-        if DEBUG and found[-1].stopped is not StopReason.SOLVED: print(found[-1].stopped, len(found), len(costs), matrix.shape)
         if found[-1].stopped is not StopReason.SOLVED:
             return None
         answers = []
@@ -314,10 +305,10 @@ class Program:
         for law in self.laws:
             x, index = law.knots, law.segment.index
             tau = x[:-1, None] + np.diff(x)[:, None] * (np.arange(FINE) + 0.5) / FINE
-            psi = np.zeros(tau.size)
-            at, weights = [np.ones(1)], [np.zeros((1, ORDER))]
-            for (i, k), value in zip(self.end_names, nu, strict=True):
-                weights[0][0, k] += value if i == index else 0.0
+            psi: Array = np.zeros(tau.size)
+            at, weights = list[Array]([np.ones(1)]), list[Array]([np.zeros((1, ORDER))])
+            for (owner, k), value in zip(self.end_names, nu, strict=True):
+                weights[0][0, k] += value if owner == index else 0.0
             for row, value in zip(rows, z, strict=True):
                 if row.segment == index and value > 0.0:
                     at.append(row.places)
@@ -325,8 +316,8 @@ class Program:
             for place, each in zip(np.concatenate(at), np.concatenate(weights), strict=True):
                 ahead = np.maximum(place - tau.ravel(), 0.0)
                 for k in range(ORDER):
-                    power = ORDER - 1 - k
-                    psi += each[k] * (ahead**power / _factorial(power) if power else ahead > 0.0)
+                    n = ORDER - 1 - k
+                    psi += each[k] * (ahead**n / _factorial(n) if n else 1.0 * (ahead > 0.0))
             psi = psi.reshape(tau.shape)
             lost = law.cap * np.diff(x) * (np.abs(psi).mean(axis=1) - np.abs(psi.mean(axis=1)))
             new = list(x)
@@ -337,7 +328,7 @@ class Program:
                     for j in change:
                         a, b = psi[i, j], psi[i, j + 1]
                         new.append(tau[i, j] + (tau[i, j + 1] - tau[i, j]) * a / (a - b))
-            result[index] = _thinned(np.array(new), LEAST)
+            result[index] = thinned(np.array(new), LEAST)
         return result
 
     def stated(self, nu: Array, z: Array, rows: Sequence[Row]) -> Json:
@@ -380,149 +371,10 @@ def _short(value: float) -> float:
     return float(f"{value:.{FIGURES}g}")
 
 
-def witness(
-    asked: bytes, laws: Sequence[Json | None], size: Array, target: float
-) -> tuple[float, Json] | None:
-    """What shows that no cam of a question is smaller than nearly its target.
-
-    Args:
-        asked: the question. laws, size: of its best cam. target: base radius [mm].
-
-    Returns:
-        the base radius that is reached [mm], and the witness; None where nothing limits the jerk of
-        a roller, so that no row of a radius is known.
-    """
-    judge = checker()
-    judge.spent.clear()
-    question = judge.Question(judge.read(asked))
-    if not question.roller or (question.jerk is None and any(s.free for s in question.turning)):
-        return None
-    radius = Fraction(repr(target)) + question.gap
-    question.radii[1] = min(radius, question.radii[1] or radius)
-    question.heights[1] = question.radii[1]
-    own = {s.index: _knots(laws[s.index]) for s in question.turning if s.free}
-    linear = Program(question, own)
-    zones = {
-        s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free
-    }
-    program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, reached = list[list[Json]](), None
-    for number in range(ROUNDS):
-        if number:
-            rows = program.fixed + list(program.bend_rows(zones))
-            steps = list(_round(program, rows, zones, with_places=number > 1 or not own))
-            if not steps:
-                break
-            rounds.append([step for step, _ in steps])
-            for _, (ends, k, bound) in steps:
-                way = (1, -1)[k % 2]
-                ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
-            question.bent.clear()
-        for _ in range(MESHES):
-            rows = program.fixed + list(program.bend_rows(zones))
-            last = program.minimise((), rows, None)
-            if last is None:
-                return None
-            (least, nu, z), = last
-            found = program.stated(nu, z, rows)
-            judge.spent.clear()
-            excess = float(judge.least(question, judge.read(_bytes(found))))
-            loss = least - float(radius) - excess
-            if DEBUG: print(number, len(rows), least - float(question.gap), excess, target, question.offsets and [e and float(e) for e in question.offsets], flush=True)
-            if excess > 0.0 or loss < 0.15 * abs(excess):
-                break
-            finer = program.finer(nu, z, rows, max(LOST * target, 0.01 * abs(excess)))
-            program = Program(question, finer)
-        reached = target + min(excess, 0.0), {
-            "below": target, "rounds": list(rounds), "multipliers": found,
-        }  # fmt: skip
-        if excess > 0.0:
-            break
-    return reached
-
-
-def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
-    """Steps that narrow what is known of the size, and of X and U at places, with their bounds."""
-    judge, question, width = program.judge, program.question, program.width
-    aims, costs, widths = list[Json](), list[Array](), list[float]()
-    for k in range(4):
-        ends = (question.offsets, question.heights)[k // 2]
-        if ends[0] is not None and ends[0] == ends[1]:
-            continue
-        cost = np.zeros(width)
-        cost[-2 if k < 2 else -1] = (-1.0) ** k * (DEGREE if k < 2 else 1.0)
-        aims.append({"bound": k})
-        costs.append(cost)
-    if with_places:
-        for index, parts in zones.items():
-            segment = question.program[index]
-            for a, b in parts:
-                for x in np.round(np.linspace(a, b, 1 + max(1, ceil((b - a) / PLACE_STEP))), 9):
-                    for k in range(4):
-                        cost = (-1.0) ** k * program.motion(segment, np.array([x]), k // 2)[0][0]
-                        cost[-1 if k < 2 else -2] += (-1.0) ** k * (1.0 if k < 2 else -DEGREE)
-                        aims.append({"bound": k, "segment": index, "x": float(x)})
-                        costs.append(cost)
-    found = program.minimise(costs, rows, float(question.radii[1]))
-    if found is None:
-        return
-    for aim, (_, nu, z) in zip(aims, found, strict=True):
-        step = {**aim, "multipliers": program.stated(nu, z, rows)}
-        judge.spent.clear()
-        yield step, judge.bound_of(question, judge.read(_bytes(step)))
-
-
-def _bytes(body: Any) -> bytes:
-    import json
-
-    return json.dumps(body, separators=(",", ":")).encode()
-
-
-def _knots(law: Json | None) -> Array:
-    found = np.linspace(0.0, 1.0, KNOTS + 1)
-    if law is not None:
-        found = np.union1d(found, np.array(law["knots"], dtype=float))
-    return _thinned(found)
-
-
-def _thinned(x: Array, least: float = 2e-3) -> Array:
-    x, kept = np.round(np.unique(x), 9), [0.0]
-    for each in x.tolist():
+def thinned(x: Array, least: float) -> Array:
+    """Places on a law from 0 to 1, none nearer to another than a least distance."""
+    kept = [0.0]
+    for each in np.round(np.unique(x), 9).tolist():
         if each - kept[-1] >= least and 1.0 - each >= least:
             kept.append(each)
     return np.array([*kept, 1.0])
-
-
-def _with_zones(x: Array, zones: Sequence[tuple[float, float]]) -> Array:
-    for a, b in zones:
-        x = np.union1d(x, np.linspace(a, b, 1 + ceil((b - a) / ZONE_STEP)))
-    return _thinned(x)
-
-
-def _zones(
-    program: Program, segment: Any, law: Json | None, size: Array
-) -> list[tuple[float, float]]:
-    """Parts of a free law where a radius is small on the cam."""
-    from scipy.interpolate import BSpline
-
-    question, x = program.question, np.linspace(0.0, 1.0, 401)
-    if law is None:
-        return []
-    degree = int(law["degree"])
-    knots = np.concatenate([np.zeros(degree), law["knots"], np.ones(degree)])
-    spline = BSpline(knots, np.array(law["coefficients"], dtype=float), degree)
-    h, d = float(segment.lift), float(segment.degrees) * DEGREE
-    s, v, a = (h / d**k * spline.derivative(k)(x) if k else h * spline(x) for k in range(3))
-    e, s0 = size
-    X, u = s0 + s + float(segment.level), v - e
-    bend = (X * X + u * (2 * v - e) - X * a) / np.hypot(X, u) ** 3
-    near = np.zeros(len(x), dtype=bool)
-    for limit in question.limits.values():
-        if limit["kind"] == "profile_radius":
-            near |= bend * float(question.gap + limit["min_mm"]) > NEAR
-        if limit["kind"] == "cutter_radius":
-            near |= -bend * float(limit["radius_mm"] - question.gap) > NEAR
-    where = np.flatnonzero(near)
-    runs = np.split(where, np.flatnonzero(np.diff(where) > 30) + 1) if len(where) else []
-    return [(round(float(max(x[r[0]] - 0.02, 0.0)), 9), round(float(min(x[r[-1]] + 0.02, 1.0)), 9))
-            for r in runs]
