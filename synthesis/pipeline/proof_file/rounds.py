@@ -30,6 +30,7 @@ FINE_ENOUGH = 0.15  # of what is missing: what coarse knots may lose
 SHARE = 0.01  # of what is missing: what one interval may lose
 WIDTH = 2e-3  # of a law: least distance of the first knots
 MARGIN = 0.02  # of a law: by which parts with small radii are widened
+GAIN = 0.1  # of what is missing: a round that gains less is the last
 JOINED = 30  # samples: parts that are no farther apart are one
 
 
@@ -57,8 +58,9 @@ def in_rounds(
     linear = Program(question, own)
     zones = {s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free}
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, reached = list[list[Json]](), None
+    rounds, reached, before = list[list[Json]](), None, -np.inf
     for number in range(ROUNDS):
+        # 1. Bounds of the size, then of the path as well, from the rows known so far.
         if number:
             rows = program.fixed + list(program.bend_rows(zones))
             steps = list(_round(program, rows, zones, with_places=number > 1 or not own))
@@ -69,6 +71,7 @@ def in_rounds(
                 way = (1, -1)[k % 2]
                 ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
             question.bent.clear()
+        # 2. What the rows that follow exclude, on finer knots where these lose much.
         for _ in range(MESHES):
             rows = program.fixed + list(program.bend_rows(zones))
             last = program.minimise((), rows, None)
@@ -83,11 +86,13 @@ def in_rounds(
                 break
             finer = program.finer(nu, z, rows, max(LOST * target, SHARE * abs(excess)))
             program = Program(question, finer)
-        reached = target + min(excess, 0.0), {
-            "below": target, "rounds": list(rounds), "multipliers": found,
-        }  # fmt: skip
-        if excess > 0.0:
+        if excess > before:
+            witness = {"below": target, "rounds": list(rounds), "multipliers": found}
+            reached = target + min(excess, 0.0), witness
+        # 3. Until nothing is left to gain. The first bounds of the size gain nothing by themselves.
+        if excess > 0.0 or (number > 1 and excess - before < GAIN * abs(excess)):
             break
+        before = max(before, excess)
     return reached
 
 
