@@ -16,16 +16,18 @@ import json
 import re
 import sys
 from collections import Counter, defaultdict
+from copy import copy
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product, zip_longest
 from math import comb, factorial, isqrt
 from zipfile import ZipFile
 
-MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 1_000_000, 25, 60  # of the file; of a number
+MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 5_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
-MOST = {"numbers": 10_000, "halvings of intervals": 100_000, "coefficients": 300_000}
+MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 500_000}
+SLICES, FINE = 8, 1 << 70  # of a density of rows that differ from place to place; what is rounded
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
@@ -123,9 +125,10 @@ def range_of(value):
 
 def choose(asked, chosen):
     """A number as it is given, or that of the cam if the question leaves a range."""
-    if not isinstance(asked, dict) or chosen is None:
+    if not isinstance(asked, dict):
         demand(chosen in (None, asked), "a number of the cam is not that asked for")
         return asked
+    demand(chosen is not None, "an angle or a lift is free: over all of them nothing is covered")
     low, high = range_of(asked)
     good = isinstance(chosen, Fraction) and low is not None and high is not None
     demand(good and low <= chosen <= high, "a number is not within the range asked for")
@@ -205,6 +208,73 @@ class Question:
             else:
                 limit = {"kind": "unknown"}
             self.limits[f"limits/{k}"] = limit
+        jerks = [get(x, FIELDS["jerk"]) for x in self.limits.values() if x["kind"] == "jerk"]
+        self.jerk = min(jerks) / rate**3 if jerks else None
+        self.heights, self.known, self.bent = [ZERO, None], {}, {}  # s0; X and U at places
+        self.aim = None  # the prime radius below which there is no cam, if rounds have a larger one
+
+    def hull(self, segment, x):
+        """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
+        h, d, (low, high), (least, most) = segment.lift, segment.degrees, self.offsets, self.heights
+        demand(None not in (low, high, most), "a size has no range")
+        e = [min(low * c for c in C), min(-high * c for c in C)]
+        if not segment.free:
+            (s, v), (t, w) = (zip(*([f * h / d**k for f in given(segment.law, k, x)]
+                                    for k in (0, 1))))
+            s, t, v, w = min(s, t) + segment.level, max(s, t) + segment.level, min(v, w), max(v, w)
+            return [s + least, -t - most, v + e[1], -w + e[0], *e]
+        nodes = sorted(y for (index, y), b in self.known.items()
+                       if index == segment.index and None not in b)
+        left, right = [y for y in nodes if y <= x], [y for y in nodes if y >= x]
+        demand(left and right and self.jerk is not None, "nothing bounds the path of the roller")
+        p, q = ([sign * b for sign, b in zip((1, -1, 1, -1), self.known[segment.index, y])]
+                for y in (left[-1], right[0]))
+        before, after = d * (x - left[-1]), d * (right[0] - x)
+        width = before + after
+        # |U''| <= jerk: U leaves its chord by no more than this; v = U + E between both places
+        chords = [(p[k] * after + q[k] * before) / width if width else p[k] for k in (2, 3)]
+        speeds = [min(p[k + 2], q[k + 2]) - self.jerk * width**2 / 8 + e[k] for k in (0, 1)]
+        if segment.forward:
+            speeds[h < 0] = max(speeds[h < 0], ZERO)
+        far = [max(p[k] + before * speeds[k], q[k] + after * speeds[1 - k]) for k in (0, 1)]
+        return [*map(floor, far), *(floor(u - self.jerk * before * after / 2) for u in chords), *e]
+
+    def bend_row(self, segment, limit, x):
+        """A row that a roller's profile radius implies where X, U and E are in the hull.
+
+        side a >= A - B, A and B convex. A is of degree 1, so nowhere below its tangents; B less a
+        linear function is largest at a corner of the hull.
+        """
+        place = segment.index, x, id(limit)
+        if place in self.bent:
+            return self.bent[place]
+        spend("coefficients", 16)
+        side = 1 if limit["kind"] == "profile_radius" else -1
+        radius = side * self.gap + get(limit, FIELDS[limit["kind"]])
+        low, high = (z := self.hull(segment, x))[::2], [-y for y in z[1::2]]
+        demand(radius > 0 and low[0] > 0, "it says nothing here")
+
+        def steep(x, u, e):
+            return C[1] ** 2 * x + 2 * (u + e / 4) ** 2 / x
+
+        def slight(x, u, e):
+            return e * e / (8 * x)
+
+        def convex(x, u, e):
+            sharp = root((C[1] * x) ** 2 + u * u) ** 3 / (C[0] * radius * x)
+            return sharp + (slight if side > 0 else steep)(x, u, e)
+
+        mean = [y + z for y, z in zip(low, high)]
+        q = floor((mean[1] + mean[2] / 4) / mean[0]) if side > 0 else floor(mean[2] / mean[0])
+        slopes = (C[0] ** 2 - 2 * q * q, 4 * q, q) if side > 0 else (-q * q / 8, ZERO, q / 4)
+        corners = [(z, convex(*z)) for z in product(*zip(low, high))]
+        turns = [floor(sum(b if z[k] == high[k] else -b for z, b in corners) / (4 * (y - w)))
+                 if w < y else ZERO for k, (w, y) in enumerate(zip(low, high))]
+        most = -floor(min(sum(m * y for m, y in zip(turns, z)) - b for z, b in corners))
+        b, c, d = (floor(p - m) if k == 0 else p - m for k, (p, m) in enumerate(zip(slopes, turns)))
+        row = [b, c, -side * ONE, ZERO], [d - c, b], most  # times X, rounded down: X > 0
+        self.bent[place] = scaled(segment, row)
+        return self.bent[place]
 
     def row(self, segment, limit, side, low, high, relaxed):
         """A limit's row on a segment, alpha . (s, v, a, j) + size . z <= rhs, or None.
@@ -252,6 +322,9 @@ def tangent(degrees):
     demand(less_cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
     return (Fraction(sine[0] / cosine[1] * UNIT // 1, UNIT),
             -Fraction(-more_sine[1] / less_cosine[0] * UNIT // 1, UNIT))
+
+def floor(x):
+    return Fraction(x * FINE // 1, FINE)
 
 def root(x):
     return Fraction(isqrt(x * UNIT * UNIT // 1) + 1, UNIT)  # from above
@@ -400,6 +473,7 @@ def pieces_of(segment, law):
     good = good and segment.smooth < p and len(c) == len(t) - 1 + p
     good = good and c[:1] + c[-1:] == [0, 1]  # the lift is the program's
     demand(good, f"the spline of program/{segment.index} is not of the class asked for")
+    spend("coefficients", 100 * (len(c) - p))
     t = [ZERO] * p + t + [ONE] * p
     for j in range(len(c) - p):
         s, start, end = [], t[p + j], t[p + j + 1]
@@ -533,8 +607,17 @@ class Cam:
         share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
         return "holds at every cam angle" + (share if self.jump else "")
 
+def scaled(segment, row):
+    """A row as one of g and its derivatives."""
+    if row is None:
+        return None
+    alpha, size, rhs = row
+    return ([f * segment.lift / segment.degrees**k for k, f in enumerate(alpha)], size,
+            rhs - alpha[0] * segment.level)
+
 # Step 6. What the multipliers say of all cams: constant + size . z <= 0.
-def half_plane(question, proof):
+def half_plane(question, proof, aim=None):
+    """``aim``: a segment, a place and factors of (s, v, a, j) and of z, of what is bounded."""
     order = whole(proof, "order", 2, 3)
     kind = {2: "acceleration", 3: "jerk"}[order]
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
@@ -542,26 +625,46 @@ def half_plane(question, proof):
            f"nothing limits the {kind} of every law")
     cap, constant = min(caps, default=ZERO) / question.rate**order, ZERO
     sizes, joints = [ZERO] * 2, defaultdict(int)
+    aims = [aim] if aim and any(aim[2]) else []
+    if aim:
+        sizes = aim[3]
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
         h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
         ends = numbers(get(part, "ends", list))
         good = segment in question.turning and len(ends) <= order * segment.free
         demand(good, f"program/{segment.index} has no angle, or not so many end conditions")
+        while aims and segment is aims[0][0]:
+            _, at, alpha, _ = aims.pop()
+            demand(segment.free and 0 <= at <= 1, "a place that is not on a free law")
+            constant += alpha[0] * segment.level
+            for k in range(order):
+                psi[at][order - 1 - k] += alpha[k] * h / d**k
         # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
             limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
-            row = question.row(segment, limit, side, *C, 1) if side in (1, -1) else None
-            demand(row, f"{ascii(name)[:20]} says nothing of program/{segment.index}")
-            alpha, size, rhs = row
-            rhs -= alpha[0] * segment.level
-            alpha = [f * h / d**k for k, f in enumerate(alpha)]
-            good = not segment.free or not any(alpha[order:])
-            demand(good, "a row is of the derivative that is limited itself")
+            bends = question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
+            row = None if bends else scaled(segment, question.row(segment, limit, side, *C, 1))
+            demand(side in (1, -1) and (row or (bends and side == 1)),
+                   f"{ascii(name)[:20]} says nothing of program/{segment.index}")
+            spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and low >= 0 <= high, "a multiplier is negative, or beyond")
+                if bends and x < y:
+                    step, n = (y - x) / SLICES, 2 * SLICES
+                    spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
+                        step * (low + (high - low) * (2 * k + 1) / n), ZERO) for k in range(SLICES)]
+                else:
+                    spread.append((x, y, low, high))
+            for x, y, low, high in spread:
+                if bends:
+                    row = question.bend_row(segment, limit, x)
+                alpha, size, rhs = row
+                spend("coefficients", 8)
+                good = not segment.free or not any(alpha[order:])
+                demand(good, "a row is of the derivative that is limited itself")
                 mass, kernels = low, [(x, 0, low)]
                 if x < y:
                     steep = -Fraction((low - high) / (y - x) * UNIT // 1, UNIT)  # up: high too
@@ -587,6 +690,7 @@ def half_plane(question, proof):
             constant -= area * cap * d**order / abs(h)
             for k in range(1, order):
                 joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
+    demand(not aims, "the segment of a step is not in its multipliers")
     # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
     for (index, k), share in joints.items():
         left, right = question.program[index], question.program[index].after
@@ -608,43 +712,100 @@ def half_plane(question, proof):
 def remainder(kernels):
     """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
 
-    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left.
+    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left,
+    in integers of a unit that is small beside all c; rounding is less than 100 units a cut.
     """
-    psi, area, cuts = [ZERO] * 5, [], sorted({ZERO, ONE, *kernels}, reverse=True)
+    cuts, area, psi = sorted({ZERO, ONE, *kernels}, reverse=True), [], [0] * 5
+    unit = max((abs(c) for each in kernels.values() for c in each), default=ZERO) / (1 << 96)
+    shares = [sum(c[j] * x ** (j - i) / factorial(j - i)
+                  for x, c in kernels.items() for j in range(i, 5) if c[j]) for i in range(2)]
+    if not unit:
+        return ZERO, shares
     for right, left in zip(cuts, [*cuts[1:], ZERO]):
         # in powers y^n / n! of y = right - tau, then of y = left - tau
-        psi, w = [p + q for p, q in zip(psi, kernels.get(right, [ZERO] * 5))], right - left
-        area.append(([sum(Fraction(comb(k, i), comb(4, i) * factorial(i)) * psi[i] * w**i
-                          for i in range(k + 1)) for k in range(5)], w))
-        psi = [sum(psi[j] * w ** (j - i) / factorial(j - i) for j in range(i, 5)) for i in range(5)]
+        w = [(right - left) ** i * UNIT // factorial(i) for i in range(5)]
+        psi = [p + q // unit for p, q in zip(psi, kernels.get(right, ()))] if (
+            right in kernels) else psi
+        steps = [p * v >> BITS for p, v in zip(psi, w)]
+        area.append(([sum(comb(k, i) * (12 // comb(4, i)) * steps[i] for i in range(k + 1)) // 12
+                      for k in range(5)], w[1] + 1))
+        psi = [sum(psi[j] * w[j - i] >> BITS for j in range(i, 5)) for i in range(5)]
     # |p| is at most the mean size of its coefficients; where they have one sign, just that.
-    total, spare = ZERO, sum(sum(map(abs, b)) * w for b, w in area) / (len(area) << 30)
+    total = sum(sum(map(abs, b)) * w for b, w in area)
+    spare, total = total // (len(area) << 24), 500 * len(cuts) * UNIT
     while area:
         b, width = area.pop()
         size = sum(map(abs, b))
         if (size - abs(sum(b))) * width <= spare:
-            total += size * width / 5
+            total += (size + 1000) * width
         else:
-            area += [(half, width / 2) for half in halves(b, lambda x, y: (x + y) / 2)]
-    return total, psi
+            area += [(half, width + 1 >> 1) for half in halves(b, lambda x, y: (x + y) >> 1)]
+    return total * unit / (5 * UNIT), shares
 
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
-def exclude(question, proof):
-    """Refuse unless -size . z < constant for every size that the question allows."""
-    least, radius = question.radii
-    if least is not None and radius is not None and least > radius:
-        return
-    constant, (p, q) = half_plane(question, proof)
+def least(question, proof, aim=None):
+    """What is aimed at is at least this for every cam; without an aim, if it is above 0 none is."""
+    radius = question.radii[1]
+    constant, (p, q) = half_plane(question, proof, aim)
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
-    radius, up, most = radius or ZERO, max(-q, ZERO), []
+    radius, up, most = radius or ZERO, -q, []
     ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
-    inner = [e for e in ends if e is not None and e * e < radius * radius]
+    ends = [f(radius * sign, radius * sign if e is None else e)
+            for e, f, sign in zip(ends, (max, min), (-1, 1))]
+    bottom = question.heights[0]
+    heights = [bottom, min(radius, question.heights[1] or radius)]
+
+    def leg(x):  # the other side of a right triangle
+        return root(radius * radius - x * x) if x * x < radius * radius else ONE
+
     for slope in (-p * (c if question.roller else c * c) for c in C):
-        # slope e + up s0 = (slope - y) e + (y e + up s0), by Cauchy and Schwarz for every y
-        ys = [slope, *(up * e / root(radius**2 - e * e) for e in inner)]
-        most.append(min(radius * root(y * y + up * up) + (slope - y) * (ends[slope > y] or ZERO)
-                        for y in ys if y == slope or ends[slope > y] is not None))
-    demand(max(most) < constant, "the multipliers do not exclude every size")
+        # slope e + up s0 = (slope - y) e + (up - w) s0 + (y e + w s0), by Cauchy and Schwarz
+        ys = [(slope, max(up, ZERO)), (slope, abs(slope) * bottom / leg(bottom)), (ZERO, ZERO),
+              *((up * e / leg(e), up) for e in ends)]
+        most.append(min(radius * root(y * y + w * w) + (slope - y) * ends[slope > y]
+                        + (up - w) * heights[up > w] for y, w in ys))
+    return constant - max(most)
+
+def exclude(question, body):
+    """Refuse unless no cam is left, after steps that show where cams can be."""
+    small, radius = question.radii
+    if small is not None and radius is not None and small > radius:
+        return
+    if question.heights[1] is None:
+        question.heights[1] = radius
+    for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
+        bounds = [bound_of(question, step) for step in found]
+        for ends, end, bound in bounds:
+            way = (1, -1)[end % 2]
+            ends[end] = way * bound if ends[end] is None else way * max(bound, way * ends[end])
+        question.bent.clear()
+    if "cases" not in body:
+        question.radii = small, radius if question.aim is None else question.aim
+        excess = least(question, get(body, "multipliers", dict))
+        demand(excess > 0, "the multipliers do not exclude every size")
+        return
+    cases, value = get(body, "cases", list), get(body, "value")  # of e or s0: below it and above
+    demand(len(cases) == 2, "there are not two cases", 2)
+    for k, case in enumerate(cases):
+        part, ends = copy(question), (question.offsets[:], question.heights[:])
+        ends[get(body, "of", str) != "offset"][1 - k] = value
+        (part.offsets, part.heights), part.bent = ends, {}
+        part.known = {place: bounds[:] for place, bounds in question.known.items()}
+        exclude(part, case)
+
+def bound_of(question, step):
+    """The bounds of what a step speaks of, which of them it gives, and what."""
+    k, proof = whole(step, "bound", 0, 3), get(step, "multipliers", dict)
+    way = (1, -1)[k % 2]
+    if step.get("segment") is None:  # of e or s0, from below or from above
+        bound = least(question, proof, (None, ZERO, [], [way * (k < 2), way * (k > 1)]))
+        ends = (question.offsets, question.heights)[k // 2]
+        return ends, k % 2, min(bound / c for c in C) if k < 2 else bound
+    # X or U at a place
+    index, x = whole(step, "segment", 0, len(question.program) - 1), get(step, "x")
+    alpha, size = [way * (k < 2), way * (k > 1), 0], [-way * (k > 1), way * (k < 2)]
+    bound = least(question, proof, (question.program[index], x, alpha, size))
+    return question.known.setdefault((index, x), [None] * 4), k, floor(bound)
 
 # Step 8. The claims: what the question asks for, each proven or said not to be covered.
 def places(asked, cam):
@@ -666,15 +827,20 @@ def excluded(asked, place, claim):
                       "base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle")
         text = f"no cam of this question has a {aim} below {decimal(value)}"
         if aim == "base_radius":
-            radius = value + question.gap
-            question.radii[1] = min(radius, question.radii[1] or radius)
+            # rounds speak of all cams below another radius, which is no smaller
+            below = get(claim, "below") if "rounds" in claim or "cases" in claim else value
+            demand(below >= value, "rounds do not speak of all cams")
+            most = question.radii[1]
+            question.radii[1], question.aim = (
+                r + question.gap if most is None else min(most, r + question.gap)
+                for r in (below, value))
         elif aim == "peak_pressure_angle":
             demand(question.roller, "it has no pressure angle")
             question.limits["objective"] = {"kind": aim[5:], "rise_deg": value, "return_deg": value,
                                             "dwell_deg": None}
         else:
             question.limits["objective"] = {"kind": aim[5:], FIELDS[aim[5:]]: value}
-    exclude(question, get(claim, "multipliers", dict))
+    exclude(question, claim)
     return text
 
 def check(content):

@@ -45,6 +45,8 @@ def question(chance: random.Random) -> dict[str, Any]:
         offset = chance.choice((0.0, None, {"min": -0.3 * lift, "max": 0.2 * lift}))
         body["follower"] = {"kind": "translating_roller", "offset_mm": offset,
                             "roller_radius_mm": chance.choice((0.0, 0.1, 0.3)) * lift}  # fmt: skip
+        if chance.random() < 0.3:  # a bound that curvature raises, in rounds
+            limits.append({"kind": "profile_radius", "min_mm": chance.choice((0.2, 0.4)) * lift})
     else:
         limits.append({"kind": "profile_radius", "min_mm": chance.choice((0.1, 0.3)) * lift})
         if chance.random() < 0.4:

@@ -238,7 +238,7 @@ def many(count: int) -> Json:
 LONG: dict[str, tuple[Json, str]] = {
     "segments": (document("size", [dwell(3.6)] * 101, [None] * 101), "segments"),
     "limits": (document("size", moves(), [SMOOTH] * 2, *[VELOCITY] * 51), "limits"),
-    "numbers": (document("size", moves(), [many(5000), SMOOTH]), "numbers"),
+    "pieces": (document("size", moves(), [many(9000), SMOOTH]), "coefficients"),
     "digits": (document("size", moves(), [SMOOTH] * 2, size=(0, 10**26)), "digits"),
 }  # fmt: skip
 

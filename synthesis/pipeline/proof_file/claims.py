@@ -13,6 +13,8 @@ from dataclasses import replace
 from math import floor, inf, isfinite, log10
 from typing import Any
 
+import numpy as np
+
 from synthesis.catalogue.fields import Range
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
@@ -36,6 +38,7 @@ from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.checker import not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import broken_by_given_law, multipliers
+from synthesis.pipeline.proof_file.rounds import in_rounds
 from synthesis.spec.design_spec import DesignSpec
 
 Json = dict[str, Any]
@@ -112,17 +115,40 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
         unfit = of_angle or spec.objective is None
         plain = spec.model_copy(update={"objective": BaseRadius()}) if unfit else spec
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
-    witnesses = list(_witnesses(spec)) if place == OBJECTIVE and not of_angle else []
+    witnesses = (
+        [({"multipliers": found}, bound) for found, bound in _witnesses(spec)]
+        if place == OBJECTIVE and not of_angle
+        else []
+    )
+    best = max((bound for _, bound in witnesses), default=0.0)
+    if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
+        witnesses = [*_rounds(design, best), *witnesses]
     for loss in LOSSES:
         if place == OBJECTIVE and of_angle and answer:
-            witnesses = [*_witnesses_of_angle(spec, _rounded_down(answer * (1.0 - 0.5 * loss)))]
+            least = _rounded_down(answer * (1.0 - 0.5 * loss))
+            witnesses = [
+                ({"multipliers": found}, value) for found, value in _witnesses_of_angle(spec, least)
+            ]
         for found, bound in witnesses:
             if bound <= 0.0:
                 continue
             value = _rounded_down(bound * (1.0 - loss))
             less = answer is not None and value < answer * (1.0 - CLOSE)
             note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
-            yield {"at_least": value, **note, "multipliers": found}
+            yield {"at_least": value, **note, **found}
+
+
+def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
+    """A witness of a base radius that rows of radii raise above the best of the linear rows."""
+    cam, answer = _cam(design), design.certificate.lower_bound
+    if cam is None or answer is None or not isinstance(design.spec.objectives()[0], BaseRadius):
+        return
+    if design.spec.free_parameters.parameters:
+        return
+    asked = _bytes(design.spec.model_dump(mode="json"))
+    found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
+    if found is not None and found[0] > best:
+        yield found[1], found[0]
 
 
 def _cam(design: Design) -> Json | None:
