@@ -145,7 +145,7 @@ def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
         return
     if design.spec.free_parameters.parameters:
         return
-    asked = _bytes(design.spec.model_dump(mode="json"))
+    asked = _bytes(_question(design.spec))
     found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
     if found is not None and found[0] > best:
         yield found[1], found[0]
