@@ -123,19 +123,21 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     best = max((bound for _, bound in witnesses), default=0.0)
     if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
+    # The highest value first: a witness that loses more may still prove more than another one.
+    tries = list[tuple[float, Json]]()
     for loss in LOSSES:
         if place == OBJECTIVE and of_angle and answer:
             least = _rounded_down(answer * (1.0 - 0.5 * loss))
             witnesses = [
                 ({"multipliers": found}, value) for found, value in _witnesses_of_angle(spec, least)
             ]
-        for found, bound in witnesses:
-            if bound <= 0.0:
-                continue
-            value = _rounded_down(bound * (1.0 - loss))
-            less = answer is not None and value < answer * (1.0 - CLOSE)
-            note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
-            yield {"at_least": value, **note, **found}
+        tries += [(_rounded_down(bound * (1.0 - loss)), found) for found, bound in witnesses]
+    for value, found in sorted(tries, key=lambda each: -each[0]):
+        if value <= 0.0:
+            continue
+        less = answer is not None and value < answer * (1.0 - CLOSE)
+        note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
+        yield {"at_least": value, **note, **found}
 
 
 def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:

@@ -25,7 +25,7 @@ PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
 ZONE_STEP = 0.02  # of a law: between knots where rows of radii are written
 NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
 LOST = 2e-5  # of the least radius, in mm: what an interval may lose to a ψ that changes its sign
-ROUNDS, MESHES = 6, 3  # at most; knots of one round that are made finer again
+ROUNDS, MESHES = 6, 4  # at most; meshes of the last rows, each finer than the one before
 FINE_ENOUGH = 0.15  # of what is missing: what coarse knots may lose
 SHARE = 0.01  # of what is missing: what one interval may lose
 WIDTH = 2e-3  # of a law: least distance of the first knots
@@ -58,7 +58,7 @@ def in_rounds(
     linear = Program(question, own)
     zones = {s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free}
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, reached, before = list[list[Json]](), None, -np.inf
+    rounds, before = list[list[Json]](), -np.inf
     for number in range(ROUNDS):
         # 1. Bounds of the size, then of the path as well, from the rows known so far.
         if number:
@@ -71,28 +71,38 @@ def in_rounds(
                 way = (1, -1)[k % 2]
                 ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
             question.bent.clear()
-        # 2. What the rows that follow exclude, on finer knots where these lose much.
-        for _ in range(MESHES):
-            rows = program.fixed + list(program.bend_rows(zones))
-            last = program.minimise((), rows, None)
-            if last is None:
-                return None
-            ((least, nu, z),) = last
-            found = program.stated(nu, z, rows)
-            judge.spent.clear()
-            excess = float(judge.least(question, judge.read(_bytes(found))))
-            loss = least - float(radius) - excess
-            if excess > 0.0 or loss < FINE_ENOUGH * abs(excess):
-                break
-            finer = program.finer(nu, z, rows, max(LOST * target, SHARE * abs(excess)))
-            program = Program(question, finer)
-        if excess > before:
-            witness = {"below": target, "rounds": list(rounds), "multipliers": found}
-            reached = target + min(excess, 0.0), witness
+        # 2. The least radius under the rows that follow, and finer knots where these lose much.
+        rows = program.fixed + list(program.bend_rows(zones))
+        last = program.minimise((), rows, None)
+        if last is None:
+            return None
+        ((least, nu, z),) = last
+        missing = abs(least - float(radius))
+        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * missing))
+        program = Program(question, finer)
         # 3. Until nothing is left to gain. The first bounds of the size gain nothing by themselves.
-        if excess > 0.0 or (number > 1 and excess - before < GAIN * abs(excess)):
+        if least > float(radius) or (number > 1 and least - before < GAIN * missing):
             break
-        before = max(before, excess)
+        before = least
+    # 4. What the last rows exclude, in exact arithmetic, on knots that lose little.
+    reached: tuple[float, Json] | None = None
+    for _ in range(MESHES):
+        rows = program.fixed + list(program.bend_rows(zones))
+        last = program.minimise((), rows, None)
+        if last is None:
+            return reached
+        ((least, nu, z),) = last
+        found = program.stated(nu, z, rows)
+        judge.spent.clear()
+        excess = float(judge.least(question, judge.read(_bytes(found))))
+        if reached is None or target + excess > reached[0]:
+            witness = {"below": target, "rounds": rounds, "multipliers": found}
+            reached = min(target + excess, target), witness
+        loss = least - float(radius) - excess
+        if excess > 0.0 or loss < FINE_ENOUGH * abs(excess):
+            break
+        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * abs(excess)))
+        program = Program(question, finer)
     return reached
 
 
