@@ -35,7 +35,7 @@ ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivative
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
 FIELDS = {  # of each kind that is covered; what has another field is refused
     "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
-                "objective tolerance proof time_budget_s report_smoothness_cost",
+                "objective tolerance proof time_budget_s report_smoothness_cost body keyway",
     "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm velocity_mm_per_s",
     "chosen": "angle_deg lift_mm",  # of a segment of the cam
     "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",

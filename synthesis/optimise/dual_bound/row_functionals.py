@@ -154,7 +154,7 @@ class RowFunctional:
             assert block.spans is not None
             spans, alpha = block.spans[which], np.zeros((len(rhs), order + 1))
             alpha[:] = _of_rows(block.alpha.T, which)[..., : order + 1]
-            even = Hats(*spans.T, np.full(len(rhs), 0.5), alpha[:, :order])
+            even = Hats(spans[:, 0], spans[:, 1], np.full(len(rhs), 0.5), alpha[:, :order])
             x, weights, poly = even.left, even.weights, even.poly
             poly[:, 0] += alpha[:, order] / np.ptp(spans, axis=1)
         else:

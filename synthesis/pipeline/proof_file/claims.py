@@ -82,7 +82,7 @@ def _question(spec: DesignSpec) -> Json:
         low, high = spec.requested_radii()
         most = high if isfinite(high) else None
         changes["base_radius_mm"] = low if low == high else Range(min=low, max=most)
-    hub = {"shaft_diameter_mm", "hub_diameter_mm", "keyway"}
+    hub = {"shaft_diameter_mm", "hub_diameter_mm"}
     return spec.model_copy(update=changes).model_dump(mode="json", exclude=hub)
 
 

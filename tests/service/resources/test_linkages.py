@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
-from service.contract.examples import examples
+from service.contract.examples import VARIANTS, examples
 from synthesis.machines.linkages import LINKAGES
 from synthesis.machines.linkages.files import LINKAGE_FILES
 from tests.service.contract.test_openapi import document
@@ -32,7 +32,7 @@ def test_worked_examples(client: httpx2.Client, kind: str, name: str) -> None:
         f"/v1/linkages/{kind}",
     )
     said = document()["paths"][path]["post"]["requestBody"]["content"]["application/json"]
-    assert said["examples"][name] == example
+    assert name in VARIANTS or said["examples"][name] == example
     answer = client.post(path, json=example["value"])
     assert answer.status_code == 200, answer.text
     there = linkage.answer.model_validate_json(answer.content)
