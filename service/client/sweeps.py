@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from service.client import Client
 
 Json = dict[str, Any]
-BEFORE, AFTER = ("number", "status"), ("gap", "seconds", "design", "problem")
+BEFORE, AFTER = ("number", "status", "severity"), ("gap", "seconds", "design", "problem")
 """Columns before and after those of axes and quantities, as in items.csv."""
 
 

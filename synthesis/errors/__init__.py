@@ -82,6 +82,7 @@ class Cancelled(CamwrightError):
 
 EXTRAS = {
     "cad": 380,
+    "cvxpy": 65,
     "dxf": 56,
     "exact": 26,
     "pandas": 85,

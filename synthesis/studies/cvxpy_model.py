@@ -39,8 +39,7 @@ from synthesis.pipeline.attempt import Attempt, Goal, prepare
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 INSTALL = (
-    "cvxpy_model needs CVXPY, which is not installed. It is a part of the extra dev "
-    "(pip install 'camwright[dev]'); pip install cvxpy-base is enough."
+    "cvxpy_model needs CVXPY, which is not installed: pip install 'camwright[cvxpy]' (65 MB)."
 )
 
 

@@ -21,7 +21,7 @@ from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.pipeline.proof_file.checker import checker
 
 Json = dict[str, Any]
-DEGREE = pi / 180.0
+DEGREE = pi / 180.0  # rad
 ORDER = 3  # of the derivative that is limited
 DIRECTIONS = 64  # of tangents of a circle around the axis
 SAMPLES = 25  # of a given law

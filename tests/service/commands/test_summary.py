@@ -1,8 +1,7 @@
 """The summary as the terminal prints it: numbers in their units, beside those of the usual law."""
 
-from rich.table import Table
-
 import synthesis as c
+from service.commands.display import Table
 from service.commands.tables import describe_design
 from synthesis.design.design import Design
 
@@ -24,13 +23,14 @@ def test_the_tables_of_the_summary_follow_the_lines() -> None:
     printed = list(describe_design(design(), 0.01))
     tables = {each.title: each for each in printed if isinstance(each, Table)}
     assert list(tables) == ["Motion", "Coefficients", "Geometry"]
-    rows = list(zip(*(column.cells for column in tables["Motion"].columns), strict=True))
+    rows = list(zip(*(column.cells for column in tables["Motion"].drawn().columns), strict=True))
     # Cv h ω/β = 2 · 20 mm / (120°/360 s)
     assert rows[3] == (
         "velocity, rise 0–120°", "mm/s", "120", "60.000", "0", "0.000", "73.4847", "0",
     )  # fmt: skip
-    names, *_ = (list(column.cells) for column in tables["Coefficients"].columns)
+    names = [row[0] for row in tables["Coefficients"].rows]
     assert names[:2] == ["rise 0–120°", "  reference: modified sine, R-R"]
-    figures = list(zip(*(column.cells for column in tables["Geometry"].columns), strict=True))
+    drawn = tables["Geometry"].drawn().columns
+    figures = list(zip(*(column.cells for column in drawn), strict=True))
     assert ("outer radius", "70", "mm", "120.000") in figures
     assert ("least hollow radius", "no hollow", "", "–") in figures

@@ -128,4 +128,4 @@ def test_the_command_writes_what_the_service_has(client: httpx2.Client, tmp_path
     assert "coupler_mm: 60 requested, 83.4174 mm needed" in said.stdout
     said = CliRunner().invoke(cli.app, ["linkage", "six-bars", str(path)])
     assert said.exit_code == 2
-    assert "There are six-bar-shapers" in said.output
+    assert "'six-bars' is not one of 'six-bar-shapers'" in said.output
