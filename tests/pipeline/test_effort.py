@@ -58,7 +58,7 @@ def test_nodes_are_those_of_the_branch_and_bound(bent: Design) -> None:
 def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None:
     assert exits(bent) == ["budget of the proof"]
     assert exits(synthesise(EASY)) == ["tolerance"]
-    rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-3)
+    rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-4)
     assert exits(synthesise(rough)) == ["the lowest node is not divided"]
     for name in ("MAX_NODES", "FIRST_ITERATIONS", "ITERATIONS", "GAIN"):
         monkeypatch.setattr(traced_node, name, 1)

@@ -193,7 +193,7 @@ def test_an_analysis_wants_a_number() -> None:
 WRONG: dict[str, tuple[Any, dict[str, Any], str, str]] = {
     "empty": ({"min": 90.0, "max": 80.0}, {}, "range_empty", "min = 90.0 is above max = 80.0"),
     "half open": ({"min": 90.0}, {}, "missing", "required"),
-    "left out": (None, {}, "model_type", "valid"),
+    "left out": (None, {}, "float_type", "must be a number"),
     "from zero": ({"min": 0.0, "max": 9.0}, {}, "greater_than", "greater than 0"),
     "too short": (
         {"min": 20.0, "max": 50.0}, {"distance": DISTANCE, "base_radius_mm": 30.0},

@@ -243,7 +243,7 @@ def test_a_bound_over_one_mesh_proves_nothing() -> None:
     """Without a cap the bound covers splines on the knots tried: other laws are not denied."""
     spec = question(
         10.0, (90.0, 30.0, 90.0), [pressure_angle(30.0)], base_radius_mm={"min": 0.1},
-        tolerance=2e-2,
+        tolerance=2e-2, objective={"kind": "base_radius"},
     )  # fmt: skip
     bound = synthesise(spec).certificate
     assert "splines" in bound.bound_valid_for

@@ -28,7 +28,8 @@ SMALL, LARGE = 3.7e-5, 4.3e3
 SAME = 1e-9
 # powers of length and time of what unit names are made of; a mass is as it was
 UNITS = {
-    "mm": (1, 0), "m": (1, 0), "m2": (2, 0), "s": (0, 1), "s2": (0, 2), "s3": (0, 3), "s4": (0, 4),
+    "mm": (1, 0), "m": (1, 0), "m2": (2, 0), "m3": (3, 0),
+    "s": (0, 1), "s2": (0, 2), "s3": (0, 3), "s4": (0, 4),
     "rpm": (0, -1), "hz": (0, -1), "n": (1, -2), "mpa": (-1, -2), "kg": (0, 0), "deg": (0, 0),
     "rad": (0, 0),
 }  # fmt: skip

@@ -47,6 +47,7 @@ def question(*limits: dict[str, Any], law: str | None = None, **more: Any) -> De
             "program": [rise(73.0, law=law), dwell(31.0), fall(86.0, law=law), dwell(170.0)],
             "follower": {"kind": "translating_flat_face"},
             "limits": list(limits),
+            "objective": {"kind": "base_radius"},
             **more,
         }
     )
