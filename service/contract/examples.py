@@ -29,9 +29,9 @@ ORDER = [
 ]  # fmt: skip
 # These show what others of them show too: the document of the contract is shorter without them.
 VARIANTS = frozenset({
-    "conjugate", "conjugate-arms", "constant-velocity", "cylindrical-rib", "hertz-limited",
-    "norton-single-dwell", "p2-sized", "p3-opposite", "p3-same", "p3-set", "p3-sized",
-    "quiet-then-small", "tilted-flat-face", "turning-guide",
+    "conjugate", "conjugate-arms", "constant-velocity", "cylindrical-rib", "fixed-laws",
+    "norton-single-dwell", "p3-opposite", "p3-same", "p3-set", "p3-sized", "quiet-then-small",
+    "start-heavy", "tilted-flat-face",
 })  # fmt: skip
 
 
