@@ -43,11 +43,19 @@ function together({ allOf, ...own }) {
   return Object.assign({}, ...parts, { properties: fields, required: parts.flatMap((part) => part.required ?? []) });
 }
 
+/** The same of an operation, its question first: where an answer repeats that, it is only named. */
+function operation(contract, place) {
+  if (!place?.requestBody) return resolved(contract, place);
+  const written = new Map();
+  const { requestBody, ...others } = place;
+  return { requestBody: resolved(contract, requestBody, written), ...resolved(contract, others, written) };
+}
+
 /** As a plugin. */
 const Resolved = () => ({
   fn: {
     resolveSubtree: async (contract, path) => ({
-      spec: resolved(contract, path.reduce((at, key) => at?.[key], contract)) ?? null,
+      spec: operation(contract, path.reduce((at, key) => at?.[key], contract)) ?? null,
       errors: [],
     }),
   },
