@@ -47,9 +47,11 @@ waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills test_deployment \
              sweeps/test_leases workers/test_trouble test_benchmark \
              resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
-core    := tests/pipeline tests/optimise tests/validation
-rest    := --ignore=tests/architecture/test_quality.py \
-           $(filter-out tests/service $(core),$(patsubst %/,%,$(wildcard tests/*/)))
+waiting += tests/exporters tests/machines tests/validation
+service += tests/certify
+core    := tests/pipeline
+rest    := --ignore=tests/architecture/test_quality.py $(filter-out \
+             tests/service $(waiting) $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	@$(MAKE) --no-print-directory lint
