@@ -176,10 +176,10 @@ def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState
     """
     if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
         return state
-    fewest, _ = POLISH_INTERVALS
-    cam = state.relaxed
-    if polish_intervals(state.tolerance) > fewest and cam is not None and cam.laws:
+    (fewest, _), cam, grids = POLISH_INTERVALS, state.relaxed, tuple[Grid, ...]()
+    if polish_intervals(state.tolerance) > fewest and cam is not None:
         grids = grids_on_switches(state.problem, cam, fewest)
+    if grids:
         coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
         state = replace(
             _with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation
