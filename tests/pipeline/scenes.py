@@ -18,14 +18,19 @@ def jerk(factor: float, lift: float = LIFT, beta: float = BETA, omega: float = O
     return {"kind": "jerk", "max_mm_per_s3": factor * lift / beta**3 * omega**3}
 
 
-def program(law: dict[str, Any] | None = None, lift: float = LIFT) -> list[dict[str, Any]]:
-    """P1's motion: rise 60°, dwell 30°, return 60°, dwell 210°."""
+def program(
+    law: dict[str, Any] | None = None,
+    lift: float = LIFT,
+    angles: tuple[float, float, float, float] = (60.0, 30.0, 60.0, 210.0),
+) -> list[dict[str, Any]]:
+    """Rise, dwell, return, dwell; left out, P1's motion."""
     free = law or {"kind": "spline"}
+    rise, above, back, below = angles
     return [
-        {"kind": "rise", "angle_deg": 60.0, "lift_mm": lift, "law": free},
-        {"kind": "dwell", "angle_deg": 30.0},
-        {"kind": "return", "angle_deg": 60.0, "lift_mm": lift, "law": free},
-        {"kind": "dwell", "angle_deg": 210.0},
+        {"kind": "rise", "angle_deg": rise, "lift_mm": lift, "law": free},
+        {"kind": "dwell", "angle_deg": above},
+        {"kind": "return", "angle_deg": back, "lift_mm": lift, "law": free},
+        {"kind": "dwell", "angle_deg": below},
     ]
 
 

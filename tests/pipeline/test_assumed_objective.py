@@ -10,6 +10,7 @@ from synthesis import Design, DesignSpec, sensitivities, synthesise
 from synthesis.catalogue.objectives import SMALL_AND_SMOOTH, BaseRadius, PeakAcceleration, PeakJerk
 from synthesis.pipeline.assembly import measured
 from synthesis.pipeline.proof_file.claims import proof_file
+from tests.pipeline import scenes
 
 PRESSURE = {"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 30.0}
 PEAKS = (PeakAcceleration(), PeakJerk())
@@ -17,15 +18,9 @@ PEAKS = (PeakAcceleration(), PeakJerk())
 
 def pusher(law: dict[str, Any] | None = None, **changes: Any) -> DesignSpec:
     """A pusher of an everyday machine."""
-    own = law or {"kind": "spline"}
     body = {
         "speed_rpm": 200.0,
-        "program": [
-            {"kind": "rise", "angle_deg": 120.0, "lift_mm": 45.0, "law": own},
-            {"kind": "dwell", "angle_deg": 60.0},
-            {"kind": "return", "angle_deg": 100.0, "lift_mm": 45.0, "law": own},
-            {"kind": "dwell", "angle_deg": 80.0},
-        ],
+        "program": scenes.program(law, 45.0, (120.0, 60.0, 100.0, 80.0)),
         "follower": {"kind": "translating_roller", "roller_radius_mm": 16.0},
         "limits": [PRESSURE],
     }

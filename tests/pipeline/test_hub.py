@@ -17,6 +17,7 @@ from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.curves.dxf import DrawingOptions
 from synthesis.exporters.solids.blank import SolidOptions, blank
 from synthesis.pipeline.proof_file.claims import proof_file
+from tests.pipeline import scenes
 
 SHAFT = 33.0
 HUB = 1.75 * SHAFT + 6.35  # eq. 6.21 of the handbook: 1 3/4 shaft diameters + 1/4 in
@@ -27,12 +28,7 @@ JERK = {"kind": "jerk", "max_mm_per_s3": 9e5}
 def spec(**changes: Any) -> DesignSpec:
     body = {
         "speed_rpm": 90.0,
-        "program": [
-            {"kind": "rise", "angle_deg": 97.0, "lift_mm": 23.0, "law": {"kind": "spline"}},
-            {"kind": "dwell", "angle_deg": 43.0},
-            {"kind": "return", "angle_deg": 113.0, "lift_mm": 23.0, "law": {"kind": "spline"}},
-            {"kind": "dwell", "angle_deg": 107.0},
-        ],
+        "program": scenes.program(lift=23.0, angles=(97.0, 43.0, 113.0, 107.0)),
         "follower": {"kind": "translating_roller", "roller_radius_mm": 9.5},
         "limits": [PRESSURE, JERK],
     }

@@ -13,6 +13,7 @@ from synthesis.errors import InputError
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.studies.cvxpy_model import CvxpyModel, cvxpy_model, on_wire
+from tests.pipeline import scenes
 
 PRESSURE = {"kind": "pressure_angle", "rise_deg": 31.0, "return_deg": 37.0}
 JERK = {"kind": "jerk", "max_mm_per_s3": 2.5e5}
@@ -34,12 +35,7 @@ SCENES: dict[str, dict[str, Any]] = {
 def spec(**changes: Any) -> DesignSpec:
     body = {
         "speed_rpm": 90.0,
-        "program": [
-            {"kind": "rise", "angle_deg": 97.0, "lift_mm": 23.0, "law": {"kind": "spline"}},
-            {"kind": "dwell", "angle_deg": 43.0},
-            {"kind": "return", "angle_deg": 113.0, "lift_mm": 23.0, "law": {"kind": "spline"}},
-            {"kind": "dwell", "angle_deg": 107.0},
-        ],
+        "program": scenes.program(lift=23.0, angles=(97.0, 43.0, 113.0, 107.0)),
         "tolerance": 0.01,
         "proof": "quick",
     }

@@ -33,6 +33,7 @@ INTERVALS = 20  # of the mesh on which the caps of the laws are read
 SAMPLES = 200  # points of a segment at which limits are looked at
 JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
 BINDS = -0.02  # a smooth limit above this, relative, binds or soon will
+JERK = 3  # order of the derivative: laws with it capped have two continuous ones
 AIM = 0.985  # share of the tolerance: the gap that is to be proven
 
 
@@ -153,19 +154,23 @@ class BoundTask:
         objective, machine = state.problem.objective, state.problem.machine
         value = objective.to_wire(incumbent.value, machine)
         target = objective.from_wire(value - AIM * state.tolerance * abs(value), machine)
-        for order in (3, 2):
-            free = {
-                s.index: replace(s, free=replace(s.free, smoothness=order - 1))
-                for s in state.problem.free
-                if s.free is not None
-            }
-            segments = tuple(free.get(s.index, s) for s in state.problem.segments)
-            problem = replace(state.problem, segments=segments)
-            coarse = [uniform_grid(segment, INTERVALS) for segment in problem.free]
-            capped = law_controls(formulate(with_value_cap(problem, target), coarse))
-            if capped is not None and all(c.order == order and c.cap < inf for c in capped):
-                return cls(problem, incumbent, target, tuple(capped), deadline)
-        return None
+        smooth = _with_smoothness(state.problem, JERK - 1)
+        coarse = [uniform_grid(segment, INTERVALS) for segment in smooth.free]
+        controls = law_controls(formulate(with_value_cap(smooth, target), coarse))
+        if controls is None or not all(control.cap < inf for control in controls):
+            return None
+        problem = _with_smoothness(smooth, controls[0].order - 1)
+        return cls(problem, incumbent, target, tuple(controls), deadline)
+
+
+def _with_smoothness(problem: Problem, smoothness: int) -> Problem:
+    """The problem with as many continuous derivatives of every free law."""
+    free = {
+        s.index: replace(s, free=replace(s.free, smoothness=smoothness))
+        for s in problem.free
+        if s.free is not None
+    }
+    return replace(problem, segments=tuple(free.get(s.index, s) for s in problem.segments))
 
 
 @dataclass(frozen=True, eq=False)

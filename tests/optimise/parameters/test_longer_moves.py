@@ -14,12 +14,16 @@ from synthesis.numerics.piecewise import Array
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.longer_moves import LongerMoves
 from synthesis.optimise.parameters.number_search import Box
-from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import ValueFunction
-from synthesis.optimise.problem.nondimensional import NondimensionalSpec
 from synthesis.optimise.state import QUICK
-from synthesis.spec.design_spec import DesignSpec
-from tests.optimise.parameters.test_number_search import CASES, PRESSURE, angles, dwell, move
+from tests.optimise.parameters.test_number_search import (
+    CASES,
+    PRESSURE,
+    angles,
+    dwell,
+    move,
+    of_body,
+)
 
 TOLERANCE = 5e-3
 RADIUS = {"kind": "profile_radius", "min_mm": 4.4}
@@ -39,19 +43,11 @@ CURVED: dict[str, dict[str, Any]] = {
 
 @cache
 def question(name: str) -> tuple[ValueFunction, LongerMoves]:
-    return of_body(CURVED[name])
+    return longer_moves_of(CURVED[name])
 
 
-def of_body(changes: dict[str, Any]) -> tuple[ValueFunction, LongerMoves]:
-    body = {
-        "speed_rpm": 190.0,
-        "follower": {"kind": "translating_roller", "roller_radius_mm": 11.2, "offset_mm": 0.0},
-        **changes,
-    }
-    spec = NondimensionalSpec.of(DesignSpec.model_validate(body)).scaled
-    worth = ValueFunction(spec, spec.free_parameters, inf)
-    placement = Placement.of(spec.free_parameters, worth.problem)
-    assert placement is not None
+def longer_moves_of(changes: dict[str, Any]) -> tuple[ValueFunction, LongerMoves]:
+    worth, placement = of_body(changes)
     return worth, LongerMoves(
         placement, worth.state, unknown, 0.95 * TOLERANCE, 0.4 * TOLERANCE, QUICK
     )
@@ -63,7 +59,7 @@ def unknown(box: Box, target: float) -> tuple[float, Array]:
 
 
 def _serves(changes: dict[str, Any]) -> bool:
-    return of_body(changes)[1].serves()
+    return longer_moves_of(changes)[1].serves()
 
 
 def points(longer: LongerMoves, count: int) -> list[Array]:

@@ -100,10 +100,14 @@ class Question(NamedTuple):
 
 @cache
 def question(name: str) -> Question:
+    return of_body(CASES[name])
+
+
+def of_body(changes: dict[str, Any]) -> Question:
     body = {
         "speed_rpm": 190.0,
         "follower": {"kind": "translating_roller", "roller_radius_mm": 11.2, "offset_mm": 0.0},
-        **CASES[name],
+        **changes,
     }
     spec = NondimensionalSpec.of(DesignSpec.model_validate(body)).scaled
     worth = ValueFunction(spec, spec.free_parameters, inf)
