@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from synthesis.optimise.strategy.unmodelled_limits import IN_PROOF
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
@@ -23,7 +24,7 @@ def _find(subject: Subject) -> Iterator[Finding]:
             'Ask for "proof": "thorough", which takes some ten seconds more, or allow a larger '
             "tolerance.",
         )  # fmt: skip
-    elif "jerk limit" in design.certificate.bound_valid_for:
+    elif IN_PROOF.format("jerk") in design.certificate.bound_valid_for:
         yield Finding(
             "note",
             "limits/jerk",

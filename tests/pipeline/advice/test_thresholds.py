@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from synthesis import DesignSpec, analyse, synthesise
 from synthesis.catalogue.limits.motion import Acceleration
 from synthesis.design.design import Design
+from synthesis.optimise.strategy.unmodelled_limits import IN_PROOF
 from synthesis.pipeline.advice import with_warnings
 from tests.pipeline.advice.bad_cams import angles, cam, program, slide
 
@@ -212,14 +213,18 @@ def test_peaks_are_compared_with_the_reference_law(
     assert with_warnings(rough).severity == severity
 
 
+NEEDS_JERK = IN_PROOF.format("jerk")
+
+
 @pytest.mark.parametrize(
     ("status", "gap", "proof", "valid_for", "said"),
     [
-        ("feasible", 0.01, "auto", "needs a jerk limit", ["limits/jerk"]),
+        ("feasible", 0.01, "auto", NEEDS_JERK, ["limits/jerk"]),
+        ("feasible", 0.01, "auto", IN_PROOF.format("jerk or acceleration"), ["limits/jerk"]),
         ("feasible", 0.01, "auto", "all laws", []),
-        ("feasible", 0.0009, "auto", "needs a jerk limit", []),
-        ("feasible", 0.01, "quick", "needs a jerk limit", []),
-        ("optimal", 0.01, "auto", "needs a jerk limit", []),
+        ("feasible", 0.0009, "auto", NEEDS_JERK, []),
+        ("feasible", 0.01, "quick", NEEDS_JERK, []),
+        ("optimal", 0.01, "auto", NEEDS_JERK, []),
     ],
 )
 def test_a_gap_is_told_where_something_closes_it(
