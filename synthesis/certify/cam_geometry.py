@@ -28,7 +28,7 @@ from synthesis.numerics.piecewise import Array, Indices, gauss_points
 from synthesis.spec.body import CamBody
 from synthesis.units import DEGREE, FULL_TURN
 
-WIDEST: Final = 0.1  # [rad] of an interval on which a polynomial of degree 12 stands for a figure
+WIDEST: Final = 0.1  # [rad] of an interval on which a polynomial of degree 14 stands for a figure
 ARC_NODES: Final = 24  # of Gauss's rule along the arc about a corner, of at most half a turn
 STRAIGHT: Final = 1e-9  # curvature times prime radius: less is rounding, neither convex nor hollow
 LARGE: Final = 1e100  # stands for the infinite curvature of a cusp [1/mm]

@@ -24,7 +24,7 @@ from synthesis.design.summary import (
     PeakValue,
     ReferenceLaw,
 )
-from synthesis.numerics.piecewise import Array, Indices
+from synthesis.numerics.piecewise import Indices
 from synthesis.numerics.polynomial_extrema import EQUAL
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -46,35 +46,18 @@ def summarise_motion(cam: MeasuredCam) -> MotionSummary:
     return _Motion.of(cam.motion, cam.machine).summary()
 
 
-@dataclass(frozen=True)
-class _Jumps:
-    """Where s^(order) jumps: junctions, their size there [core units], and the piece after each."""
-
-    junctions: Indices
-    sizes: Array
-
-
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """A motion with what several of its figures need.
-
-    ``moves``: segments that move. ``jumps``: of s', s'', s'''.
-    """
+    """A motion with what several of its figures need; ``moves``: segments that move."""
 
     motion: PiecewiseMotion
     machine: Machine
     moves: Sequence[PlacedSegment]
-    jumps: Sequence[_Jumps]
 
     @classmethod
     def of(cls, motion: PiecewiseMotion, machine: Machine) -> _Motion:
-        everywhere = np.arange(motion.curve.count)
-        jumps = []
-        for order in ORDERS:
-            at = motion.discontinuities(order, everywhere)
-            jumps.append(_Jumps(at, motion.jump_sizes(order, at)))
         moves = [s for s in motion.segments if s.angle > 0.0 and s.kind != "dwell" and s.scale]
-        return cls(motion, machine, moves, jumps)
+        return cls(motion, machine, moves)
 
     def summary(self) -> MotionSummary:
         """The figures, on the wire."""
@@ -88,8 +71,8 @@ class _Motion:
     def _move(self, segment: PlacedSegment) -> MoveSummary:
         assert segment.law is not None
         own = figures(segment.law)
-        inside = self._junctions_of(segment)
-        each = [self._on_segment(segment, own, order, inside) for order in ORDERS]
+        junctions = self.motion.junctions_of([segment.index])  # its own ends included
+        each = [self._on_segment(segment, own, order, junctions) for order in ORDERS]
         finite = [entry.rms is not None for entry in each]
         return MoveSummary(
             segment=segment.index,
@@ -101,7 +84,7 @@ class _Motion:
         )
 
     def _on_segment(
-        self, segment: PlacedSegment, own: LawFigures, order: int, inside: Array
+        self, segment: PlacedSegment, own: LawFigures, order: int, junctions: Indices
     ) -> DerivativeSummary:
         unit = segment.scale / segment.angle**order * self.machine.wire_factor(order)
         # on a return the scale is negative, and the law's largest value the motion's smallest
@@ -117,7 +100,7 @@ class _Motion:
             return PeakValue(value=value, angle_deg=angle, segment=segment.index)
 
         rms = abs(unit) * math.sqrt(own.mean_squares[order - 1])
-        return self._derivative(order, peak(*high), peak(*low), rms, inside)
+        return self._derivative(order, peak(*high), peak(*low), rms, junctions)
 
     def _over_turn(self, order: int, parts: Sequence[DerivativeSummary]) -> DerivativeSummary:
         factor = self.machine.wire_factor(order)
@@ -131,37 +114,28 @@ class _Motion:
             _highest([part.largest for part in parts], 1.0),
             _highest([part.smallest for part in parts], -1.0),
             factor * math.sqrt(square / FULL_TURN),
-            np.ones(self.motion.curve.count, dtype=bool),
+            np.arange(self.motion.curve.count),
         )
 
     def _derivative(
-        self, order: int, largest: PeakValue, smallest: PeakValue, rms: float, inside: Array
+        self, order: int, largest: PeakValue, smallest: PeakValue, rms: float, junctions: Indices
     ) -> DerivativeSummary:
-        """``inside``: of all junctions, those that belong to the segment or the turn."""
-        infinite = any(
-            len(jump.junctions) and inside[jump.junctions].any() for jump in self.jumps[: order - 1]
-        )
-        jumps, kept, biggest = self.jumps[order - 1], np.zeros(0, dtype=np.intp), None
-        if len(jumps.junctions):
-            kept = inside[jumps.junctions].nonzero()[0]
-        if len(kept):
-            k = int(kept[np.argmax(np.abs(jumps.sizes[kept]))])
-            junction = int(jumps.junctions[k])
-            after = int(self.motion.next_piece[junction])
+        """``junctions``: those of the segment, or of the turn."""
+        *lower, at = (self.motion.discontinuities(k, junctions) for k in range(1, order + 1))
+        infinite, biggest = any(map(len, lower)), None
+        if len(at):
+            sizes = self.motion.jump_sizes(order, at)
+            k = int(np.argmax(np.abs(sizes)))
+            after = int(self.motion.next_piece[at[k]])
             biggest = PeakValue(
-                value=float(jumps.sizes[k]) * self.machine.wire_factor(order),
+                value=float(sizes[k]) * self.machine.wire_factor(order),
                 angle_deg=degrees(float(self.motion.curve.breaks[after])),
                 segment=int(self.motion.segment_of_piece[after]),
             )
         return DerivativeSummary(
             unit=self.machine.derivative_unit(order), largest=largest, smallest=smallest,
-            rms=None if infinite else rms, jumps=len(kept), largest_jump=biggest,
+            rms=None if infinite else rms, jumps=len(at), largest_jump=biggest,
         )  # fmt: skip
-
-    def _junctions_of(self, segment: PlacedSegment) -> Array:
-        """Which junctions (n,) are at an end of a piece of a segment: its own ends included."""
-        mine = self.motion.segment_of_piece == segment.index
-        return np.asarray(mine | mine[self.motion.next_piece])
 
     def _reference(self, segment: PlacedSegment) -> ReferenceLaw | None:
         if segment.kind == "table":  # it moves both ways: no law of one sense compares

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -58,19 +59,19 @@ class Grid:
         high = np.where(step == parts[owner] - 1, breaks[owner + 1], low + width)
         return cls(low, high, owner)
 
-    @property
+    @cached_property
     def x(self) -> Array:
         """The points."""
         x = self.low[:, None] + (self.high - self.low)[:, None] * POINTS
         x[:, -1] = self.high
         return np.asarray(x.ravel())
 
-    @property
+    @cached_property
     def weights(self) -> Array:
         """Weights of the integral over all intervals."""
         return np.asarray(((self.high - self.low)[:, None] * _WEIGHTS).ravel())
 
-    @property
+    @cached_property
     def piece(self) -> Indices:
         """Piece of every point."""
         return self.owner.repeat(POLYNOMIAL_DEGREE + 1)

@@ -131,9 +131,14 @@ def test_a_stop_stands_beside_the_status(design: Design) -> None:
     stop = DesignWarning(
         code="x", severity="stop", field="limits", sentence="It breaks.", remedy="No.", source="B."
     )
-    shown = words(page(design.model_copy(update={"warnings": [stop]})))
+    warned = design.model_copy(update={"warnings": [stop], "severity": "stop"})
+    shown = words(page(warned))
     assert f"{design.status}, but STOP" in shown
     assert "stop: It breaks." in shown
+    # beside limits that are broken too
+    broken = [each.model_copy(update={"holds": False}) for each in design.extremes]
+    shown = words(page(warned.model_copy(update={"extremes": broken})))
+    assert f"{design.status}, but STOP: this cam breaks" in shown
 
 
 def test_the_pdf_is_one_page_of_a4_with_texts_and_the_same_each_time(design: Design) -> None:

@@ -138,7 +138,7 @@ def _warnings(warnings: Sequence[DesignWarning]) -> str:
             f'<p class="{kind}"><strong>{one.severity}</strong>: {html.plain(one.sentence)} '
             f"<em>{html.plain(one.remedy)}</em></p>{where}"
         )
-    return _section("Would you build this?", "\n".join(entries))
+    return _section("Warnings", "\n".join(entries))
 
 
 def _limit(extreme: Extreme) -> list[str]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from synthesis.design.design import WITHOUT_CAM, Design
-from synthesis.design.warnings import SEVERITIES, labelled_status, worst
+from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.plot import Frame, diagram, linear
 from synthesis.exporters.diagrams.sheet import angle_axis, grounds, motion_bounds, motion_plot
 from synthesis.exporters.drawing import canvas as svg
@@ -105,12 +105,12 @@ def _head(design: Design) -> Iterator[str]:
     made = f"Camwright {design.engine_version}"
     yield svg.text("quiet", WIDTH - MARGIN, MARGIN + 4.0, made, "end")
     yield svg.text("quiet", MARGIN, MARGIN + 9.0, svg.shorten(about(design), INNER, LABEL))
-    severity = worst(design.warnings)
-    verdict = f"{labelled_status(design.status, severity)}: {VERDICTS[design.status]}."
+    status = labelled_status(design.status, design.severity)
+    verdict = f"{status}: {VERDICTS[design.status]}."
     broken = [extreme.limit for extreme in design.extremes if not extreme.holds]
     if broken:
-        verdict = f"{design.status}: this cam breaks {', '.join(broken).replace('_', ' ')}."
-    kind = "alarm" if design.status in WITHOUT_CAM or severity == "stop" else "label"
+        verdict = f"{status}: this cam breaks {', '.join(broken).replace('_', ' ')}."
+    kind = "alarm" if design.status in WITHOUT_CAM or design.severity == "stop" else "label"
     yield svg.text(kind, MARGIN, MARGIN + 14.0, svg.shorten(verdict, INNER, LABEL))
 
 
@@ -132,7 +132,7 @@ def _limits(design: Design) -> Iterator[tuple[str, ...]]:
 def _foot(design: Design) -> list[tuple[str, str]]:
     """Warnings, assumptions, the certificate in words: kind of letters and text of every line."""
     lines: list[tuple[str, str]] = []
-    for each in sorted(design.warnings, key=lambda one: -SEVERITIES.index(one.severity)):
+    for each in design.warnings:
         kind = "label" if each.severity == "note" else "alarm"
         lines += _lines(kind, f"{each.severity}: {each.sentence}", WARNING_LINES)
     if len(lines) > WARNING_LINES:
