@@ -33,6 +33,7 @@ from typing import Final, Literal
 
 DEGREE: Final = math.pi / 180.0  # rad
 FULL_TURN: Final = 2.0 * math.pi  # rad
+PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 FIELD_SUFFIXES: Final = ("", "_per_s", "_per_s2", "_per_s3")
 """How a field name continues after mm or deg, by the order of the time derivative."""
 SYMBOLS: Final = {"n": "N", "mpa": "MPa", "hz": "Hz"}  # of units that a field spells otherwise

@@ -19,6 +19,7 @@ import numpy as np
 from synthesis.catalogue.fields import Rotation
 from synthesis.catalogue.followers.base import base_gap, flat_face, prime_radius
 from synthesis.catalogue.followers.kinematics import Flank, Link
+from synthesis.catalogue.forces.reduced import MILLI
 from synthesis.certify.motion_summary import degrees
 from synthesis.certify.quantities import MeasuredCam, TracedPoint, face_radius, pitch_curvature
 from synthesis.design.summary import CamGeometry, FlankGeometry, MassProperties, PeakValue
@@ -26,14 +27,12 @@ from synthesis.numerics.chebyshev import EQUAL, Grid
 from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array, Indices, gauss_points
 from synthesis.spec.body import CamBody
-from synthesis.units import DEGREE, FULL_TURN
+from synthesis.units import DEGREE, FULL_TURN, PER_MINUTE
 
 WIDEST: Final = 0.1  # [rad] of an interval on which a polynomial of degree 14 stands for a figure
 ARC_NODES: Final = 24  # of Gauss's rule along the arc about a corner, of at most half a turn
 STRAIGHT: Final = 1e-9  # curvature times prime radius: less is rounding, neither convex nor hollow
 LARGE: Final = 1e100  # stands for the infinite curvature of a cusp [1/mm]
-PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
-MILLI: Final = 1e-3  # metres in a millimetre
 
 
 def summarise_geometry(

@@ -20,14 +20,13 @@ from synthesis.design.design import FlankForces, FloatArc, ForcePeak, Forces, Ro
 from synthesis.numerics.enclosure import ExtremumQuery
 from synthesis.numerics.maxima import maximise_between
 from synthesis.numerics.piecewise import Array, gauss_points
-from synthesis.units import DEGREE, FULL_TURN
+from synthesis.units import DEGREE, FULL_TURN, PER_MINUTE
 
 NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
 WAVE_NODES: Final = 64  # Gauss points on a piece with sinusoids
 SAMPLES: Final = 33  # on a piece, between which the drive is searched for changes of sign
 INSIDE: Final = 1e-9  # of a piece: samples at its ends lie so far inside, on this side of jumps
 HIGHEST_SPEED: Final = 1e6  # times the cam's speed: a lift-off beyond is not reported
-PER_MINUTE: Final = 60.0 / FULL_TURN  # rpm per rad/s
 
 
 def report_forces(motion: Motion, machine: Machine, size: tuple[float, ...]) -> Forces | None:

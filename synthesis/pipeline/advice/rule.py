@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from synthesis.catalogue.forces.load import GRAVITY
 from synthesis.design.warnings import Severity
 from synthesis.pipeline.advice.subject import Subject
 
-GRAVITY = 9.80665  # m/s², standard gravity
 CRAWL = 0.1 * GRAVITY  # m/s²: a jump of acceleration that shakes a mass by a tenth of its weight
 
 

@@ -8,8 +8,9 @@ from typing import Final
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
+from synthesis.spec.schedule import MOST_IN_RADIANS
+from synthesis.units import DEGREE
 
-MOST_RADIANS: Final = 1.6  # just above π/2: pressure angles in radians are all below
 MOST_LIFTS: Final = 100.0  # base radius over stroke
 LEAST_SHARE: Final = 0.01  # stroke over roller radius
 
@@ -20,11 +21,11 @@ def _find(subject: Subject) -> Iterator[Finding]:
         assert isinstance(limit, PressureAngle)
         given = (limit.rise_deg, limit.return_deg, limit.dwell_deg)
         angles += [angle for angle in given if angle is not None]
-    if angles and max(angles) < MOST_RADIANS:
-        meant = number(57.29577951 * max(angles))
+    if angles and max(angles) < MOST_IN_RADIANS:
+        meant = number(max(angles) / DEGREE)
         yield Finding(
             "caution", "limits/pressure_angle",
-            f"All pressure angles allowed are below {MOST_RADIANS}°: {number(max(angles))}° is "
+            f"All pressure angles allowed are below {MOST_IN_RADIANS}°: {number(max(angles))}° is "
             "far less than any cam needs, and looks like radians.",
             f"If radians were meant, write {meant} for {number(max(angles))}: angles are in "
             "degrees.",
