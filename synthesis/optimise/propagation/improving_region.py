@@ -71,17 +71,20 @@ class PointBounds:
         return float(np.mean(self.high[:2] - self.low[:2]))
 
     def along(self, spans: Array) -> tuple[Array, Array]:
-        """Bounds of (X, u, e) all along spans (r, 2) that follow each other: (3, r) each.
+        """Bounds of (X, u, e) all along spans (r, 2) that ascend: (3, r) each.
 
-        For order 2 alone.
+        For order 2 alone, and between the first node and the last of a part.
         """
         # divided at nodes, then the widest of each span
         ends = np.union1d(
             spans, self.nodes[(spans[0, 0] < self.nodes) & (self.nodes < spans[-1, 1])]
         )
         low, high = self.at(ends[:-1], ends[1:])
-        first = np.searchsorted(ends, spans[:, 0])
-        return np.minimum.reduceat(low, first, axis=1), np.maximum.reduceat(high, first, axis=1)
+        # every span from its first place to its last; a column more, as the last may be the end
+        places = np.searchsorted(ends, spans).ravel()
+        low = np.minimum.reduceat(np.pad(low, ((0, 0), (0, 1))), places, axis=1)
+        high = np.maximum.reduceat(np.pad(high, ((0, 0), (0, 1))), places, axis=1)
+        return low[:, ::2], high[:, ::2]
 
     def at(self, x: Array, until: Array | None = None) -> tuple[Array, Array]:
         """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each.
@@ -236,31 +239,37 @@ class ImprovingRegion:
         """
         result = list[tuple[LinearBlock, PointRuns | None]]()
         for position, implied, bounds in self._traced_limits(model.problem):
-            # at every knot, so that each has a row of its own
             segment, breaks = model.problem.free[position], model.grids[position].space.breaks
-            inside = [(low <= breaks) & (breaks <= high) for low, high in bounds.parts]
-            own, jumps = breaks[np.any(inside, axis=0)], implied.order == bounds.order - 1
-            spans, runs = None, PointRuns.of(own, bounds.parts, each if jumps else 0)
-            x, (low, high) = runs.points, bounds.at(runs.points)
+            spans, runs = None, None
             if implied.order == bounds.order:
-                # Of the control itself a value at a point says nothing: means over spans.
+                # Of the control itself a value at a point says nothing: means over the knot
+                # intervals inside the parts, as nothing is known beyond their ends.
                 spans = np.stack([breaks[:-1], breaks[1:]], axis=1)
-                x = spans.mean(axis=1)
-                spans = spans[np.any([(low < x) & (x < high) for low, high in bounds.parts], 0)]
+                inside = [(a <= spans[:, 0]) & (spans[:, 1] <= b) for a, b in bounds.parts]
+                spans = spans[np.any(inside, axis=0)]
+                if not len(spans):
+                    continue
                 x, (low, high) = spans.mean(axis=1), bounds.along(spans)
+            else:
+                # at every knot, so that each has a row of its own; more between where ψ jumps
+                own = breaks[np.any([(a <= breaks) & (breaks <= b) for a, b in bounds.parts], 0)]
+                jumps = implied.order == bounds.order - 1
+                points = PointRuns.of(own, bounds.parts, each if jumps else 0)
+                x, (low, high) = points.points, bounds.at(points.points)
+                runs = points if jumps else None
             grid = Grid(model.grids[position].space, x)
             near = list[tuple[Array, Vector]]()  # s, s' and s'' of the reference, and its size
             if self.reference is not None:
                 near.append(self.reference.at(position, segment, x))
             for about in near if sparing and near and implied.order > 1 else (None, *near):
                 traced = None if about is None else np.stack(implied.coordinates.evaluate(*about))
-                motion = self._motion_bounds(segment, implied, bounds, x, spans, about)
+                motion = self._motion_bounds(segment, implied, bounds, x, (low, high), about)
                 for cut in implied.linear_relaxation(low, high, traced, motion):
                     block = cuts.cut_block(
                         cut, implied.source, position, segment, grid, model.scales, Tightening(),
                         spans, bare=each > 0,
                     )  # fmt: skip
-                    result.append((block, runs if jumps else None))
+                    result.append((block, runs))
         return result
 
     def _traced_limits(self, problem: Problem) -> Iterator[tuple[int, BoxBound, PointBounds]]:
@@ -279,18 +288,19 @@ class ImprovingRegion:
         implied: BoxBound,
         bounds: PointBounds,
         x: Array,
-        spans: Array | None,
+        point: tuple[Array, Array],
         about: tuple[Array, Vector] | None,
     ) -> MotionBox | None:
-        """What is known of motion and size themselves, for rows that ask for it."""
+        """What is known of motion and size themselves, for rows that ask for it.
+
+        ``point``: bounds of (X, u, e) there.
+        """
         if not implied.needs_motion_bounds:
             return None
         low, high = (
             np.stack([*ends, bend])
             for ends, bend in zip(
-                implied.coordinates.motion_bounds(
-                    *(bounds.at(x) if spans is None else bounds.along(spans)), self.sizes
-                ),
+                implied.coordinates.motion_bounds(*point, self.sizes),
                 bounds.acceleration_bounds(x),
                 strict=True,
             )

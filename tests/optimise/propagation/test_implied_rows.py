@@ -14,6 +14,7 @@ from synthesis.catalogue.constraints import SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
 from synthesis.optimise.branching.node import BindingLimits, BoundTask
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
+from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
@@ -282,6 +283,34 @@ def test_hollow_flanks_that_a_cutter_must_fit():
     assert quick.certificate.gap > 0.15
     assert close.certificate.gap <= 0.03
     assert close.certificate.lower_bound <= quick.objectives["base_radius_mm"]
+
+
+def test_rows_of_the_control_hold_between_the_first_node_and_the_last() -> None:
+    """Beyond the nodes nothing is known: an interval that reaches farther has no row."""
+    scene = deepcopy(SCENE)
+    scene["limits"][1] = {"kind": "acceleration", "max_mm_per_s2": 2.5e4}
+    spec = DesignSpec.model_validate(scene)
+    problem = formulate_problem(spec, *spec.objectives())
+    grids = [grid_through(s, np.linspace(0.0, 1.0, 21)) for s in problem.free]
+    model = formulate(problem, grids)
+    controls = law_controls(model)
+    assert controls is not None
+    assert {control.order for control in controls} == {2}
+    part = (0.151, 0.449)  # no knots there
+    sizes = ((0.0, 0.0), (40.0, 45.0))
+    region = initial_region(problem, controls, {0: (part,)}).restrict(sizes)
+    known = {
+        key: replace(bounds, low=np.array([[45.0], [-20.0]]) + 0.0 * bounds.low,
+                     high=np.array([[60.0], [20.0]]) + 0.0 * bounds.high)
+        for key, bounds in region.point_bounds.items()
+    }  # fmt: skip
+    blocks = replace(region, point_bounds=known).rows(model)
+    assert blocks
+    for block in blocks:
+        assert block.kind == "mean"
+        assert block.spans is not None
+        np.testing.assert_allclose(block.spans[0, 0], 0.2)
+        np.testing.assert_allclose(block.spans[-1, 1], 0.4)
 
 
 def test_with_the_acceleration_capped_alone_curvature_is_in_the_bound_too():

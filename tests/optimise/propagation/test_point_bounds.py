@@ -112,6 +112,10 @@ def test_of_capped_accelerations_all_along_spans(cap, switch, room):
         assert np.all(low <= points[0].min(axis=1) + 1e-9)
         assert np.all(points[0].min(axis=1) - low <= 0.7 * abs(cap) * ANGLE * np.ptp(span) * 2.0)
     assert hull.acceleration_bounds(nodes)[1] == pytest.approx(abs(cap))
+    # what lies between spans that are apart widens neither
+    apart = hull.along(spans[[0, 2]])
+    for near, far in zip(apart, hull.along(spans), strict=True):
+        np.testing.assert_array_equal(near, far[:, [0, 2]])
 
 
 def test_one_that_can_only_rise_is_narrower():
