@@ -766,6 +766,13 @@ def least(question, proof, aim=None):
                         + (up - w) * heights[up > w] for y, w in ys))
     return constant - max(most)
 
+def narrow(question, bounds):
+    """Keep bounds of where cams can be that are better than those known."""
+    for ends, end, bound in bounds:
+        way = (1, -1)[end % 2]
+        ends[end] = way * bound if ends[end] is None else way * max(bound, way * ends[end])
+    question.bent.clear()
+
 def exclude(question, body):
     """Refuse unless no cam is left, after steps that show where cams can be."""
     small, radius = question.radii
@@ -774,11 +781,7 @@ def exclude(question, body):
     if question.heights[1] is None:
         question.heights[1] = radius
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
-        bounds = [bound_of(question, step) for step in found]
-        for ends, end, bound in bounds:
-            way = (1, -1)[end % 2]
-            ends[end] = way * bound if ends[end] is None else way * max(bound, way * ends[end])
-        question.bent.clear()
+        narrow(question, [bound_of(question, step) for step in found])
     if "cases" not in body:
         question.radii = small, radius if question.aim is None else question.aim
         excess = least(question, get(body, "multipliers", dict))

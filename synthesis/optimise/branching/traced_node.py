@@ -95,8 +95,10 @@ class TracedNode(Node):
         if not binding.pairs and not size_rows.binds_on_fixed_motion(best.problem, best.size):
             return None
         task = BoundTask.of(state, best, state.proof_deadline)
+        if task is None:
+            return None
         decisive = {problem.limits[number] for _, number in BindingLimits.on([best]).pairs}
-        if task is None or not all(is_traced(state, limit, task.order) for limit in decisive):
+        if not all(is_traced(state, limit, task.order) for limit in decisive):
             return None  # a limit that has no rows decides: no bound closes the gap
         region = initial_region(task.problem, task.controls, binding.parts)
         region = replace(region, binding=binding.pairs)

@@ -188,10 +188,11 @@ class LongerMoves:
                 inside = half.within(self.placement.polytope)
                 if inside is None:
                     continue
-                state = self._bound(inside, value, deadline)
-                own = state.lower if state.covers_all_laws else -inf
-                bound = max(lower, own, self.bound(inside, target)[0])
-                bound = inf if state.infeasibility_proof else bound
+                bound = max(lower, self.bound(inside, target)[0])
+                if bound < target:
+                    state = self._bound(inside, value, deadline)
+                    own = state.lower if state.covers_all_laws else -inf
+                    bound = inf if state.infeasibility_proof else max(bound, own)
                 if bound >= target:
                     pruned = min(pruned, bound)
                 else:

@@ -66,7 +66,9 @@ class NumberProof:
 
     def with_bound(self, other: NumberProof) -> NumberProof:
         """The same with the better bound of two proofs over all numbers."""
-        return self if other.lower <= self.lower else replace(self, lower=other.lower)
+        if other.lower <= self.lower:
+            return self
+        return replace(self, lower=other.lower, valid_for=other.valid_for)
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,16 +134,15 @@ def _search_merged(
     numbered, inner, tolerance = merged.spec, None, ALL_NUMBERS_SHARE * worth.spec.tolerance
     if numbered.free_parameters.parameters:
         numbered, _, inner = choose_parameters(numbered, deadline, proof)
+        if inner is None:
+            return None
     problem = formulate_problem(numbered, numbered.objectives()[0])
     state = optimise(
         problem, tolerance, deadline, proof=QUICK if inner else proof,
         earlier=None if inner is None else inner.cam,
     )  # fmt: skip
     worth.calls += 1
-    bounded = inner is not None or (
-        state.covers_all_laws and not numbered.free_parameters.parameters
-    )
-    if state.incumbent is None or not bounded:
+    if state.incumbent is None or not (inner is not None or state.covers_all_laws):
         return None
     spec = merged.with_lifts(numbered, state.incumbent)
     own = formulate_problem(spec, spec.objectives()[0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -31,6 +32,11 @@ def checker() -> Any:
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def as_bytes(body: Any) -> bytes:
+    """A part of a proof file as the checker reads it."""
+    return json.dumps(body, separators=(",", ":")).encode()
 
 
 def objections(proof: bytes) -> dict[str, str]:

@@ -7,7 +7,6 @@ shows how much every law exceeds a limit.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from math import floor, inf, isfinite, log10
@@ -36,7 +35,7 @@ from synthesis.optimise.strategy.phase_one import (
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
-from synthesis.pipeline.proof_file.checker import not_covered, objections, places
+from synthesis.pipeline.proof_file.checker import as_bytes, not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import broken_by_given_law, multipliers
 from synthesis.pipeline.proof_file.rounds import in_rounds
 from synthesis.spec.design_spec import DesignSpec
@@ -58,14 +57,14 @@ def proof_file(design: Design) -> Json:
     body = {
         "format": FORMAT, "version": VERSION, "id": design.id, "question": question, "cam": cam,
     }  # fmt: skip
-    named = places(_bytes(question), has_cam=cam is not None)
-    unknown = not_covered(_bytes(question), _bytes(_chosen(design)))
+    named = places(as_bytes(question), has_cam=cam is not None)
+    unknown = not_covered(as_bytes(question), as_bytes(_chosen(design)))
     if unknown:
         return {**body, "claims": [_claim(place, unknown) for place in named]}
     # 1. What the cam itself is a witness of.
     of_cam = [place for place in named if not _is_of_all_cams(place)]
     plain = [{"place": place, "proven": True} for place in of_cam]
-    found = objections(_bytes({**body, "claims": plain}))
+    found = objections(as_bytes({**body, "claims": plain}))
     # 2. What multipliers are a witness of.
     claims = [
         _of_all_cams(body, place, design) if _is_of_all_cams(place) else _claim(place, found[place])
@@ -101,7 +100,7 @@ def _of_all_cams(body: Json, place: str, design: Design) -> Json:
     reason = NO_WITNESS
     for witness in _attempts(place, design):
         claim = _claim(place, "", **witness)
-        reason = objections(_bytes({**body, "claims": [claim]}))[place]
+        reason = objections(as_bytes({**body, "claims": [claim]}))[place]
         if not reason:
             return claim
     return _claim(place, reason)
@@ -147,7 +146,7 @@ def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
         return
     if design.spec.free_parameters.parameters:
         return
-    asked = _bytes(_question(design.spec))
+    asked = as_bytes(_question(design.spec))
     found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
     if found is not None and found[0] > best:
         yield found[1], found[0]
@@ -244,7 +243,3 @@ def _rounded_down(value: float) -> float:
     """A positive number with few figures, not above it."""
     unit = 10.0 ** (floor(log10(value)) + 1 - FIGURES)
     return float(f"{floor(value / unit) * unit:.{FIGURES}g}")
-
-
-def _bytes(body: Json | list[Json]) -> bytes:
-    return json.dumps(body, separators=(",", ":")).encode()

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import pi
+from math import factorial, pi
 from typing import Any
 
 import numpy as np
@@ -53,11 +53,11 @@ class Law:
         """g^(order) at x (q,), affine in all columns: (q, width) and constants (q,)."""
         matrix, constant = np.zeros((len(x), width)), np.zeros(len(x))
         n = ORDER - order
-        ahead = np.maximum(x[:, None] - self.knots, 0.0) ** n * (self.cap / _factorial(n))
+        ahead = np.maximum(x[:, None] - self.knots, 0.0) ** n * (self.cap / factorial(n))
         matrix[:, self.first : self.first + len(self.knots) - 1] = ahead[:, :-1] - ahead[:, 1:]
         for k, (value, column) in enumerate(zip(self.start, self.columns, strict=True), 1):
             if k >= order:
-                power = x ** (k - order) / _factorial(k - order)
+                power = x ** (k - order) / factorial(k - order)
                 if value is None:
                     matrix[:, column] += power
                 else:
@@ -65,15 +65,14 @@ class Law:
         return matrix, constant
 
 
-def _factorial(n: int) -> float:
-    return float(np.prod(np.arange(1, n + 1)))
-
-
 @dataclass
 class Row:
     """A row of the program and what its multiplier is in the file.
 
-    ``densities``: whether it is the mean over a span. ``x``, ``y``: its ends, equal at points.
+    Attributes:
+        x, y: ends of the span whose mean it is; equal at points.
+        values, upper: values · unknowns ≤ upper.
+        places, alpha: where on the law it acts, and its factors there.
     """
 
     segment: int
@@ -317,7 +316,7 @@ class Program:
                 ahead = np.maximum(place - tau.ravel(), 0.0)
                 for k in range(ORDER):
                     n = ORDER - 1 - k
-                    psi += each[k] * (ahead**n / _factorial(n) if n else 1.0 * (ahead > 0.0))
+                    psi += each[k] * (ahead**n / factorial(n) if n else 1.0 * (ahead > 0.0))
             psi = psi.reshape(tau.shape)
             lost = law.cap * np.diff(x) * (np.abs(psi).mean(axis=1) - np.abs(psi.mean(axis=1)))
             new = list(x)

@@ -7,7 +7,6 @@ checker derives the rows of the next round.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import ceil
@@ -17,7 +16,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
-from synthesis.pipeline.proof_file.checker import checker
+from synthesis.pipeline.proof_file.checker import as_bytes, checker
 from synthesis.pipeline.proof_file.program import DEGREE, Json, Program, Row, thinned
 
 KNOTS = 24  # equal intervals of a law, at least
@@ -55,8 +54,7 @@ def in_rounds(
     question.radii[1] = min(radius, question.radii[1] or radius)
     question.heights[1] = question.radii[1]
     own = {s.index: _knots(laws[s.index]) for s in question.turning if s.free}
-    linear = Program(question, own)
-    zones = {s.index: _zones(linear, s, laws[s.index], size) for s in question.turning if s.free}
+    zones = {s.index: _zones(question, s, laws[s.index], size) for s in question.turning if s.free}
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
     rounds, before = list[list[Json]](), -np.inf
     for number in range(ROUNDS):
@@ -67,10 +65,7 @@ def in_rounds(
             if not steps:
                 break
             rounds.append([step for step, _ in steps])
-            for _, (ends, k, bound) in steps:
-                way = (1, -1)[k % 2]
-                ends[k] = way * bound if ends[k] is None else way * max(bound, way * ends[k])
-            question.bent.clear()
+            judge.narrow(question, [bound for _, bound in steps])
         # 2. The least radius under the rows that follow, and finer knots where these lose much.
         rows = program.fixed + list(program.bend_rows(zones))
         last = program.minimise((), rows, None)
@@ -94,7 +89,7 @@ def in_rounds(
         ((least, nu, z),) = last
         found = program.stated(nu, z, rows)
         judge.spent.clear()
-        excess = float(judge.least(question, judge.read(_bytes(found))))
+        excess = float(judge.least(question, judge.read(as_bytes(found))))
         if reached is None or target + excess > reached[0]:
             witness = {"below": target, "rounds": rounds, "multipliers": found}
             reached = min(target + excess, target), witness
@@ -134,11 +129,7 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
     for aim, (_, nu, z) in zip(aims, found, strict=True):
         step = {**aim, "multipliers": program.stated(nu, z, rows)}
         judge.spent.clear()
-        yield step, judge.bound_of(question, judge.read(_bytes(step)))
-
-
-def _bytes(body: Any) -> bytes:
-    return json.dumps(body, separators=(",", ":")).encode()
+        yield step, judge.bound_of(question, judge.read(as_bytes(step)))
 
 
 def _knots(law: Json | None) -> Array:
@@ -154,11 +145,9 @@ def _with_zones(x: Array, zones: Sequence[tuple[float, float]]) -> Array:
     return thinned(x, WIDTH)
 
 
-def _zones(
-    program: Program, segment: Any, law: Json | None, size: Array
-) -> list[tuple[float, float]]:
+def _zones(question: Any, segment: Any, law: Json | None, size: Array) -> list[tuple[float, float]]:
     """Parts of a free law where a radius is small on the cam."""
-    question, x = program.question, np.linspace(0.0, 1.0, 401)
+    x = np.linspace(0.0, 1.0, 401)
     if law is None:
         return []
     degree = int(law["degree"])
