@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from service.client.progress import shown
+from service.client.progress import as_html, shown
 
 if TYPE_CHECKING:
     import pandas
@@ -73,8 +73,6 @@ class Sweep(dict[str, Any]):
 
     def _repr_html_(self) -> str:
         """What notebooks show."""
-        from service.client.progress import as_html
-
         return as_html(self)
 
 
@@ -86,7 +84,7 @@ def table_of(sweep: Mapping[str, Any], items: Sequence[Json]) -> dict[str, list[
         design = item["links"].get("design")
         row = {
             **item,
-            **{axis: _cell(value) for axis, value in item["values"].items()},
+            **item["values"],
             **item["quantities"],
             "design": None if design is None else design.rpartition("/")[2],
             "problem": None if item["problem"] is None else item["problem"]["detail"],
@@ -99,11 +97,6 @@ def table_of(sweep: Mapping[str, Any], items: Sequence[Json]) -> dict[str, list[
         else:
             table[axis] = [v if isinstance(v, str) else json.dumps(v) for v in table[axis]]
     return table
-
-
-def _cell(value: Any) -> Any:
-    plain = type(value) in (int, float) or isinstance(value, str)
-    return value if plain else json.dumps(value)
 
 
 def _library(name: str, extra: str) -> Any:

@@ -17,9 +17,12 @@ def documents(lines: Iterable[bytes]) -> Iterator[bytes]:
     for line in lines:
         if not gathered and not line.strip():
             continue
-        gathered += line
+        before, gathered = gathered, gathered + line
+        # A document over several lines ends with a bracket: others need not be read yet, which
+        # keeps the work for a long one from growing with the square of its lines.
+        if before and line.rstrip()[-1:] not in (b"}", b"]"):
+            continue
         if not _may_continue(gathered):
-            before = gathered[: -len(line)]
             if before and _is_whole(line) and not _is_whole(gathered):
                 yield before
                 yield line

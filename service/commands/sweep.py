@@ -41,6 +41,7 @@ def sweep(spec: SpecFile, out_dir: Folder = None, url: Url = None) -> None:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from service.client import Client
+    from service.client.progress import as_text
     from service.commands.answering import CONTINUES, read_spec, report_errors, valid_address
     from synthesis.studies.sweeps import SweepSpec
 
@@ -62,9 +63,7 @@ def sweep(spec: SpecFile, out_dir: Folder = None, url: Url = None) -> None:
             files = [name for name in FILES if _download(client, ended, name, folder, progress)]
     except OSError as error:
         stop(f"{folder} cannot be written to: {error.strerror}.")
-    counts = ended["counts"]
-    results = ", ".join(f"{counts[name]} {name}" for name in list(counts)[2:] if counts[name])
-    say(f"{ended['state']}: {counts['done']} of {counts['items']} items, {results}")
+    say(as_text(ended))
     document = json.dumps(ended, indent=1, ensure_ascii=False).encode()
     save({"sweep.json": document}, folder, ["sweep.json", *files])
     if ended["state"] != "successful":

@@ -317,7 +317,7 @@ async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) ->
     axes, tolerance = traded.aims, traded.tolerance
     _check(sweep, [axis.quantity for axis in axes])
     signs = np.array([-1.0 if axis.maximise else 1.0 for axis in axes])
-    objective, allowed = objective_of(sweep)
+    objective, allowed = objective_of(sweep) if tolerance is None else ("", 0.0)
     proven = [axis.quantity == objective and not axis.maximise for axis in axes]
     numbers: list[int] = []
     values: list[list[float]] = []
@@ -339,7 +339,8 @@ async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) ->
     shares = np.outer(gaps, proven) if tolerance is None else np.full_like(table, tolerance)
     costs = table * signs
     strict = await asyncio.to_thread(non_dominated, costs)
-    front = await asyncio.to_thread(distinct_front, costs, costs - shares * np.abs(table))
+    best = (costs - shares * np.abs(table))[strict]
+    front = strict[await asyncio.to_thread(distinct_front, costs[strict], best)]
     return TradeOff(sweep.name, axes, numbers, table, front, left_out, strict)
 
 

@@ -34,7 +34,6 @@ BOUNDS = {
     "exclusiveMinimum": "greater than", "minimum": "at least",
     "exclusiveMaximum": "less than", "maximum": "at most",
 }  # fmt: skip
-EDGES = frozenset({"knife", "edge", "point", "pointed"})  # words for a roller without a radius
 BOUND_OF = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 Said = tuple[str, str]  # rule and remedy
 

@@ -76,8 +76,8 @@ class Finding:
 
     def violation(self) -> dict[str, Any]:
         """The fields of a violation on the wire."""
-        told = {"value": abbreviate(self.value), "rule": self.rule, "remedy": self.remedy}
-        return {"pointer": pointer_to(self.path), **told}
+        fields = violation(self.value, self.rule, self.remedy)
+        return {"pointer": pointer_to(self.path), **fields}
 
 
 # An error of pydantic, its path in the document, and whether the value lacks the shape of the
