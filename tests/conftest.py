@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
+from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 # What collecting the tests creates (modules, classes, syntax trees, test items) lives to the end of
 # the run. The garbage collector walks over all of it again and again, for half of the processor
@@ -41,6 +43,10 @@ settings.register_profile(
     max_examples=2000,
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+# Hypothesis draws numbers that stand in the loaded modules of this project, too: a test would have
+# other examples beside other tests than alone. No setting turns that off.
+providers._get_local_constants = Constants
 
 
 # Why a spec has no cam: to find that out takes many searches.
