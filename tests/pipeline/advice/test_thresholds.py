@@ -237,6 +237,7 @@ def test_a_gap_is_told_where_something_closes_it(
     assert [one.field for one in judged.warnings if one.code == "gap_open"] == said
 
 
+@pytest.mark.usefixtures("unmended")
 def test_of_undercut_the_certificate_speaks_and_no_rule() -> None:
     given = cam(20.0, 20.0, program=program(30.0, 40.0))
     found = analyse(DesignSpec.model_validate(given))

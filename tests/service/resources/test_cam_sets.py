@@ -34,7 +34,7 @@ FREE = {  # a free law: tens of milliseconds
         {"kind": "return", "angle_deg": 112.9, "lift_mm": 13.7},
         {"kind": "dwell", "angle_deg": 175.8},
     ],
-    "follower": {"kind": "translating_roller", "roller_radius_mm": 9.1},
+    "follower": {"kind": "translating_roller", "roller_radius_mm": 2.1},
     "limits": [
         {"kind": "pressure_angle", "rise_deg": 30, "return_deg": 45},
         {"kind": "jerk", "max_mm_per_s3": 5e6},
