@@ -7,11 +7,10 @@ RUN python -m venv /opt/venv
 ENV PATH=/opt/venv/bin:$PATH
 WORKDIR /src
 
-# The locked packages first: this layer changes only with the lock files. The PostgreSQL driver,
-# Parquet and DXF are extras; their versions come from the lock of everything.
-COPY requirements.lock requirements-dev.lock ./
-RUN pip install -r requirements.lock \
- && pip install -c requirements-dev.lock "psycopg[binary]" pyarrow ezdxf
+# The locked packages first, each checked against its hash: this layer changes only with the lock.
+# It holds the extras of a deployed service too: the PostgreSQL driver, Parquet and DXF.
+COPY requirements-image.lock ./
+RUN pip install -r requirements-image.lock
 
 COPY pyproject.toml README.md CONTRIBUTING.md CHANGELOG.md LICENSE ./
 COPY docs docs

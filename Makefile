@@ -18,7 +18,7 @@ RUN  := $(VENV)/.installed-run
 DEV  := $(VENV)/.installed-dev
 PIP  := $(PY) -m pip install --quiet --quiet --disable-pip-version-check --no-input
 LOCK := $(PY) -m uv pip compile --quiet --universal --python-version 3.11 \
-        --fork-strategy fewest --strip-extras --no-header --no-annotate \
+        --fork-strategy fewest --strip-extras --no-header --no-annotate --generate-hashes \
         $(if $(UPGRADE),--upgrade)
 
 # What the tests of the contract take from Node.js; no script of a package runs.
@@ -30,7 +30,7 @@ unexport VIRTUAL_ENV PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE PIP_USER PIP_
 export PYTHONNOUSERSITE = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run test hard mutants lint format bench gaps openapi contract constants lock clean distclean
+.PHONY: help run test hard mutants lint format bench gaps openapi contract constants lock sbom audit clean distclean
 
 help:  ## print this list
 	@echo "Camwright. Targets:"
@@ -103,8 +103,27 @@ openapi: $(DEV)  ## write openapi/openapi.json anew
 lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
 	$(LOCK) --extra dev pyproject.toml --output-file requirements-dev.lock
 	$(LOCK) --constraint requirements-dev.lock --extra dxf pyproject.toml --output-file requirements.lock
-	@! grep -nE '://|^-|^/|@' requirements.lock requirements-dev.lock \
+	$(LOCK) --constraint requirements-dev.lock --extra dxf --extra parquet --extra postgres \
+	  pyproject.toml --output-file requirements-image.lock
+	@! grep -nE '://|^-|^/|@' requirements.lock requirements-dev.lock requirements-image.lock \
 	  || { echo "A lock file holds an address, an option or a path: see above." >&2; exit 1; }
+
+# A project of the locked packages alone: uv exports and audits projects, not lists of packages.
+LOCKED := $(VENV)/locked
+define locked
+@rm -rf $(LOCKED) && mkdir -p $(LOCKED)
+@cd $(LOCKED) && ../bin/python -m uv init --quiet --bare --no-workspace --name camwright-locked --python 3.11 . \
+  && ../bin/python -m uv add --quiet --no-sync -r ../../requirements-image.lock
+endef
+
+sbom: $(DEV)  ## write sbom.json, the packages of the image in CycloneDX, with their hashes
+	$(locked)
+	@$(PY) -m uv export --quiet --project $(LOCKED) --format cyclonedx1.5 --no-emit-project \
+	  --output-file sbom.json >/dev/null && echo "Wrote sbom.json."
+
+audit: $(DEV)  ## ask osv.dev for known faults of the packages of the image (needs the Internet)
+	$(locked)
+	@$(PY) -m uv audit --project $(LOCKED)
 
 clean:  ## remove caches and build products
 	rm -rf build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
