@@ -10,7 +10,7 @@ from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.exporter import machine_format
 from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.cam import Turn
-from synthesis.exporters.samples.columns import motion_columns
+from synthesis.exporters.samples.columns import motion_table
 from synthesis.exporters.tables import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
 
@@ -20,11 +20,11 @@ def _turn(design: SpatialDesign) -> Turn:
 
 
 def _csv(design: SpatialDesign, options: MotionOptions) -> bytes:
-    return csv_table(motion_columns(_turn(design), options))
+    return csv_table(motion_table(_turn(design), options))
 
 
 def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
-    columns = motion_columns(_turn(design), options)
+    columns = motion_table(_turn(design), options)
     body = {
         "kind": "motion",
         "segments": [each.model_dump(mode="json", exclude_none=True) for each in design.motion],
