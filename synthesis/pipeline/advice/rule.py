@@ -10,7 +10,7 @@ from synthesis.catalogue.forces.load import GRAVITY
 from synthesis.design.warnings import Severity
 from synthesis.pipeline.advice.subject import Subject
 
-CRAWL = 0.1 * GRAVITY  # m/s²: a jump of acceleration that shakes a mass by a tenth of its weight
+SMALL_ACCELERATION = 0.1 * GRAVITY  # m/s²: its force on a mass is a tenth of the weight
 
 
 class Finding(NamedTuple):

@@ -30,7 +30,7 @@ certificate, the forces and the [summary](datasheet.md).
 FOOT = """
 This page is written by `python -m tests.pipeline.advice.page`; a test holds it to the rules. A new
 rule is a file in `synthesis/pipeline/advice` and a line in its `RULES`. How often they speak on
-everyday cams: `python -m tests.hard.everyday`.
+everyday cams: `python -m tests.hard.everyday`, and `python -m tests.hard.trades` of another author.
 """
 
 
