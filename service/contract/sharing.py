@@ -46,10 +46,12 @@ NAMED = {
     "RollerWidth": "CylindricalOscillating.roller_width_mm",
     "SegmentAngle": "Rise.angle_deg",
     "SpecName": "DesignSpec.name",
+    "Severity": "SpatialDesign.severity",
     "Speed": "DesignSpec.speed_rpm",
     "StateOrNone": "Rise.start",
     "StatusOrNone": "DesignSummary.status",
     "Swing": "Rise.lift_deg",
+    "Warnings": "Design.warnings",
 }
 
 

@@ -42,7 +42,7 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
     angles = np.where(mask, curves[path], 0.0)
     at = int(np.argmax(angles))
     found = float(angles[at])
-    advised, most = (ARM, ARM_MOST) if subject.is_arm else (SLIDE, SLIDE_MOST)
+    advised, most = usual_angles(subject.is_arm)
     severity: Severity | None = None
     if sense == "return" and subject.is_force_closed:
         severity = "note" if found > max(SPRING_NOTE, advised) else None
@@ -66,6 +66,11 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
             + (": the slide would jam in its guide." if severity == "stop" else "."),
             remedy,
         )  # fmt: skip
+
+
+def usual_angles(swings: bool) -> tuple[float, float]:
+    """What the field asks for, and the most that any of its books allows [deg]."""
+    return (ARM, ARM_MOST) if swings else (SLIDE, SLIDE_MOST)
 
 
 def _friction_is_open(subject: Subject) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH, motion_sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, two_lines
@@ -46,7 +47,7 @@ def above(design: SpatialDesign, left: float, right: float, u: float) -> list[st
     kind = design.spec.machine.title
     line = (
         f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
-        f"{design.status} · {design.id[:8]}"
+        f"{labelled_status(design.status, design.severity)} · {design.id[:8]}"
     )
     return two_lines(design.name.strip() or kind.capitalize(), line, left, right, u)
 
