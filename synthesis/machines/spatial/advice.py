@@ -141,7 +141,7 @@ RULES: Final[tuple[Rule[SpatialDesign], ...]] = (
         reason=pressure_angle.RULE.reason,
         source=pressure_angle.RULE.source,
         checked="As of plane cams. Of turrets no source was found: they are taken for arms, "
-        "without the note, since printed ones come to 41 to 45°.",
+        "without the note, since that of problem P4, which is printed, comes to 41°.",
         silenced_by="the limit pressure_angle",
         find=_pressure_angle,
     ),

@@ -70,7 +70,8 @@ RULE = Rule(
     "after a fall of 0.5 mm). Only at the lowest speeds can a machine take them.",
     source="Norton, fundamental law of cam design: velocity and acceleration continuous, jerk "
     "finite over the whole turn.",
-    checked="Quotations of the law opened, not the book. The limits are this program's.",
+    checked="Quotations of the law opened, one of them from p. 388 of "
+    "Norton's first edition, not the book. The limits are this program's.",
     silenced_by="`continuity` in the spec",
     find=_find,
 )

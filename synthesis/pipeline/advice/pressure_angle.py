@@ -90,7 +90,8 @@ RULE = Rule(
     "oscillating; textbooks in Chinese (Sun Heng and others): 30 to 38° and 40 to 50°, 70 to 80° "
     "on returns that a spring drives; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming.",
     checked="Norton's excerpt in the help of DYNACAM opened, and a course's notes in Chinese with "
-    "the three ranges; the books, and ch. 6, not. 45° is this program's.",
+    "the three ranges, not the books. Of ch. 6 the contents and a text made of it, which has the "
+    "angle of jamming: 73° at μ = 0.1, the same formula. 45° is this program's.",
     silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
     find=_find,
 )
