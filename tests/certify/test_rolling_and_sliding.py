@@ -210,6 +210,23 @@ def test_a_roller_turns_as_rims_that_do_not_slip(follower, program, base):
         assert found.roller_acceleration_rad_per_s2.value == pytest.approx(rate, rel=1e-9)
 
 
+SLIDING = {"kind": "slide", "moving_mass_kg": 1.0,
+           "spring": {"rate_n_per_mm": 5.0, "preload_n": 200.0}}  # fmt: skip
+SWINGING = {"kind": "arm", "moment_of_inertia_kg_m2": 0.01,
+            "spring": {"rate_n_m_per_rad": 5.0, "preload_n_m": 20.0}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("follower", "program", "load"), [(roller(), RISE_RETURN, SLIDING), (ARM, SWING, SWINGING)]
+)
+def test_the_forces_know_the_same_largest_speed(follower, program, load):
+    design = designed(follower, 35.0, program, load=load)
+    link = design.completed_spec.follower.link(tuple(design.size), DEGREE)
+    (flank,), (found,) = design.completed_spec.follower.flanks, design.forces.rollers
+    speed = largest(program, lambda s: spin(link, s, flank), 0)
+    assert found.largest_speed_rpm * TURN / 60.0 == pytest.approx(speed, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("face", "program"),
     [
