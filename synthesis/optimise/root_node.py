@@ -203,9 +203,8 @@ class RootNode(Node):
     def _bound_without_highest_caps(self, state: SolveState) -> SolveState:
         """A bound, knots and a cam without caps so far out of reach that they bind nowhere.
 
-        The wider the highest derivative's cap, the more knots the bound over all laws takes. With
-        a lower derivative capped, the relaxation without it needs fewer; its knots serve here too.
-        A cap below which the acceleration swings at once is left out of the whole proof.
+        The wider the highest derivative's cap, the more knots the bound takes; without it fewer,
+        which serve here too. Where the acceleration swings at once, the whole proof is without it.
         """
         swift = None if state.is_good_enough else without_swift_caps(state.problem)
         wide = state.relaxation_gap > WIDE_GAP and state.time_left > 0.0 and state.grids
