@@ -24,10 +24,9 @@ from synthesis.optimise.branching.size_search import search_sizes
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
-from synthesis.optimise.heuristics.local_search import local_search
-from synthesis.optimise.problem.derivative_caps import without_highest_caps
+from synthesis.optimise.heuristics.local_search import local_search, offer_local_optimum
+from synthesis.optimise.problem.derivative_caps import without_highest_caps, without_swift_caps
 from synthesis.optimise.problem.grid import Grid, uniform_grid
-from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import (
     add_midpoints,
@@ -38,7 +37,7 @@ from synthesis.optimise.refinement.mesh import (
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
-from synthesis.optimise.state import SolveState, over_bound, program_stage
+from synthesis.optimise.state import QUICK, ProofBudget, SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
@@ -50,10 +49,8 @@ INTERVALS_AT_UNIT_TOLERANCE = 3.7  # too coarse as a rule: the second has knots 
 FINEST_CURVED = 16  # intervals of the first mesh at most where curved limits are linearised
 FINEST_WITHOUT_ROWS = 150  # of all laws, where curved limits have no rows: a local search follows
 CURVATURE_GAP = 0.05  # below which finer meshes do not pay where curvature decides
-FINE_ENOUGH = 2.0
-"""Gap in tolerances at which the mesh is good enough for the local search that curvature needs."""
-GROWTH = 1.1
-"""Factor on the number of intervals: a mesh that adds fewer says nothing about finer knots."""
+FINE_ENOUGH = 2.0  # gap in tolerances: good enough for the local search that curvature needs
+GROWTH = 1.1  # factor on the number of intervals: fewer say nothing about finer knots
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
 NEAR = 1e-4  # gap that halved intervals do not close where knots lie on the law's own switches
 IDLE = 0.9  # a mesh that leaves more of the gap is idle
@@ -62,7 +59,7 @@ PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
 MOST_LEVELS = 12  # of a fractional objective on one mesh
 
-Optimise = Callable[[Problem, float, float, float], SolveState]
+Optimise = Callable[..., SolveState]  # as ``driver.optimise``
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +122,14 @@ class RootNode(Node):
             mesh = _mesh_for_local_search(state, cam, bound, violations)
             return self._finish(replace(state, grids=mesh))
         idle = IDLE * over_bound(gap_before) < over_bound(state.relaxation_gap) < inf
+        fine = state.relaxation_gap <= FINE_ENOUGH * state.tolerance  # for the local search
         intervals = _count(state.grids)
         many_added = intervals >= GROWTH * self.previous_interval_count
         gained = state.lower - bound_before
         if (
             (_rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower))
             or (idle and (many_added or state.nonconvex_limits_cost))
-            or (self.mesh_number > 1 and _is_fine_enough(state))
+            or (self.mesh_number > 1 and state.nonconvex_limits_cost and fine)
         ):
             return self._finish(state)
         solvable = state.grids if bound is not None else ()
@@ -203,19 +201,24 @@ class RootNode(Node):
         return state, node
 
     def _bound_without_highest_caps(self, state: SolveState) -> SolveState:
-        """A bound and knots without caps so far out of reach that they bind nowhere.
+        """A bound, knots and a cam without caps so far out of reach that they bind nowhere.
 
-        The wider the highest derivative's cap, the more knots the bound over all laws takes. With
-        a lower derivative capped, the relaxation without it needs fewer; its knots serve here too.
+        The wider the highest derivative's cap, the more knots the bound takes; without it fewer,
+        which serve here too. Where the acceleration swings at once, the whole proof is without it.
         """
+        swift = None if state.is_good_enough else without_swift_caps(state.problem)
         wide = state.relaxation_gap > WIDE_GAP and state.time_left > 0.0 and state.grids
-        problem = without_highest_caps(state.problem) if wide else None
+        problem = swift or (without_highest_caps(state.problem) if wide else None)
         if problem is None:
             return state
-        wider = self.optimise(problem, state.tolerance, state.deadline, state.tighten)
+        proof = ProofBudget(state.programs, 1.0) if swift else QUICK
+        wider = self.optimise(problem, state.tolerance, state.deadline, state.tighten, proof=proof)
         if wider.covers_all_laws:
             state = state.raise_bound(wider.lower, wider.valid_for)
-        if not wider.grids or state.time_left <= 0.0:
+        if swift and wider.incumbent is not None:
+            state = replace(state, modelled_kinds=wider.modelled_kinds)
+            state, _ = offer_local_optimum(state, wider.incumbent.laws, wider.incumbent.size)
+        if not wider.grids or state.time_left <= 0.0 or state.is_good_enough:
             return state
         finer, _ = _solve_once(replace(state, grids=wider.grids), self.mesh_number + 1)
         better = finer.relaxation_gap < state.relaxation_gap
@@ -234,6 +237,8 @@ class RootNode(Node):
             return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()
+        if without_swift_caps(problem) is not None:
+            return state, ()  # all that the proof could do was done without these
         child: Node | None = TracedNode.root(state)
         by_pivots = self.dimension_searched or problem.omits_curved_rows
         if child is None and by_pivots and problem.has_curved_limits:
@@ -292,11 +297,6 @@ def _with_first_cam(state: SolveState, mesh_number: int) -> SolveState:
 def _count(grids: Sequence[Grid]) -> int:
     """Intervals of all laws."""
     return sum(len(grid.space.breaks) - 1 for grid in grids)
-
-
-def _is_fine_enough(state: SolveState) -> bool:
-    """Whether the mesh is good enough for the local search that curvature needs."""
-    return state.nonconvex_limits_cost and state.relaxation_gap <= FINE_ENOUGH * state.tolerance
 
 
 def _mesh_for_local_search(

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 from synthesis.catalogue.limits import Limit
+from synthesis.catalogue.motion import PlacedSegment
 from synthesis.optimise.problem.problem import Problem
 
 CAPPED = (3, 2)  # derivatives whose caps make the ideal laws switch, the highest first
+SWIFT = 0.015
+"""Of a law's angle: a swing of the acceleration that takes less hardly changes what a law can do,
+while a bound that knows the jerk's cap takes knots as close as that."""
 
 
 def highest_caps(problem: Problem) -> tuple[Limit, ...]:
@@ -24,6 +30,29 @@ def without_highest_caps(problem: Problem) -> Problem | None:
     caps = highest_caps(problem)
     remaining = replace(problem, limits=tuple(one for one in problem.limits if one not in caps))
     return remaining if caps and highest_caps(remaining) else None
+
+
+def without_swift_caps(problem: Problem) -> Problem | None:
+    """The problem without jerk caps under which every law changes its acceleration at once.
+
+    None where there are none, or where the acceleration takes more than ``SWIFT`` of a law to swing
+    from one end of its range to the other.
+    """
+    jerk, remaining = highest_caps(problem), without_highest_caps(problem)
+    if remaining is None:
+        return None
+    acceleration = highest_caps(remaining)
+    for segment in problem.free:
+        highest, lower = (_cap(segment, caps, problem) for caps in (jerk, acceleration))
+        if not 2.0 * lower < SWIFT * segment.angle * highest:
+            return None
+    return remaining
+
+
+def _cap(segment: PlacedSegment, caps: Sequence[Limit], problem: Problem) -> float:
+    """What caps of one derivative come to on a law, by the angle; ∞ where they leave it free."""
+    rows = [row for limit in caps for row in limit.rows(segment, problem.machine)]
+    return min((row.upper / max(map(abs, row.coefficients)) for row in rows), default=inf)
 
 
 def with_tighter_caps(problem: Problem, share: float) -> Problem | None:
