@@ -569,11 +569,12 @@ class Cam:
                 piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
 
     def reach(self, most):
-        """X^2 + e^2 <= (most + R)^2: where a closed curve is farthest, its normal is radial."""
+        """X^2 + e^2 <= (most + R)^2, and X > 0: where a curve is farthest, its normal is radial."""
         e = self.size[0] if self.question.roller else ZERO
         for piece in self.pieces:
             x = plus(piece.s[0], enclose([self.size[-1]]))
             square = enclose([(most + self.question.gap) ** 2 - e * e])
+            piece.show(lambda b: min(b) > 0, x)
             piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -1) for p in times(x, x)]))
 
     def fit(self):
@@ -778,6 +779,7 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
+    demand(question.roller or not {"rounds", "cases"} & {*body}, "there are rounds of rollers alone")
     if question.heights[1] is None:
         question.heights[1] = radius
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before

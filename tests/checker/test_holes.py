@@ -79,6 +79,12 @@ def bound(value: float, *rows: Json, segment: int = 0, ends: Any = (-0.1, 0, 0))
     return {"at_least": value, "multipliers": {"order": 3, "segments": [part]}}
 
 
+def named(limit: str, side: int, x: float) -> Json:
+    """A row of the second segment, under a named law."""
+    rows = [{"limit": limit, "side": side, "multipliers": [[x, 1]]}]
+    return {"multipliers": {"order": 3, "segments": [{"segment": 1, "rows": rows, "ends": []}]}}
+
+
 def chosen(found: Json, *numbers: Json) -> Json:
     """The same with numbers of the cam, segment by segment."""
     found["cam"]["program"] = [*numbers]
@@ -200,6 +206,17 @@ HOLES: dict[str, tuple[Json, str]] = {
     "more end conditions than there are": (
         document("infeasible", moves(18), None, SLOW, JERK,
                  witness=bound(0, MEAN, ends=[-0.1, 0, 0, 7])), "end conditions"),
+    "rounds of a flat face, whose offset is not its size": (
+        document("infeasible", [move("rise", 180, 10), {**move("return", 180, 10), "law": SINE}],
+                 None, {**RADIUS, "min_mm": 150}, {**NOWHERE, "width_mm": 14}, JERK, follower=FACE,
+                 witness={"rounds": [[{"bound": 0, **named("limits/0", 1, 1)}]],
+                          **named("limits/1", -1, 0.5)}), "rounds of rollers alone"),
+    "a largest radius where the roller is on the other side of the axis": (
+        document("limits/0", moves(), [SMOOTH] * 2, {"kind": "outer_radius", "max_mm": 100},
+                 size=(0, -60)), "program/0, 0."),
+    "a largest radius where the face is on the other side of the axis": (
+        document("limits/0", moves(), [SMOOTH] * 2, {"kind": "outer_radius", "max_mm": 100},
+                 size=(-60,), follower=FACE), "program/0, 0."),
     "proven, but not true": (
         with_claim(document("", moves(), [SMOOTH] * 2), 0, proven="yes"), "proven"),
     "an empty reason": (with_claim(document("", moves(), [SMOOTH] * 2), 0, reason=""), "reason"),
