@@ -779,7 +779,7 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
-    demand(question.roller or not {"rounds", "cases"} & {*body}, "there are rounds of rollers alone")
+    demand(question.roller or not {"rounds", "cases"} & {*body}, "rounds of a flat face")
     if question.heights[1] is None:
         question.heights[1] = radius
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before

@@ -210,7 +210,7 @@ HOLES: dict[str, tuple[Json, str]] = {
         document("infeasible", [move("rise", 180, 10), {**move("return", 180, 10), "law": SINE}],
                  None, {**RADIUS, "min_mm": 150}, {**NOWHERE, "width_mm": 14}, JERK, follower=FACE,
                  witness={"rounds": [[{"bound": 0, **named("limits/0", 1, 1)}]],
-                          **named("limits/1", -1, 0.5)}), "rounds of rollers alone"),
+                          **named("limits/1", -1, 0.5)}), "rounds of a flat face"),
     "a largest radius where the roller is on the other side of the axis": (
         document("limits/0", moves(), [SMOOTH] * 2, {"kind": "outer_radius", "max_mm": 100},
                  size=(0, -60)), "program/0, 0."),
