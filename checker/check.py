@@ -651,6 +651,8 @@ def half_plane(question, proof, aim=None):
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
     cap = min(caps) / question.rate**order if caps else None
     constant, sizes, joints = ZERO, [ZERO] * 2, defaultdict(int)
+    kernels_of = defaultdict(lambda: defaultdict(lambda: [ZERO] * 5))
+    used = defaultdict(int)  # of each law, up to where tangents of a mean square are known
     squares, price, most = {}, ZERO, None  # of the derivative of this order: multiplier, and room
     for name in proof.get("squares", {}):
         limit, factor = question.limits.get(name, {"kind": "unknown"}), get(proof["squares"], name)
@@ -667,7 +669,7 @@ def half_plane(question, proof, aim=None):
         sizes = aim[3]
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
-        h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
+        h, d, psi = segment.lift, segment.degrees, kernels_of[segment.index]
         ends = numbers(get(part, "ends", list))
         good = segment in question.turning and len(ends) <= order * segment.free
         demand(good, f"program/{segment.index} has no angle, or not so many end conditions")
@@ -684,11 +686,11 @@ def half_plane(question, proof, aim=None):
             bends = question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
             row = None if bends else scaled(segment, question.row(segment, limit, side, *C, 1))
             of, factor = squares.get(name, (0, ZERO))
-            if 0 < of < order and segment.free:  # of factor (s^(k))^2, tangents
+            if 0 < of < order:  # of factor (s^(k))^2, tangents
                 row = scaled(segment, ([ONE * (i == of) for i in range(4)], [ZERO] * 2, ZERO))
             demand(side in (1, -1) and (row or (bends and side == 1)),
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
-            spread, used = [], ZERO
+            spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
@@ -713,8 +715,8 @@ def half_plane(question, proof, aim=None):
                     mass = (low + high) / 2 * (y - x)
                     kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
                 if of:
-                    demand(used <= x < y, "tangents overlap, or are at points")
-                    used = y
+                    demand(used[segment.index, name] <= x < y, "tangents overlap, or have no width")
+                    used[segment.index, name] = y
                     constant -= (y - x) * (low * low + low * high + high * high) / (
                         12 * factor * d)
                 for at, n, weight in kernels:
@@ -726,18 +728,21 @@ def half_plane(question, proof, aim=None):
                                            for k, f in enumerate(alpha) if f)
                 constant -= mass * rhs
                 sizes = [p + mass * q for p, q in zip(sizes, size)]
+        # 6.2 End conditions are equalities, with multipliers of either sign.
+        for k, nu in enumerate(ends):
+            psi[ONE][order - 1 - k] += nu
+            joints[segment.index, k] -= nu * d**k / h
+    demand(not aims, "the segment of a step is not in its multipliers")
+    # What is left of a law is the integral of psi g^(m), and shares of derivatives at its start.
+    for segment in question.turning:
         if segment.free:
-            # 6.2 End conditions are equalities, with multipliers of either sign. What is left of a
-            # law is the integral of psi g^(m), and shares of the derivatives at its start.
-            for k, nu in enumerate(ends):
-                psi[ONE][order - 1 - k] += nu
-                joints[segment.index, k] -= nu * d**k / h
+            h, d = segment.lift, segment.degrees
             bound = None if cap is None else cap * d**order / abs(h)
-            area, shares = remainder(psi, bound, price * segment.square(order))
+            area, shares = remainder(
+                kernels_of[segment.index], bound, price * segment.square(order))
             constant -= area
             for k in range(1, order):
                 joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
-    demand(not aims, "the segment of a step is not in its multipliers")
     # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
     for (index, k), share in joints.items():
         left, right = question.program[index], question.program[index].after
