@@ -71,7 +71,9 @@ def test_the_least_mean_square_from_rest_to_rest(order: int, given: bool) -> Non
     assert not accepted(asked, {"at_least": least * (1.0 + 1e-9), "multipliers": witness})
 
 
-@pytest.mark.parametrize(("cap", "weight"), [(None, 7.0), (4.0, 3.0), (1.0, 20.0), (1e9, 2.0), (5.0, 0.0)])
+@pytest.mark.parametrize(
+    ("cap", "weight"), [(None, 7.0), (4.0, 3.0), (1.0, 20.0), (1e9, 2.0), (5.0, 0.0)]
+)
 def test_what_the_control_may_take_is_exact_to_a_billionth_and_not_less(
     cap: float | None, weight: float
 ) -> None:
@@ -125,7 +127,7 @@ def test_all_of_a_plain_question_is_proven(default: Any, capped: Any) -> None:
         assert conforms(document, schema, schema)
         assert all(claim["proven"] and "note" not in claim for claim in document["claims"])
         assert verdict(document)[0] == 0
-    code, said = verdict(default)
+    said = verdict(default)[1]
     assert "with rms_jerk up to 1619460.08" in said
     assert "has an rms_jerk below 1302044.59" in said
 
@@ -234,3 +236,13 @@ def test_tangents_of_a_square_count_once(capped: Any) -> None:
     (first, *_), *_ = (row["multipliers"] for row in tangents(document))
     first[1:] = [first[2]]  # at a point
     assert "no width" in verdict(document)[1]
+
+
+def test_of_given_laws_the_one_value_is_the_least() -> None:
+    document = proof_of("fixed-laws", objective={"kind": "rms_acceleration"})
+    claim = claims(document)["objective/0"]
+    assert claim["proven"]
+    assert "note" not in claim
+    assert verdict(document)[0] == 0
+    claim["at_least"] *= 1.0001
+    assert verdict(document)[0] == 1

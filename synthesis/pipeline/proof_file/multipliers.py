@@ -52,7 +52,7 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
-GIVEN = 2  # order that a file states where no law is free, so that it plays no part
+GIVEN = 3  # order that a file states where no law is free, so that it plays no part
 DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row binds where it is
 SQUARE_FIGURES = 12  # of the multiplier of a mean square
 PLACES = 9  # decimals of a point on a law, likewise
@@ -126,7 +126,9 @@ def _squares(
     if energy is not None:
         k, names[energy.order] = energy.order, "objective"
         weights = energy.weights / energy.unit
-    if not weights.any():
+    if not model.problem.free:  # of given laws alone any multiplier will do
+        return {"objective": 1.0} if energy is not None else {}, []
+    if k not in names or not weights.any():
         return {}, []
     moves = [(s.lift * length, s.angle / DEGREE) for s in model.problem.free]
     (lift, degrees), *_ = moves
