@@ -52,7 +52,7 @@ def objections(proof: bytes) -> dict[str, str]:
         judge.spent.clear()
         try:
             if place == "infeasible" or place.startswith("objective/"):
-                judge.excluded(body["question"], place, claim)
+                judge.excluded(body["question"], place, claim, body["cam"])
             else:
                 question = judge.Question(body["question"], body["cam"].get("program", ()))
                 cam = cam or judge.Cam(question, body["cam"])
