@@ -26,7 +26,7 @@ from zipfile import ZipFile
 MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 5_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
-MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 500_000}
+MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 1_000_000}
 SLICES, FINE = 8, 1 << 70  # of a density of rows that differ from place to place; what is rounded
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from unittest.mock import ANY
 from zipfile import ZIP_BZIP2, ZipFile
 
 import pytest
@@ -266,3 +267,12 @@ def test_that_no_cam_fits_does_not_depend_on_the_objective() -> None:
     document = proof_of("example-13-6-sized", base_radius_mm={"min": 20.0, "max": 45.0}, **changes)
     assert claims(document)["infeasible"]["proven"]
     assert verdict(document)[0] == 0
+
+
+def test_what_is_written_takes_no_more_than_a_file_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = json.loads((EXAMPLES / "fixed-laws.json").read_text("utf-8"))["value"]
+    design = synthesise(DesignSpec.model_validate(body))
+    assert verdict(proof(design)) == (0, ANY)
+    together = checker().spent["coefficients"]
+    monkeypatch.setitem(checker().MOST, "coefficients", together - 1)  # enough for each claim
+    assert verdict(proof(design)) == (0, ANY)

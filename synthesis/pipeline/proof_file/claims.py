@@ -7,6 +7,7 @@ shows how much every law exceeds a limit.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import floor, inf, isfinite, log10
@@ -67,10 +68,13 @@ def proof_file(design: Design) -> Json:
     # 1. What the cam itself is a witness of.
     of_cam = [place for place in named if not _is_of_all_cams(place)]
     plain = [{"place": place, "proven": True} for place in of_cam]
-    found = objections(as_bytes({**body, "claims": plain}))
-    # 2. What multipliers are a witness of.
+    spent = Counter[str]()
+    found = objections(as_bytes({**body, "claims": plain}), spent)
+    # 2. What multipliers are a witness of, with what is left of the work that a file may take.
     claims = [
-        _of_all_cams(body, place, design) if _is_of_all_cams(place) else _claim(place, found[place])
+        _of_all_cams(body, place, design, spent)
+        if _is_of_all_cams(place)
+        else _claim(place, found[place])
         for place in named
     ]
     return {**body, "claims": claims}
@@ -98,12 +102,12 @@ def _claim(place: str, objection: str, **witness: Any) -> Json:
     return {"place": place, "proven": True, **witness}
 
 
-def _of_all_cams(body: Json, place: str, design: Design) -> Json:
-    """A claim about all cams: the best that the checker accepts."""
+def _of_all_cams(body: Json, place: str, design: Design, spent: Counter[str]) -> Json:
+    """A claim about all cams: the best that the checker accepts after what others have spent."""
     reason = NO_WITNESS
     for witness in _attempts(place, design):
         claim = _claim(place, "", **witness)
-        reason = objections(as_bytes({**body, "claims": [claim]}))[place]
+        reason = objections(as_bytes({**body, "claims": [claim]}), spent)[place]
         if not reason:
             return claim
     return _claim(place, reason)
