@@ -604,14 +604,16 @@ class Cam:
         demand(total * self.question.rate ** (2 * order) <= 360 * most**2, "its mean is larger")
 
     def fit(self):
-        """Base radius and offset are in their ranges: radii by their squares."""
+        """Base radius and offset are in their ranges: radii by their squares, which are roots."""
         question, square = self.question, sum(x * x for x in self.size)
-        ranges = [(square, [r and r * r for r in question.radii]), (self.size[-1], [ZERO, None])]
-        ranges += [(self.size[0], question.offsets)] * question.roller
-        inside = all((low is None or low <= x) and (high is None or x <= high)
-                     for x, (low, high) in ranges)
-        demand(inside and square > question.gap**2, "it is not within the range asked for")
-        return "base radius and offset are in their ranges"
+        low, high = [r and r * r for r in question.radii]
+        miss = max((low or square) - square, square - (square if high is None else high))
+        low, high = question.offsets if question.roller else (None, None)
+        good = (low is None or low <= self.size[0]) and (high is None or self.size[0] <= high)
+        good = good and self.size[-1] >= 0 and square > question.gap**2
+        demand(good and miss <= 2 * GAP * square, "it is not within the range asked for")
+        share = f", the radius but for 1/{2 * square / miss // 1} of it" if miss > 0 else ""
+        return "base radius and offset are in their ranges" + share
 
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""

@@ -237,6 +237,13 @@ def test_a_file_of_the_same_making_that_is_true_is_accepted() -> None:
     assert (code, said.splitlines()[-1]) == (0, "6 of 7 claims proven"), said
 
 
+def test_a_radius_that_is_a_root_may_miss_what_is_asked_for_by_its_rounding() -> None:
+    for radius, words in ((90.0449898, "but for 1/"), (90.04498, "not within"), (90, "not within")):
+        found = document("size", moves(), [SMOOTH] * 2, size=(3, 100), base_radius_mm=radius,
+                         follower={**ROLLER, "offset_mm": 3})  # fmt: skip
+        assert words in verdict(found)[1]  # the root of 10009 less 10: 90.04498987...
+
+
 def test_a_question_of_the_same_making_without_a_cam_is_accepted() -> None:
     found = document("infeasible", moves(18), None, SLOW, JERK, witness=bound(0, MEAN))
     assert verdict(found)[0] == 0
