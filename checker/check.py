@@ -651,6 +651,7 @@ def half_plane(question, proof, aim=None):
     """``aim``: a segment, a place and factors of (s, v, a, j) and of z, of what is bounded."""
     order = whole(proof, "order", 2, 3)
     kind = {2: "acceleration", 3: "jerk"}[order]
+    spend("coefficients", 2 * len(question.program))
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
     cap = min(caps) / question.rate**order if caps else None
     constant, sizes, joints = ZERO, [ZERO] * 2, defaultdict(int)

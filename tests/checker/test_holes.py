@@ -262,7 +262,7 @@ def many(count: int) -> Json:
 LONG: dict[str, tuple[Json, str]] = {
     "segments": (document("size", [dwell(3.6)] * 101, [None] * 101), "segments"),
     "limits": (document("size", moves(), [SMOOTH] * 2, *[VELOCITY] * 51), "limits"),
-    "pieces": (document("size", moves(), [many(9000), SMOOTH]), "coefficients"),
+    "pieces": (document("size", moves(), [many(11000), SMOOTH]), "coefficients"),
     "digits": (document("size", moves(), [SMOOTH] * 2, size=(0, 10**26)), "digits"),
 }  # fmt: skip
 
@@ -282,3 +282,11 @@ def test_work_is_bounded(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert verdict(found)[0] == 0
     monkeypatch.setitem(checker().MOST, what, 1)
     assert verdict(found) == (2, ANY)
+
+
+def test_steps_of_rounds_that_say_nothing_are_counted() -> None:
+    nothing = {"multipliers": {"order": 3, "segments": []}}
+    found = document("infeasible", moves(18), None, SLOW, JERK,
+                     witness={"rounds": [[{"bound": 0, **nothing}] * 10], **nothing})  # fmt: skip
+    assert verdict(found)[0] == 1
+    assert checker().spent["coefficients"] == 11 * 2 * len(moves())
