@@ -26,13 +26,15 @@ from zipfile import ZipFile
 MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 5_000_000, 25, 60  # of the file; of a number
 MOST_SEGMENTS, MOST_LIMITS, MOST_FILES = 100, 50, 1000  # of a question; of an archive;
 # of a file, all claims together:
-MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 500_000}
+MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 1_000_000}
 SLICES, FINE = 8, 1 << 70  # of a density of rows that differ from place to place; what is rounded
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
 ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
+AIMS = ("base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle",
+        "rms_acceleration", "rms_jerk")
 FIELDS = {  # of each kind that is covered; what has another field is refused
     "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
                 "objective tolerance proof time_budget_s report_smoothness_cost body keyway",
@@ -46,7 +48,7 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "outer_radius": "max_mm", "face_width": "width_mm left_mm right_mm",
-    "base_radius": "", "peak_acceleration": "", "peak_jerk": "", "peak_pressure_angle": ""}
+    **dict.fromkeys(AIMS, "allowance")}  # which the claims state as a value
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
     "polynomial_4_5_6_7": (4, 35, -84, 70, -20),
@@ -60,7 +62,8 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
-        "outer_radius": 0}
+        "outer_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
+SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 spent = Counter()
 
 class Failure(Exception):
@@ -160,6 +163,10 @@ class Segment:
         demand(good or (kind == "dwell" and self.degrees == 0), f"program/{index} is not valid")
         self.sense = "rise" if self.lift > 0 else "return" if self.lift < 0 else "dwell"
 
+    def square(self, order):
+        """The integral of (s^(order))^2 per degree over that of (g^(order))^2."""
+        return self.lift**2 / self.degrees ** (2 * order - 1)
+
 class Question:
     def __init__(self, body, chosen=()):
         kind_of(body, "question")
@@ -194,7 +201,8 @@ class Question:
         good = good and (self.roller or get(follower, "offset_mm") is not None)
         demand(good and not follower.get("tilt_deg"), "this follower is not covered")
         self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
-        others = {"face_width"} if self.roller else {"pressure_angle", "cutter_radius"}
+        others = {*SQUARES, *(("face_width",) if self.roller else
+                              ("pressure_angle", "cutter_radius"))}
         # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
         self.limits = {"forward": {"kind": "forward"},
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
@@ -212,6 +220,18 @@ class Question:
         self.jerk = min(jerks) / rate**3 if jerks else None
         self.heights, self.known, self.bent = [ZERO, None], {}, {}  # s0; X and U at places
         self.aim = None  # the prime radius below which there is no cam, if rounds have a larger one
+
+    def room(self, order, most):
+        """What a mean square leaves to free laws: its integral less what given laws take of it."""
+        left = 360 * most**2 / self.rate ** (2 * order)
+        for segment in self.turning:
+            if not segment.free and segment.lift:
+                for _, w, orders in parts_of(segment.law):
+                    b = times(orders[order], orders[order])
+                    spend("coefficients", len(b))
+                    taken = Fraction(sum(low for low, _ in b), len(b) * UNIT)
+                    left -= max(taken, ZERO) * w * segment.square(order)
+        return left
 
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
@@ -569,22 +589,31 @@ class Cam:
                 piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
 
     def reach(self, most):
-        """X^2 + e^2 <= (most + R)^2: where a closed curve is farthest, its normal is radial."""
+        """X^2 + e^2 <= (most + R)^2, and X > 0: where a curve is farthest, its normal is radial."""
         e = self.size[0] if self.question.roller else ZERO
         for piece in self.pieces:
             x = plus(piece.s[0], enclose([self.size[-1]]))
             square = enclose([(most + self.question.gap) ** 2 - e * e])
+            piece.show(lambda b: min(b) > 0, x)
             piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -1) for p in times(x, x)]))
 
+    def mean(self, order, most):
+        """A mean square: that of a polynomial is the mean of its square's coefficients."""
+        squares = ((p.width, times(p.s[order], p.s[order])) for p in self.pieces)
+        total = sum(w * sum(high for _, high in b) / (len(b) * UNIT) for w, b in squares)
+        demand(total * self.question.rate ** (2 * order) <= 360 * most**2, "its mean is larger")
+
     def fit(self):
-        """Base radius and offset are in their ranges: radii by their squares."""
+        """Base radius and offset are in their ranges: radii by their squares, which are roots."""
         question, square = self.question, sum(x * x for x in self.size)
-        ranges = [(square, [r and r * r for r in question.radii]), (self.size[-1], [ZERO, None])]
-        ranges += [(self.size[0], question.offsets)] * question.roller
-        inside = all((low is None or low <= x) and (high is None or x <= high)
-                     for x, (low, high) in ranges)
-        demand(inside and square > question.gap**2, "it is not within the range asked for")
-        return "base radius and offset are in their ranges"
+        low, high = [r and r * r for r in question.radii]
+        miss = max((low or square) - square, square - (square if high is None else high))
+        low, high = question.offsets if question.roller else (None, None)
+        good = (low is None or low <= self.size[0]) and (high is None or self.size[0] <= high)
+        good = good and self.size[-1] >= 0 and square > question.gap**2
+        demand(good and miss <= 2 * GAP * square, "it is not within the range asked for")
+        share = f", the radius but for 1/{2 * square / miss // 1} of it" if miss > 0 else ""
+        return "base radius and offset are in their ranges" + share
 
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""
@@ -602,6 +631,8 @@ class Cam:
             self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
         elif kind == "profile_radius" and roller:
             self.bend(1, question.gap + get(limit, "min_mm"), place == "self_crossing")
+        elif kind in SQUARES:
+            self.mean(SQUARES[kind], limit["most"])
         else:
             self.keep(limit)
         share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
@@ -620,17 +651,29 @@ def half_plane(question, proof, aim=None):
     """``aim``: a segment, a place and factors of (s, v, a, j) and of z, of what is bounded."""
     order = whole(proof, "order", 2, 3)
     kind = {2: "acceleration", 3: "jerk"}[order]
+    spend("coefficients", 2 * len(question.program))
     caps = [get(x, FIELDS[kind]) for x in question.limits.values() if x["kind"] == kind]
-    demand(caps or not any(s.free for s in question.program),
+    cap = min(caps) / question.rate**order if caps else None
+    constant, sizes, joints = ZERO, [ZERO] * 2, defaultdict(int)
+    kernels_of = defaultdict(lambda: defaultdict(lambda: [ZERO] * 5))
+    used = defaultdict(int)  # of each law, up to where tangents of a mean square are known
+    squares, price, most = {}, ZERO, None  # of the derivative of this order: multiplier, and room
+    for name in proof.get("squares", {}):
+        limit, factor = question.limits.get(name, {"kind": "unknown"}), get(proof["squares"], name)
+        k = SQUARES.get(limit["kind"], 4)
+        demand(factor > 0 and k <= order, f"{ascii(name)[:20]} is no mean square, or not limited")
+        room = question.room(k, limit["most"])
+        constant, squares[name] = constant - factor * room, (k, factor)
+        if k == order:
+            price, most = price + factor, room if most is None else min(room, most)
+    demand(caps or price or not any(s.free for s in question.program),
            f"nothing limits the {kind} of every law")
-    cap, constant = min(caps, default=ZERO) / question.rate**order, ZERO
-    sizes, joints = [ZERO] * 2, defaultdict(int)
     aims = [aim] if aim and any(aim[2]) else []
     if aim:
         sizes = aim[3]
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
-        h, d, psi = segment.lift, segment.degrees, defaultdict(lambda: [ZERO] * 5)
+        h, d, psi = segment.lift, segment.degrees, kernels_of[segment.index]
         ends = numbers(get(part, "ends", list))
         good = segment in question.turning and len(ends) <= order * segment.free
         demand(good, f"program/{segment.index} has no angle, or not so many end conditions")
@@ -646,12 +689,16 @@ def half_plane(question, proof, aim=None):
             limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
             bends = question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
             row = None if bends else scaled(segment, question.row(segment, limit, side, *C, 1))
+            of, factor = squares.get(name, (0, ZERO))
+            if 0 < of < order:  # of factor (s^(k))^2, tangents
+                row = scaled(segment, ([ONE * (i == of) for i in range(4)], [ZERO] * 2, ZERO))
             demand(side in (1, -1) and (row or (bends and side == 1)),
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
-                demand(0 <= x <= y <= 1 and low >= 0 <= high, "a multiplier is negative, or beyond")
+                demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
+                       "a multiplier is negative, or beyond")
                 if bends and x < y:
                     step, n = (y - x) / SLICES, 2 * SLICES
                     spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
@@ -671,6 +718,11 @@ def half_plane(question, proof, aim=None):
                     high = low + steep * (y - x)
                     mass = (low + high) / 2 * (y - x)
                     kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
+                if of:
+                    demand(used[segment.index, name] <= x < y, "tangents overlap, or have no width")
+                    used[segment.index, name] = y
+                    constant -= (y - x) * (low * low + low * high + high * high) / (
+                        12 * factor * d)
                 for at, n, weight in kernels:
                     for k in range(order):
                         psi[at][order - 1 - k + n] += weight * alpha[k]
@@ -680,17 +732,21 @@ def half_plane(question, proof, aim=None):
                                            for k, f in enumerate(alpha) if f)
                 constant -= mass * rhs
                 sizes = [p + mass * q for p, q in zip(sizes, size)]
+        # 6.2 End conditions are equalities, with multipliers of either sign.
+        for k, nu in enumerate(ends):
+            psi[ONE][order - 1 - k] += nu
+            joints[segment.index, k] -= nu * d**k / h
+    demand(not aims, "the segment of a step is not in its multipliers")
+    # What is left of a law is the integral of psi g^(m), and shares of derivatives at its start.
+    for segment in question.turning:
         if segment.free:
-            # 6.2 End conditions are equalities, with multipliers of either sign. What is left of a
-            # law is the integral of psi g^(m), and shares of the derivatives at its start.
-            for k, nu in enumerate(ends):
-                psi[ONE][order - 1 - k] += nu
-                joints[segment.index, k] -= nu * d**k / h
-            area, shares = remainder(psi)
-            constant -= area * cap * d**order / abs(h)
+            h, d = segment.lift, segment.degrees
+            bound = None if cap is None else cap * d**order / abs(h)
+            area, shares = remainder(
+                kernels_of[segment.index], bound, price * segment.square(order))
+            constant -= area
             for k in range(1, order):
                 joints[segment.before.index, k] += shares[order - 1 - k] * d**k / h
-    demand(not aims, "the segment of a step is not in its multipliers")
     # 6.3 Derivatives where two segments meet: known, or bounded by Taylor where g stays in [0, 1].
     for (index, k), share in joints.items():
         left, right = question.program[index], question.program[index].after
@@ -704,16 +760,18 @@ def half_plane(question, proof, aim=None):
             constant += min(share * bound for bound in given(segment.law, k, end))
         elif share and not (k == 1 and turns):
             demand(right.forward, f"the start of program/{right.index} is not bounded")
-            most = cap * right.degrees**order / abs(right.lift)
-            most = 1 + most / 2 if order == 2 else k + 2 + most * (7 * k - 4) / 12
-            constant -= abs(share * right.lift) / right.degrees**k * most
+            total = root(max(most, ZERO) / right.square(order)) if cap is None else (
+                cap * right.degrees**order / abs(right.lift))  # of |g^(order)|
+            start = 1 + total if order == 2 else k + 2 + (2 * k - 1) * total
+            constant -= abs(share * right.lift) / right.degrees**k * start
     return constant, sizes
 
-def remainder(kernels):
-    """An upper bound of the integral of |psi|, and what acts on the derivatives at the start.
+def remainder(kernels, cap, weight):
+    """An upper bound of -(psi w + weight w^2), summed, and what acts on derivatives at the start.
 
-    psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to the left,
-    in integers of a unit that is small beside all c; rounding is less than 100 units a cut.
+    |w| <= cap. psi is the sum of all c (x - tau)^n / n! with x > tau: its pieces from the right to
+    the left, in integers of a unit that is small beside all c; rounding is less than 100 units a
+    cut.
     """
     cuts, area, psi = sorted({ZERO, ONE, *kernels}, reverse=True), [], [0] * 5
     unit = max((abs(c) for each in kernels.values() for c in each), default=ZERO) / (1 << 96)
@@ -730,17 +788,33 @@ def remainder(kernels):
         area.append(([sum(comb(k, i) * (12 // comb(4, i)) * steps[i] for i in range(k + 1)) // 12
                       for k in range(5)], w[1] + 1))
         psi = [sum(psi[j] * w[j - i] >> BITS for j in range(i, 5)) for i in range(5)]
-    # |p| is at most the mean size of its coefficients; where they have one sign, just that.
-    total = sum(sum(map(abs, b)) * w for b, w in area)
-    spare, total = total // (len(area) << 24), 500 * len(cuts) * UNIT
+    # The most is cap h(psi), with h convex: |psi| - edge/2 from |psi| = edge on, below it
+    # psi^2/(2 edge), and edge = 2 weight cap. Where the cap is beyond all of -psi/(2 weight), or
+    # there is none, the largest |psi| is an edge. Coefficients give 2 h.
+    top = max(abs(x) for b, _ in area for x in b) + 1000 * len(cuts)
+    edge = top if cap is None else min(top, 2 * weight * cap // unit)
+    if edge == top:
+        cap = edge * unit / (2 * weight)
+
+    def twice(x, parts=1):
+        """2 h of x/parts, times parts."""
+        x, top = abs(x), parts * edge
+        return 2 * x - top if x >= top else -(-x * x // top)
+
+    # h is at most its mean over coefficients, and at least h of their mean (Jensen).
+    total = sum(sum(map(twice, b)) * w for b, w in area)
+    spare, total = total // (len(area) << 24), 1000 * len(cuts) * UNIT
     while area:
         b, width = area.pop()
-        size = sum(map(abs, b))
-        if (size - abs(sum(b))) * width <= spare:
-            total += (size + 1000) * width
-        else:
+        size = sum(map(twice, b))
+        if max(map(abs, b)) < edge:  # psi^2 all along: of degree 8
+            size = -(-5 * sum(comb(4, i) * comb(4, j) * (280 // comb(8, i + j)) * p * q
+                              for i, p in enumerate(b) for j, q in enumerate(b)) // (2520 * edge))
+        elif (size - twice(sum(b), 5)) * width > spare:
             area += [(half, width + 1 >> 1) for half in halves(b, lambda x, y: (x + y) >> 1)]
-    return total * unit / (5 * UNIT), shares
+            continue
+        total += (size + 2000) * width
+    return cap * total * unit / (10 * UNIT), shares
 
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
 def least(question, proof, aim=None):
@@ -778,6 +852,7 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
+    demand(question.roller or not {"rounds", "cases"} & {*body}, "rounds of a flat face")
     if question.heights[1] is None:
         question.heights[1] = radius
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
@@ -812,39 +887,68 @@ def bound_of(question, step):
 
 # Step 8. The claims: what the question asks for, each proven or said not to be covered.
 def places(asked, cam):
-    aims = asked["objective"]
-    found = [f"objective/{k}" for k in range(len(aims) if isinstance(aims, list) else 1)]
+    found = [f"objective/{k}" for k in range(len(aims_of(asked)))]
     found += [f"limits/{k}" for k in range(len(get(asked, "limits", list)))]
     found += ["no_undercut", "self_crossing", "motion", "size"]
     found += [f"program/{k}/{name}" for k, segment in enumerate(get(asked, "program", list))
               for name in ("windows", "points", "start", "end") if segment.get(name)]
     return ["infeasible"] if cam is None else found
 
-def excluded(asked, place, claim):
+def excluded(asked, place, claim, body):
     """Check a claim about all cams, and say it."""
     question, text = Question(asked), "no law and no size keep these limits together"
     if place != "infeasible":
-        aims, value = asked["objective"], get(claim, "at_least")
-        demand(place == "objective/0" and value >= 0, "later objectives are not covered")
-        aim = kind_of(aims[0] if isinstance(aims, list) else aims,
-                      "base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle")
-        text = f"no cam of this question has a {aim} below {decimal(value)}"
+        aims, value = aims_of(asked), get(claim, "at_least")
+        held = numbers(claim.get("held", []))
+        demand(f"objective/{len(held)}" == place, "not all objectives before it are held", 2)
+        named = hold(question, aims, held)
+        if held:  # what the cam of the file keeps as well
+            cam = Cam(Question(asked, body.get("program", ())), body)
+            hold(cam.question, aims, held)
+            for each in ("size", *(x for x in cam.question.limits if x[:5] == "held/")):
+                cam.check(each)
+        aim = kind_of(aims[len(held)], *AIMS)
         if aim == "base_radius":
             # rounds speak of all cams below another radius, which is no smaller
             below = get(claim, "below") if "rounds" in claim or "cases" in claim else value
-            demand(below >= value, "rounds do not speak of all cams")
+            demand(below >= value >= 0, "rounds do not speak of all cams")
             most = question.radii[1]
             question.radii[1], question.aim = (
                 r + question.gap if most is None else min(most, r + question.gap)
                 for r in (below, value))
-        elif aim == "peak_pressure_angle":
-            demand(question.roller, "it has no pressure angle")
-            question.limits["objective"] = {"kind": aim[5:], "rise_deg": value, "return_deg": value,
-                                            "dwell_deg": None}
         else:
-            question.limits["objective"] = {"kind": aim[5:], FIELDS[aim[5:]]: value}
+            impose(question, aims[len(held)], value, "objective")
+        kept = " and ".join(f"{kind} up to {decimal(most)}" for kind, most in zip(named, held))
+        kept = f" with {kept}, as this one," if held else ""
+        article = "an" if aim in SQUARES else "a"
+        text = f"no cam of this question{kept} has {article} {aim} below {decimal(value)}"
     exclude(question, claim)
     return text
+
+def aims_of(asked):
+    return asked["objective"] if isinstance(asked["objective"], list) else [asked["objective"]]
+
+def hold(question, aims, held):
+    """Impose what objectives before another may come to; their kinds."""
+    return [impose(question, aim, value, f"held/{k}")
+            for k, (aim, value) in enumerate(zip(aims, held))]
+
+def impose(question, aim, value, name):
+    """A largest value of an objective is a limit like others; its kind."""
+    kind = kind_of(aim, *AIMS)
+    demand(value >= 0, "an objective is negative")
+    if kind == "base_radius":
+        radius, most = value + question.gap, question.radii[1]
+        question.radii[1] = radius if most is None else min(radius, most)
+    elif kind == "peak_pressure_angle":
+        demand(question.roller, "it has no pressure angle")
+        question.limits[name] = {"kind": kind[5:], "rise_deg": value, "return_deg": value,
+                                 "dwell_deg": None}
+    elif kind in SQUARES:
+        question.limits[name] = {"kind": kind, "most": value}
+    else:
+        question.limits[name] = {"kind": kind[5:], FIELDS[kind[5:]]: value}
+    return kind
 
 def check(content):
     """The exit code, after a sentence for each claim."""
@@ -861,7 +965,7 @@ def check(content):
                 demand(get(claim, "reason", str), "it is not proven, and no reason is given", 2)
                 text = f"not covered: {ascii(claim['reason'])[:100]}"
             elif at == "infeasible" or at[:10] == "objective/":
-                text = excluded(asked, at, claim)
+                text = excluded(asked, at, claim, body)
             else:
                 cam = cam or Cam(Question(asked, body.get("program", ())), body)
                 text = cam.check(at)

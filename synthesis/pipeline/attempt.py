@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
-from synthesis.catalogue.objectives import BaseRadius
+from synthesis.catalogue.objectives import BaseRadius, Objective
 from synthesis.certify import SELF_CROSSING
 from synthesis.design.design import Effort, Extreme
 from synthesis.numerics import clock
@@ -170,6 +170,14 @@ class Attempt:
         allowed = objectives[rank].allowed_gap(tolerance)
         return 0.5 * tolerance if allowed == tolerance else max(tolerance, OWN_SHARE * allowed)
 
+    def problem(
+        self, objective: Objective, caps: tuple[ObjectiveCap, ...], smallest: float
+    ) -> Problem:
+        """That of one objective, where those before it are held."""
+        spec = self.solved_spec
+        problem = formulate_problem(spec, objective, caps, self.tables.segments, smallest)
+        return with_smoother_laws(problem) if spec.tolerance <= FINEST else problem
+
     def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.
 
@@ -179,8 +187,7 @@ class Attempt:
         """
         spec, caps = self.solved_spec, tuple[ObjectiveCap, ...]()
         for objective in spec.objectives():
-            problem = formulate_problem(spec, objective, caps, self.tables.segments, smallest)
-            yield with_smoother_laws(problem) if spec.tolerance <= FINEST else problem
+            yield self.problem(objective, caps, smallest)
             solution = self.searches[-1]
             if solution.incumbent is None:
                 return

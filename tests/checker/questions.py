@@ -59,5 +59,12 @@ def question(chance: random.Random) -> dict[str, Any]:
         kind = "peak_pressure_angle"  # without a limit on it, and in a range of sizes
         body["limits"] = [each for each in limits if each["kind"] != "pressure_angle"]
         body["base_radius_mm"] = {"min": 0.5 * lift, "max": chance.uniform(1.0, 4.0) * lift}
-    return {**body, "objective": {"kind": kind}, "proof": "quick", "tolerance": 0.005,
+    aims: Any = {"kind": kind}
+    if kind != "peak_pressure_angle" and chance.random() < 0.4:
+        size, square = {"kind": "base_radius"}, chance.choice(("rms_jerk", "rms_acceleration"))
+        rms = {"kind": square, "allowance": chance.choice((0.25, 0.1, None))}
+        aims = chance.choice((rms, rms, [rms, size], [rms, size], [size, rms]))
+        if not given and chance.random() < 0.5:  # as who asks for nothing else
+            body["limits"] = [each for each in limits if each["kind"] != "jerk"]
+    return {**body, "objective": aims, "proof": "quick", "tolerance": 0.005,
             "time_budget_s": 10.0}  # fmt: skip

@@ -13,6 +13,7 @@ from collections import Counter
 from typing import Any
 
 from synthesis import DesignSpec, proof, synthesise
+from synthesis.design.design import Design
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.mutations import mutated
@@ -27,6 +28,20 @@ def verdict(document: Any) -> tuple[int, str]:
     with contextlib.redirect_stdout(said):
         code = judge.check(json.dumps(document).encode())
     return code, said.getvalue()
+
+
+def kinds(question: Any) -> str:
+    """What is minimised, in order."""
+    aims = question["objective"]
+    return ", then ".join(each["kind"] for each in (aims if isinstance(aims, list) else [aims]))
+
+
+def _bound(design: Design, place: str) -> float | None:
+    """The answer's own lower bound of an objective."""
+    spec, proven = design.spec, design.certificate
+    name = spec.objectives()[int(place[10:])].name_on_wire(spec.machine())
+    known = {each.objective: each.lower_bound for each in (*proven.other_objectives, proven)}
+    return known.get(name)
 
 
 def main() -> None:
@@ -53,11 +68,14 @@ def main() -> None:
         tally[design.status] += 1
         for claim in document["claims"]:
             place = claim["place"].split("/")[0]
+            if place == "objective":
+                place += " " + kinds(document["question"])
             tally[
                 f"{design.status} {place} {'proven' if claim['proven'] else claim['reason']}"
             ] += 1
-            if "at_least" in claim and design.certificate.lower_bound:
-                gaps.append(1.0 - claim["at_least"] / design.certificate.lower_bound)
+            answer = _bound(design, claim["place"]) if "at_least" in claim else None
+            if answer:
+                gaps.append(1.0 - claim["at_least"] / answer)
         proofs.append(document)
     for name, count in sorted(tally.items()):
         print(f"{count:6d} {name}")

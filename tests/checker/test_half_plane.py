@@ -229,7 +229,7 @@ def test_the_integral_of_the_size_of_psi_is_exact_to_a_billionth_and_not_below()
     judge.spent.clear()
     kernels = {Fraction(round(chance.random(), 3)).limit_denominator(1000):
                [Fraction(chance.randint(-50, 50)) for _ in range(5)] for _ in range(9)}  # fmt: skip
-    area, _ = judge.remainder(kernels)
+    area, _ = judge.remainder(kernels, Fraction(1), Fraction(0))
     cuts = sorted({0.0, 1.0, *map(float, kernels)})
 
     def psi(tau: float) -> float:

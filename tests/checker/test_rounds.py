@@ -146,7 +146,7 @@ def verdict(claim: Any, question: Any) -> int:
     judge.spent.clear()
     asked, stated = (judge.read(json.dumps(each).encode()) for each in (question, claim))
     try:
-        judge.excluded(asked, "objective/0", stated)
+        judge.excluded(asked, "objective/0", stated, None)
     except judge.Failure as failure:
         return len(failure.args)
     return 0

@@ -39,7 +39,8 @@ def contradiction(proof: Json, known: Json | None = None) -> str:
     true = {claim["place"]: claim for claim in known["claims"]} if known else {}
     same = known is not None and all(known[part] == proof[part] for part in ("question", "cam"))
     for place, claim in claims.items():
-        if same and true.get(place, {}).get("at_least") == claim.get("at_least"):
+        known_claim = true.get(place, {})
+        if same and all(known_claim.get(part) == claim.get(part) for part in ("at_least", "held")):
             continue
         if place == "infeasible" or place.startswith("objective/"):
             found = better_cam(proof["question"], place, claim)
@@ -52,17 +53,30 @@ def contradiction(proof: Json, known: Json | None = None) -> str:
 
 def better_cam(question: Json, place: str, claim: Json) -> str:
     """A cam that there should not be."""
-    try:
-        design = synthesise(DesignSpec.model_validate({**question, "time_budget_s": 3.0}))
-    except (ValidationError, CamwrightError):
-        return ""  # no question that can be asked
-    if not design.certificate.certified:
-        return ""
-    if place == "infeasible":
-        return f"the question has a cam with {design.objectives}"
-    value = design.certificate.value
-    if value is not None and value < claim["at_least"] * (1.0 - NEAR):
-        return f"a cam with {value} is better than {claim['at_least']}"
+    aims, earlier, values = question["objective"], list[Json](), list[float]()
+    aims = aims if isinstance(aims, list) else [aims]
+    held = claim.get("held", [])
+    for k, aim in enumerate(aims[: 1 + len(held)]):
+        # what may be added to the value reached, so that all that is held is used up
+        body = {**question, "objective": [*earlier, aim], "time_budget_s": 3.0}
+        try:
+            spec = DesignSpec.model_validate(body)
+            design = synthesise(spec)
+        except (ValidationError, CamwrightError):
+            return ""  # no question that can be asked
+        if not design.certificate.certified:
+            return ""
+        if place == "infeasible":
+            return f"the question has a cam with {design.objectives}"
+        names = [each.name_on_wire(spec.machine()) for each in spec.objectives()]
+        values = [design.objectives[name] for name in names]
+        if any(value > most for value, most in zip(values, held, strict=False)):
+            return ""
+        if k < len(held):
+            share = held[k] / values[k] - 1.0 if values[k] > 0.0 else 0.0
+            earlier.append({**aim, "allowance": min(share, 9.0) or None})
+    if values[-1] < claim["at_least"] * (1.0 - NEAR):
+        return f"a cam with {values} is better than {claim['at_least']}"
     return ""
 
 

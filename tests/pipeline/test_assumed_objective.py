@@ -75,10 +75,12 @@ def test_sensitivities_are_those_of_the_size(answer: Design) -> None:
 
 
 def test_its_proof_file_names_the_objectives(answer: Design) -> None:
-    claims = {each["place"]: each["proven"] for each in proof_file(answer)["claims"]}
-    assert claims["limits/0"]
-    assert not claims["objective/0"]
-    assert not claims["objective/1"]
+    claims = {each["place"]: each for each in proof_file(answer)["claims"]}
+    assert all(each["proven"] for each in claims.values())
+    radius, jerk = answer.certificate, answer.certificate.other_objectives[0]
+    assert claims["objective/0"]["at_least"] == pytest.approx(jerk.lower_bound, rel=1e-4)
+    assert claims["objective/1"]["at_least"] == pytest.approx(radius.lower_bound, rel=1e-4)
+    assert claims["objective/1"]["held"] == [pytest.approx(jerk.value, rel=1e-6)]
 
 
 LIMITS = {

@@ -168,8 +168,11 @@ def infeasibility_bound(model: ConicModel, solution: ConeSolution, ends: Array) 
     return max(bounds, key=lambda bound: bound.value)
 
 
-def add_costates(lagrangian: Lagrangian, controls: Sequence[Control], near: Array) -> None:
-    """Add the end conditions, with the nearest valid costates; of a mean square with the best."""
+def add_costates(lagrangian: Lagrangian, controls: Sequence[Control], near: Array) -> Array:
+    """Add the end conditions, with the nearest valid costates; of a mean square with the best.
+
+    Returns the costates: (q, laws, m).
+    """
     lagrangian.reduce()
     model, given = lagrangian.model, lagrangian.initial_costates
     if controls and all(control.weight for control in controls):
@@ -177,6 +180,7 @@ def add_costates(lagrangian: Lagrangian, controls: Sequence[Control], near: Arra
     else:
         costates = project_costates(model, given, near)
     lagrangian.add_boundary_costates(costates)
+    return costates
 
 
 def bound_from_lagrangian(

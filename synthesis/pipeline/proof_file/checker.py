@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -39,28 +40,34 @@ def as_bytes(body: Any) -> bytes:
     return json.dumps(body, separators=(",", ":")).encode()
 
 
-def objections(proof: bytes) -> dict[str, str]:
+def objections(proof: bytes, spent: Counter[str]) -> dict[str, str]:
     """Why the checker does not accept the claims of a proof file, by place; empty where it does.
 
-    Each is judged as if the others were not there.
+    Each is judged as if those refused were not there. ``spent``: the work that claims accepted
+    before take; that of the accepted ones is added, as a file may take so much for all together.
     """
     judge = checker()
     judge.spent.clear()
     body, cam, found = judge.read(proof), None, dict[str, str]()
+    judge.spent.update(spent)
     for claim in body["claims"]:
-        place = claim["place"]
-        judge.spent.clear()
+        place, before = claim["place"], judge.spent.copy()
         try:
             if place == "infeasible" or place.startswith("objective/"):
-                judge.excluded(body["question"], place, claim)
+                judge.excluded(body["question"], place, claim, body["cam"])
             else:
                 question = judge.Question(body["question"], body["cam"].get("program", ()))
                 cam = cam or judge.Cam(question, body["cam"])
                 cam.check(place)
         except (judge.Failure, *OTHER) as failure:
             found[place] = str(failure.args[0])
+            judge.spent.clear()
+            judge.spent.update(before)
         else:
             found[place] = ""
+    spent.update(
+        {what: judge.spent[what] - spent[what] for what in judge.spent if what != "numbers"}
+    )
     return found
 
 

@@ -7,7 +7,8 @@ shows how much every law exceeds a limit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import floor, inf, isfinite, log10
 from typing import Any
@@ -17,7 +18,7 @@ import numpy as np
 from synthesis.catalogue.fields import Range
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
-from synthesis.design.design import Design, Effort
+from synthesis.design.design import Design, Effort, Proof
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.program import ConicModel, formulate
@@ -25,7 +26,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
 from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import uniform_grid
-from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.problem import ObjectiveCap, Problem
 from synthesis.optimise.strategy.phase_one import (
     INTERVALS,
     LargestShare,
@@ -48,6 +49,9 @@ LOSSES = (1e-6, 1e-5, 1e-4, 1e-3)  # of a bound, tried in turn: what rounding ta
 FIGURES = 9  # of a bound in the file
 END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
+LARGEST_GAP, OWN_PART = 0.9, 0.98  # as in SolveState.allowance
+ROUNDING = 1e-9  # relative: what decimals and joints may change in a cam's value
+NOTHING: Json = {"order": 3, "segments": []}  # multipliers of nothing
 NO_WITNESS = "no multipliers are known for it"
 
 
@@ -64,10 +68,13 @@ def proof_file(design: Design) -> Json:
     # 1. What the cam itself is a witness of.
     of_cam = [place for place in named if not _is_of_all_cams(place)]
     plain = [{"place": place, "proven": True} for place in of_cam]
-    found = objections(as_bytes({**body, "claims": plain}))
-    # 2. What multipliers are a witness of.
+    spent = Counter[str]()
+    found = objections(as_bytes({**body, "claims": plain}), spent)
+    # 2. What multipliers are a witness of, with what is left of the work that a file may take.
     claims = [
-        _of_all_cams(body, place, design) if _is_of_all_cams(place) else _claim(place, found[place])
+        _of_all_cams(body, place, design, spent)
+        if _is_of_all_cams(place)
+        else _claim(place, found[place])
         for place in named
     ]
     return {**body, "claims": claims}
@@ -95,12 +102,12 @@ def _claim(place: str, objection: str, **witness: Any) -> Json:
     return {"place": place, "proven": True, **witness}
 
 
-def _of_all_cams(body: Json, place: str, design: Design) -> Json:
-    """A claim about all cams: the best that the checker accepts."""
+def _of_all_cams(body: Json, place: str, design: Design, spent: Counter[str]) -> Json:
+    """A claim about all cams: the best that the checker accepts after what others have spent."""
     reason = NO_WITNESS
     for witness in _attempts(place, design):
         claim = _claim(place, "", **witness)
-        reason = objections(as_bytes({**body, "claims": [claim]}))[place]
+        reason = objections(as_bytes({**body, "claims": [claim]}), spent)[place]
         if not reason:
             return claim
     return _claim(place, reason)
@@ -108,17 +115,20 @@ def _of_all_cams(body: Json, place: str, design: Design) -> Json:
 
 def _attempts(place: str, design: Design) -> Iterator[Json]:
     """Claims about all cams that may hold, the best first."""
-    answer, spec = design.certificate.lower_bound, design.spec
-    of_angle = isinstance(spec.objectives()[0], PeakPressureAngle)
+    spec = design.spec
     if place == INFEASIBLE:  # whatever the objective
-        unfit = of_angle or spec.objective is None
-        plain = spec.model_copy(update={"objective": BaseRadius()}) if unfit else spec
+        plain = spec.model_copy(update={"objective": BaseRadius()})
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
-    witnesses = (
-        [({"multipliers": found}, bound) for found, bound in _witnesses(spec)]
-        if place == OBJECTIVE and not of_angle
-        else []
-    )
+        return
+    rank = int(place.removeprefix("objective/"))
+    answer, held = _proven(design, rank).lower_bound, _held(design, rank)
+    of_angle = isinstance(spec.objectives()[rank], PeakPressureAngle)
+    kept: Json = {"held": held} if held else {}
+    witnesses = []
+    if not of_angle and len(held) == rank:
+        witnesses = [({**kept, "multipliers": found}, b) for found, b in _witnesses(spec, held)]
+        if isinstance(spec.objectives()[rank], BaseRadius):  # no cam is smaller than asked for
+            witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
     best = max((bound for _, bound in witnesses), default=0.0)
     if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
@@ -130,13 +140,37 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
             witnesses = [
                 ({"multipliers": found}, value) for found, value in _witnesses_of_angle(spec, least)
             ]
-        tries += [(_rounded_down(bound * (1.0 - loss)), found) for found, bound in witnesses]
+        tries += [
+            (_rounded_down(bound * (1.0 - loss)), found) for found, bound in witnesses if bound > 0
+        ]
     for value, found in sorted(tries, key=lambda each: -each[0]):
-        if value <= 0.0:
-            continue
         less = answer is not None and value < answer * (1.0 - CLOSE)
         note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
         yield {"at_least": value, **note, **found}
+
+
+def _proven(design: Design, rank: int) -> Proof:
+    """What is proven of an objective, by its place in the list."""
+    name = design.spec.objectives()[rank].name_on_wire(design.spec.machine())
+    known = [design.certificate, *design.certificate.other_objectives]
+    return next(each for each in known if each.objective == name)
+
+
+def _held(design: Design, rank: int) -> list[float]:
+    """What objectives before another may come to [wire]; fewer where one has no value.
+
+    What the search for the next one allowed (``SolveState.allowance``), and at least what the cam
+    has.
+    """
+    found = list[float]()
+    for k, objective in enumerate(design.spec.objectives()[:rank]):
+        one = _proven(design, k)
+        if one.value is None:
+            break
+        gap = min(objective.allowed_gap(design.spec.tolerance), LARGEST_GAP)
+        allowed = (one.lower_bound or 0.0) / (1.0 - OWN_PART * gap)
+        found.append(-_rounded_down(-max(allowed, one.value * (1.0 + ROUNDING))))
+    return found
 
 
 def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
@@ -186,24 +220,32 @@ def _witnesses_of_angle(spec: DesignSpec, least: float) -> Iterator[Witness]:
         yield found, least
 
 
-def _witnesses(spec: DesignSpec, *, infeasible: bool = False) -> Iterator[Witness]:
+def _witnesses(
+    spec: DesignSpec, held: Sequence[float] = (), *, infeasible: bool = False
+) -> Iterator[Witness]:
     """Multipliers of programs whose rows are those of the question.
 
-    ``infeasible``: whether it is said to have no cam, so that other programs may show that.
+    ``held``: what objectives come to that are before the one to be bounded [wire]. ``infeasible``:
+    whether it is said to have no cam, so that other programs may show that.
     """
     if spec.free_parameters.parameters:
         return  # a bound over all numbers has other multipliers
     attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
-    problem = next(attempt.problems(Goal(inf).smallest))
-    length = attempt.question.units.length
+    units, scaled = attempt.question.units, attempt.question.scaled
+    length, machine, caps = units.length, scaled.machine(), list[ObjectiveCap]()
+    for objective, value in zip(spec.objectives(), held, strict=False):
+        own = value / units.of_field(objective.name_on_wire(machine))
+        caps.append(ObjectiveCap(objective, objective.from_wire(own, machine)))
+    aim = spec.objectives()[len(held)]
+    problem = attempt.problem(aim, tuple(caps), Goal(inf).smallest)
     # 1. The program whose multipliers gave the bound; of given laws, that of the size alone.
-    relaxation = optimise(problem, attempt.tolerance(0)).relaxation
+    relaxation = optimise(problem, attempt.tolerance(len(held))).relaxation
     if not problem.free:
         relaxation = _solved(formulate(problem, []))
     if relaxation is not None and isfinite(relaxation[2].value):
         model, solution, bound = relaxation
         known = [Bounded(problem.objective, bound.value, "")]
-        (on_wire,) = in_wire_units(attempt.question, attempt.question.scaled, known)
+        (on_wire,) = in_wire_units(attempt.question, scaled, known)
         for found in multipliers(model, solution, spec, length):
             yield found, on_wire.lower
     if not infeasible:
@@ -240,6 +282,8 @@ def _share_of_limit(problem: Problem, spec: DesignSpec, length: float) -> list[J
 
 
 def _rounded_down(value: float) -> float:
-    """A positive number with few figures, not above it."""
-    unit = 10.0 ** (floor(log10(value)) + 1 - FIGURES)
+    """A number with few figures, not above it."""
+    if value == 0.0:
+        return value
+    unit = 10.0 ** (floor(log10(abs(value))) + 1 - FIGURES)
     return float(f"{floor(value / unit) * unit:.{FIGURES}g}")

@@ -15,7 +15,7 @@ In a proof file cam angles are in degrees and lengths in mm. With c = π/180 the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import tan
 from typing import Any
@@ -27,20 +27,23 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution
-from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.control import (
+    Control,
+    law_controls,
+    mean_square_caps,
+    weighed_controls,
+)
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.arcs import density_terms
-from synthesis.optimise.dual_bound.costates import (
-    boundary_multipliers,
-    nonnegative_multipliers,
-    project_costates,
-)
+from synthesis.optimise.dual_bound.bound import add_costates
+from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import (
     RowFunctional,
     Terms,
     WeightedRows,
+    energy_tangents,
     fixed_size_rows,
     row_functionals,
 )
@@ -49,8 +52,9 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
-GIVEN = 2  # order that a file states where no law is free, so that it plays no part
+GIVEN = 3  # order that a file states where no law is free, so that it plays no part
 DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row binds where it is
+SQUARE_FIGURES = 12  # of the multiplier of a mean square
 PLACES = 9  # decimals of a point on a law, likewise
 SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
 
@@ -75,16 +79,21 @@ def multipliers(
         model, solution: the program in problem units, and any multipliers of it.
         spec: the question [wire]. length: the problem's unit of length [mm].
     """
-    controls = law_controls(model) or []
-    if any(control.weight for control in controls) or (model.problem.free and not controls):
+    z = nonnegative_multipliers(model, solution)
+    controls = law_controls(model)
+    if controls is None:
+        controls = weighed_controls(model, mean_square_caps(model, z)) or []
+    if model.problem.free and not controls:
         return []
     order = controls[0].order if controls else GIVEN
-    z = nonnegative_multipliers(model, solution)
+    squares, tangents = _squares(model, solution, controls, length)
     rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
     psi: tuple[Switching, ...] = ()
     # as they are; then, where a limit binds along an arc, those for which ψ is small there
     for _ in range(1 + any(one.may_be_density for one in rows)):
-        groups, lagrangian = list[Group](), Lagrangian(model, order)
+        groups, lagrangian = list[Group](tangents), Lagrangian(model, order)
+        for each, mass in energy_tangents(model, solution, order):
+            lagrangian.add_rows(each, mass)
         for one in rows:
             own = z[one.first_row : one.first_row + one.count]
             points, nodes, masses = one.distribute(own)
@@ -95,14 +104,45 @@ def multipliers(
             groups += _groups(one, points, densities, model, spec, length)
         for each, mass in fixed_size_rows(model, z):
             lagrangian.add_rows(each, mass)
-        lagrangian.reduce()
         solved = boundary_multipliers(model, solution, order, z)
-        costates = project_costates(model, lagrangian.initial_costates, solved)
-        lagrangian.add_boundary_costates(costates)
+        costates = add_costates(lagrangian, controls, solved)
         psi = lagrangian.psi()
         ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
-        found.insert(0, _as_stated(order, groups, ends))
+        found.insert(0, _as_stated(order, groups, ends, squares))
     return found
+
+
+def _squares(
+    model: ConicModel, solution: ConeSolution, controls: Sequence[Control], length: float
+) -> tuple[dict[str, float], list[Group]]:
+    """The multipliers of mean squares, by name, and tangents of one of a lower order than ψ's.
+
+    A weight of ∫ (g^(k))² dx is multiplier · h²/d^(2k−1) where ∫ (s^(k))² per degree is multiplied.
+    """
+    held = model.problem.objective_caps
+    names = {each.objective.energy_order(): f"held/{k}" for k, each in enumerate(held)}
+    energy, order = model.energy, controls[0].order if controls else GIVEN
+    weights, k = np.array([control.weight for control in controls]), order
+    if energy is not None:
+        k, names[energy.order] = energy.order, "objective"
+        weights = energy.weights / energy.unit
+    if not model.problem.free:  # of given laws alone any multiplier will do
+        return {"objective": 1.0} if energy is not None else {}, []
+    if k not in names or not weights.any():
+        return {}, []
+    moves = [(s.lift * length, s.angle / DEGREE) for s in model.problem.free]
+    (lift, degrees), *_ = moves
+    squares = {names[k]: float(weights[0]) * degrees ** (2 * k - 1) / lift**2}
+    tangents = []
+    for rows, mass in energy_tangents(model, solution, order):
+        if rows.position is not None:
+            lift, degrees = moves[rows.position]
+            factor = 2.0 * float(weights[rows.position]) * degrees**k / lift
+            table = _linear(rows, mass)
+            table[:, 2:] *= factor
+            index = model.problem.free[rows.position].index
+            tangents.append(Group(index, names[k], 1, np.zeros((0, 2)), table))
+    return squares, tangents
 
 
 def broken_by_given_law(problem: Problem, spec: DesignSpec) -> Iterator[dict[str, Any]]:
@@ -113,12 +153,12 @@ def broken_by_given_law(problem: Problem, spec: DesignSpec) -> Iterator[dict[str
             if any(row.size) or row.interval is not None:
                 continue
             worst, place = maximise(segment.placed(), row.coefficients)
-            name, _ = _limit_of(row, spec)
+            name, _ = _limit_of(row, spec, problem)
             if worst > row.upper and name:
                 side = -1 if row.coefficients[max(row.orders)] < 0.0 else 1
                 table = np.array([[_share_at(segment, place), 1.0]])
                 group = Group(segment.index, name, side, table, np.zeros((0, 4)))
-                yield _as_stated(GIVEN, [group], {})
+                yield _as_stated(GIVEN, [group], {}, {})
 
 
 def _share_at(segment: PlacedSegment, place: float) -> float:
@@ -126,14 +166,16 @@ def _share_at(segment: PlacedSegment, place: float) -> float:
     return min(max((place - segment.start) / segment.angle, 0.0), 1.0)
 
 
-def _limit_of(row: LinearInequality, spec: DesignSpec) -> tuple[str, str]:
+def _limit_of(row: LinearInequality, spec: DesignSpec, problem: Problem) -> tuple[str, str]:
     """The name in a proof file of the limit of a row, and its kind; "" where it has none."""
     source = SOURCES.get(row.source, row.source)
     names = {f"limits/{k}": str(limit.kind) for k, limit in enumerate(spec.limits)}
     names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
-    if source.startswith("peak_"):  # what is minimised counts as a limit
-        source = source.removeprefix("peak_")
-        names = {"objective": source}
+    if source.startswith("peak_"):  # what is minimised counts as a limit, and what is held
+        held = enumerate(problem.objective_caps)
+        names = {f"held/{k}": source for k, each in held if each.objective.kind == source}
+        names = names or {"objective": source}
+        source, names = source[5:], {name: kind[5:] for name, kind in names.items()}
     return next((each for each in names.items() if source.startswith(each[1])), ("", ""))
 
 
@@ -178,7 +220,7 @@ def _row(
     """The limit and side of a block's rows, and the factor on their multipliers."""
     assert block.origin is not None
     segment, row = block.origin.segment, block.origin.row
-    name, kind = _limit_of(row, spec)
+    name, kind = _limit_of(row, spec, model.problem)
     if not name:
         return None
     if block.segment is not None:
@@ -194,6 +236,8 @@ def _row(
     share = abs(float(block.size[-1])) / (model.scales.size * length)
     if kind == "profile_radius":
         return name, 1, share / DEGREE**2
+    if not name.startswith("limits/"):
+        return None
     allowed = getattr(spec.limits[int(name.removeprefix("limits/"))], f"{segment.kind}_deg")
     side = 1 if row.size[0] < 0.0 else -1
     return name, side, share / (DEGREE * tan(allowed * DEGREE))
@@ -212,7 +256,9 @@ def _linear(rows: WeightedRows, mass: Array) -> Array:
     return np.array([[*span, *values] for span, values in found.items()]).reshape(-1, 4)
 
 
-def _as_stated(order: int, groups: list[Group], costates: dict[int, Array]) -> dict[str, Any]:
+def _as_stated(
+    order: int, groups: list[Group], costates: dict[int, Array], squares: dict[str, float]
+) -> dict[str, Any]:
     """The multipliers by segment, in units of the largest, rounded."""
     tables = [group.points[:, 1] for group in groups] + list(costates.values())
     unit = max((float(np.abs(each).max()) for each in tables if each.size), default=1.0) or 1.0
@@ -230,7 +276,13 @@ def _as_stated(order: int, groups: list[Group], costates: dict[int, Array]) -> d
         kept = [row for row in rows if row["multipliers"]]
         ends = _rounded(costates.get(index, np.zeros(0))[None], unit, 0)
         parts.append({"segment": index, "rows": kept, "ends": ends[0] if ends else []})
-    return {"order": order, "segments": parts}
+    found: dict[str, Any] = {"order": order, "segments": parts}
+    if squares:
+        # of these alone the loss is of the first order where a bound is none of a mean square
+        found["squares"] = {
+            name: float(f"{value / unit:.{SQUARE_FIGURES}g}") for name, value in squares.items()
+        }
+    return found
 
 
 def _rounded(table: Array, unit: float, places: int) -> list[list[float]]:
