@@ -273,9 +273,21 @@ def _read_body(body: bytes, model: type[Model], more: Mapping[str, Any] | None) 
     if isinstance(document, dict) and "value" in document:
         document = document["value"]
         body = json.dumps(document).encode()
+    if isinstance(document, dict):
+        _check_kind(document, model)
     if more and isinstance(document, dict):
         body = json.dumps({**document, **more}).encode()
     return validate(body, model)
+
+
+def _check_kind(document: Mapping[str, Any], model: type[BaseModel]) -> None:
+    """Refuse a question in place of a design, and the reverse, by one sentence of it."""
+    if model is Design and "certificate" not in document and "program" in document:
+        raise ProblemType.INVALID_REQUEST(
+            "This is a question, not a design. Design it first: camwright design"
+        )
+    if model is not Design and "certificate" in document and "spec" in document:
+        raise ProblemType.INVALID_REQUEST('This is a design already. Its question is under "spec".')
 
 
 def _stop_for(path: Path, error: ServiceError) -> NoReturn:

@@ -14,10 +14,10 @@ Cell = str | float | None
 MM_PER_INCH = 25.4  # mm: by definition of the inch
 LEAST_DIGITS = 4  # significant, of a length in inches: a thousandth of an inch of ten
 LENGTH = r"mm(?P<power>[²³⁴])?(?P<rate>/s[²³]?)?"
-VALUE = re.compile(rf"(?P<number>-?\d+(\.\d+)?(e[+-]?\d+)?) {LENGTH}(?![\w/·])")
-NAMED = re.compile(r"(?<=_)mm(?P<rest>(_per_s\d?)?) (?P<number>-?\d+(\.\d+)?(e[+-]?\d+)?)")
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 NUMBERS = re.compile(rf"±?{NUMBER.pattern}((, | to ){NUMBER.pattern})*")
+VALUE = re.compile(rf"(?P<numbers>({NUMBER.pattern} to )?{NUMBER.pattern}) {LENGTH}(?![\w/·])")
+NAMED = re.compile(rf"(?<=_)mm(?P<rest>(_per_s\d?)?) (?P<number>{NUMBER.pattern})")
 UNIT = re.compile(rf"{LENGTH}")
 IN_HEADING = re.compile(rf"(?:^|(?<= )){LENGTH}$")
 
@@ -50,7 +50,7 @@ def _cell(cell: Cell) -> str:
 def in_inches(part: str | Table) -> str | Table:
     """What is printed with lengths, areas and volumes in inches, and their rates in in/s."""
     if isinstance(part, str):
-        text = VALUE.sub(lambda found: f"{_scaled(found['number'], found)} {_unit(found)}", part)
+        text = VALUE.sub(lambda of: f"{_all_scaled(of['numbers'], of)} {_unit(of)}", part)
         return NAMED.sub(
             lambda found: f"in{found['rest']} {_digits(found['number'], MM_PER_INCH)}", text
         )
@@ -83,7 +83,7 @@ def _converted(cell: Cell, place: int, unit: re.Match[str] | None, column: str) 
         return cell / _factor(unit)
     if NUMBERS.fullmatch(cell) is None:
         return cell
-    return NUMBER.sub(lambda found: _scaled(found[0], unit), cell)
+    return _all_scaled(cell, unit)
 
 
 def _factor(unit: re.Match[str]) -> float:
@@ -94,8 +94,9 @@ def _unit(unit: re.Match[str]) -> str:
     return f"in{unit['power'] or ''}{unit['rate'] or ''}"
 
 
-def _scaled(number: str, unit: re.Match[str]) -> str:
-    return _digits(number, _factor(unit))
+def _all_scaled(text: str, unit: re.Match[str]) -> str:
+    """A text with each of its numbers in inches."""
+    return NUMBER.sub(lambda found: _digits(found[0], _factor(unit)), text)
 
 
 def _digits(number: str, factor: float) -> str:

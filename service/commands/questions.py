@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from synthesis.machines.spatial.design import SpatialDesign
 
 SEPARATORS = re.compile(r"[,;\s]+")
+PARTED = re.compile(r"\d(;\s*|\s+)[-+\d]")  # numbers that are separated without a comma
+DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)")
 LinkageKind = Literal["six-bar-shapers", "palletising-arms"]  # the names of LINKAGES
 COLUMNS = (("x_mm", "x"), ("y_mm", "y"))  # what a header may call them
 
@@ -361,8 +363,9 @@ def respond(
 def points_in(path: Path) -> list[list[float]]:
     """x and y of every row [mm]; further columns are left alone.
 
-    A header names the columns; without one they are the first two. Rows may be separated by
-    commas, semicolons or blanks; empty lines and what follows a # do not count.
+    A header names the columns; without one they are the first two. Columns may be separated by
+    commas, semicolons or blanks; between the latter two, numbers may have decimal commas. Empty
+    lines and what follows a # do not count.
 
     Raises:
         InputError: a row that is no row of numbers, with its line. OSError: no such file.
@@ -370,7 +373,10 @@ def points_in(path: Path) -> list[list[float]]:
     places = (0, 1)
     points: list[list[float]] = []
     for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1):
-        cells = [cell for cell in SEPARATORS.split(line.partition("#")[0].strip()) if cell]
+        row = line.partition("#")[0].strip()
+        if PARTED.search(row) and "." not in row:  # a comma parts no cells then
+            row = DECIMAL_COMMA.sub(".", row)
+        cells = [cell for cell in SEPARATORS.split(row) if cell]
         if not cells:
             continue
         try:

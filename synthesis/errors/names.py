@@ -31,9 +31,9 @@ from synthesis.errors.schema import (
     value_at,
 )
 
-# Endings of a name that mean a diameter, and what may stand in its place for a radius.
-DIAMETERS = ("diameter", "dia", "diam", "durchmesser", "d")
-RADII = ("radius", "")
+RADIUS, DIAMETER = "radius", "diameter"
+DIAMETERS = (DIAMETER, "dia", "diam", "durchmesser", "d")  # endings of a name that mean one
+FACTORS = {(DIAMETER, RADIUS): 0.5, (RADIUS, DIAMETER): 2.0}  # of a value, by what is asked for
 OF_FACTOR = {0.5: ", half of the diameter", 2.0: ", twice the radius", 1.0: ""}
 # Words that say nothing about which kind is meant.
 EMPTY = frozenset({"motion", "law", "curve", "follower", "limit", "cam", "max", "maximum", "min",
@@ -187,25 +187,42 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _stems(stem: str) -> list[tuple[str, float]]:
-    """What a name may say, with the factor of its value: a diameter is twice a radius."""
-    found = [(stem, 1.0)]
+def _spellings(stem: str) -> list[tuple[str, str]]:
+    """What a name may say, each with the measure of a circle that its value is, '' for none."""
+    found = [(stem, next((each for each in (RADIUS, DIAMETER) if stem.endswith(each)), ""))]
     for ending in DIAMETERS:
         if stem.endswith(ending):
-            found += [(stem.removesuffix(ending) + radius, 0.5) for radius in RADII]
-    if stem.endswith("radius"):
-        found.append((stem.removesuffix("radius") + "diameter", 2.0))
+            core = stem.removesuffix(ending)
+            found += [(f"{core}{measure}", DIAMETER) for measure in (DIAMETER, RADIUS, "")]
+    if stem.endswith(RADIUS):
+        found.append((stem.removesuffix(RADIUS) + DIAMETER, RADIUS))
     return found
+
+
+def _factor(given: str, word: str, says: str) -> float | None:
+    """What a value is multiplied by under a field; None where a diameter is no measure of it.
+
+    Args:
+        given: radius, diameter or '', as the name says. word: that led to the field.
+        says: the field's name without its unit.
+    """
+    wanted = next((m for name in (says, word) for m in (RADIUS, DIAMETER) if name.endswith(m)), "")
+    if given == DIAMETER and not wanted:
+        return None
+    return FACTORS.get((given, wanted), 1.0)
 
 
 def _matches(wrong: Wrong, fields: Iterable[str]) -> Iterable[tuple[str, str, float]]:
     """The fields that a name may stand for, with the unit in the name and the value's factor."""
     by_word = _by_word(tuple(fields))
     for stem, unit in readings(wrong.name):
-        for word, factor in _stems(stem):
+        for word, given in _spellings(stem):
             found = by_word.get(word, [])
             for field in sorted(found, key=lambda f: field_unit(f)[1] not in ("", wrong.moves_in)):
                 says, own = field_unit(field)
+                factor = _factor(given, word, says)
+                if factor is None:
+                    continue
                 if says == word == joined(unit):  # a word that is no unit here, as ``turn``
                     yield field, "", factor
                 elif not unit or joined(field) == word or in_field(1.0, unit, own) is not None:

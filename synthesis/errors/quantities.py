@@ -28,6 +28,7 @@ _SPELLED = str.maketrans(
 )  # fmt: skip
 BRITISH = {"center": "centre", "millimeter": "millimetre"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2}(,\d{3})+(?!\d)")  # 1,000: or is it 1.000?
 NUMBER = re.compile(r"\s*(ø|⌀|Ø)?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I)
 Unit = tuple[str, float]  # dimension, and factor to the unit of that dimension
 
@@ -96,9 +97,12 @@ def change(value: float, unit: str, into: str) -> float | None:
 
 
 def read_quantity(text: str) -> tuple[float, str, bool] | None:
-    """Number, unit and whether it is a diameter (Ø) of a text as ``0.75 in`` or ``3/4"``."""
+    """Number, unit and whether it is a diameter (Ø) of a text as ``0.75 in`` or ``3/4"``.
+
+    None where it is neither, or where a comma may part thousands as well as decimals.
+    """
     match = NUMBER.match(text[:LONGEST_GUESSED])
-    if match is None or len(text) > LONGEST_GUESSED:
+    if match is None or len(text) > LONGEST_GUESSED or THOUSANDS.search(text):
         return None
     sign, number, divisor = match.groups()
     try:

@@ -118,11 +118,15 @@ def not_a_number(kind: str, value: Any, path: Path, schemas: Sequence[Schema]) -
     if isinstance(value, str) and ranges:
         return 'Give a number, without quotes and without a unit, or {"min": …, "max": …}.'
     if isinstance(value, str) and not kind.endswith("parsing"):
-        return "Give a number, without quotes and without a unit: the field's name holds the unit."
+        unit = pretty(field_unit(field)[1])
+        why = f": its unit is {unit}" if unit else ""
+        return f"Give a number, without quotes and without a unit{why}."
     return f"Give a number. {_meaning(schemas)}".strip()
 
 
 def _range(ends: Sequence[Any]) -> str:
+    if all(isinstance(each, int | float) for each in ends):
+        ends = sorted(ends)
     low, high = (json.dumps(abbreviate(each)) for each in ends)
     return f'Write {{"min": {low}, "max": {high}}} for a range.'
 

@@ -202,7 +202,8 @@ def _findings(errors: Sequence[Any], body: Any, model: Body) -> tuple[list[Findi
         # The names of a union's members, without tags.
         plain = ("float", "int", "str")
         members = [n for n in inserted if "[" in n or n.removeprefix("constrained-") in plain]
-        wrong_shape = bool(members) and error["type"] in SHAPES
+        # An error inside a member is of a value that has the member's shape.
+        wrong_shape = bool(members) and error["type"] in SHAPES and str(error["loc"][-1]) in members
         by_path.setdefault(path, []).append((error, path, wrong_shape))
         for name in members:
             whole = locate(body, error["loc"][: error["loc"].index(name)], "")[0]

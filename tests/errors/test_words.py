@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import math
+from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from service.resources.records import RESOURCES
+from synthesis.errors.names import answer_name
 from synthesis.errors.quantities import (
     field_unit,
     in_field,
@@ -16,7 +20,9 @@ from synthesis.errors.quantities import (
     words_of,
 )
 from synthesis.errors.schema import all_names, kinds_of, schemas_in
+from synthesis.errors.violations import find_causes, pointer_to
 from synthesis.exporters.options import form
+from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps.spec import SweepSpec
 
 MODELS = [*(each.spec for each in RESOURCES.values()), SweepSpec]
@@ -75,6 +81,39 @@ def test_quantities_are_changed_into_a_fields_unit(
     assert found == value if value is None else math.isclose(found or 0.0, value, rel_tol=1e-9)
 
 
-@pytest.mark.parametrize("text", ["", "fast", "1/0", "10 parsecs", "9" * 500, "1e999", "--3"])
+@pytest.mark.parametrize(
+    "text", ["", "fast", "1/0", "10 parsecs", "9" * 500, "1e999", "--3", "1,000", "2,500,000 mm"]
+)
 def test_what_is_no_quantity(text: str) -> None:
     assert read_quantity(text) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("shaft_dia_mm", 'Write "shaft_diameter_mm": 10.'),
+        ("bore_d_mm", 'Write "shaft_diameter_mm": 10.'),
+        ("bore_radius_mm", 'Write "shaft_diameter_mm": 20, twice the radius.'),
+        ("hub_dia_mm", 'Write "hub_diameter_mm": 10.'),  # and no "hub", which is a lift in German
+        ("base_circle_dia", 'Write "base_radius_mm": 5, half of the diameter.'),
+    ],
+)
+def test_a_diameter_is_halved_for_a_radius_alone(name: str, remedy: str) -> None:
+    assert answer_name((name,), {name: 10}, DesignSpec).remedy == remedy
+
+
+@pytest.mark.parametrize(
+    ("lift", "said"),
+    [
+        ({"min": 1, "max": "2 cm"}, {("/program/0/lift_mm/max", "must be a number")}),
+        ([10, 5], {("/program/0/lift_mm", "must be a number or a range")}),
+    ],
+)
+def test_a_wrong_end_of_a_range_is_told_by_itself(lift: Any, said: set[tuple[str, str]]) -> None:
+    body = {"program": [{"kind": "rise", "angle_deg": 360, "lift_mm": lift}]}
+    body |= {"speed_rpm": 60, "follower": {"kind": "translating_roller", "roller_radius_mm": 8}}
+    with pytest.raises(ValidationError) as refused:
+        DesignSpec.__pydantic_validator__.validate_json(json.dumps(body))
+    found = find_causes(refused.value.errors(), body, DesignSpec)[0]
+    assert {(pointer_to(each.path), each.rule) for each in found} == said
+    assert all("5" not in each.remedy or '"min": 5, "max": 10' in each.remedy for each in found)

@@ -30,6 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from heapq import heappop, heappush
 from itertools import accumulate, count
 from math import inf, log
@@ -144,7 +145,8 @@ class LongerMoves:
             found = proof if better else found
             # The proofs find better cams than searches did, so that laws ask for other sizes.
             other = self._moved_by(u, solved)
-            if proof.closed or not better or other is None or clock.now() >= deadline:
+            closed = proof.gap <= self.tolerance
+            if closed or not better or other is None or clock.now() >= deadline:
                 break
             u = other
         return found
@@ -200,8 +202,8 @@ class LongerMoves:
         lower = min([pruned, best.incumbent.value, *(each[0] for each in heap)])
         proof = NumberProof(
             u, best.incumbent.value, lower, f"{valid_for}, {ALL_NUMBERS}",
-            best.gap_between(best.incumbent, lower), lower >= target, self.searches, why,
-            curved=True, cam=best.incumbent,
+            partial(best.gap_between, best.incumbent), self.searches, why, curved=True,
+            cam=best.incumbent,
         )  # fmt: skip
         return proof, solved
 

@@ -8,7 +8,8 @@ searches and bounds over all laws serve it as it stands: the bound holds for all
 that comes out tells the best ones.
 
 Of three and more moves the levels' ranges do not say all that the ranges of lifts do. Then the
-longer move has more cams: the bound still holds, and lifts are taken at the nearest end.
+longer move has more cams: the bound still holds, and each level is taken as near to the cam's as
+the lifts before it, and those that are to follow, allow.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from synthesis.spec.program import Return, Rise, Segment
 
 SPARE = 1e-9  # of the lift: what rounding may put a level beside its range
 Move = Rise | Return
+Range = tuple[float, float]  # least and largest of a lift, or of a level
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,12 +92,12 @@ class MergedMoves:
         run = self.original.program[self.first : self.first + count]
         name = run[0].given_field("lift")
         lift = abs(numbered.program[self.first].signed_lift)
-        levels = lift * np.clip(law.curve()(self.joints), 0.0, 1.0)
-        lifts = list(np.diff(levels))
-        for j, move in enumerate(run):
-            low, high = ends(move.given("lift"))
-            lifts[j] = float(min(max(lifts[j], low), high))
-        lifts[-1] += lift - fsum(lifts)
+        ranges = [ends(move.given("lift")) for move in run]
+        lifts, reached = list[float](), 0.0
+        for j, level in enumerate(lift * law.curve()(self.joints[1:])):
+            low, high = _level_range([(reached, reached), ranges[j]], ranges[j + 1 :], lift)
+            lifts.append(min(max(float(level), low), high) - reached)
+            reached = fsum(lifts)
         moves = [
             move.model_copy(update={name: value}) for move, value in zip(run, lifts, strict=True)
         ]
@@ -138,12 +140,15 @@ def _run_on(before: Move, after: Move) -> bool:
     return law is not None and plain and angles and states and same
 
 
-def _point(
-    j: int, at: float, lift: float, ranges: Sequence[tuple[float, float]], name: str
-) -> Point:
+def _level_range(before: Sequence[Range], after: Sequence[Range], lift: float) -> Range:
+    """The levels that lifts in these ranges, before and after it, reach; all together ``lift``."""
+    low = max(fsum(r[0] for r in before), lift - fsum(r[1] for r in after))
+    return low, min(fsum(r[1] for r in before), lift - fsum(r[0] for r in after))
+
+
+def _point(j: int, at: float, lift: float, ranges: Sequence[Range], name: str) -> Point:
     """The level after j moves: no less and no more than the lifts on both sides allow."""
-    low = max(fsum(r[0] for r in ranges[:j]), lift - fsum(r[1] for r in ranges[j:]))
-    high = min(fsum(r[1] for r in ranges[:j]), lift - fsum(r[0] for r in ranges[j:]))
+    low, high = _level_range(ranges[:j], ranges[j:], lift)
     unit = name.removeprefix("lift")
     fields: dict[str, Any] = {
         "angle_deg": at, f"travel{unit}": 0.5 * (low + high),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from heapq import heappop, heappush
 from itertools import count
 from math import inf
@@ -46,8 +47,8 @@ class NumberProof:
     Attributes:
         u: the best numbers. value: of their cam [core units].
         lower: no numbers at all allow a better value [core units].
-        valid_for: the laws that this covers. gap: relative, on the wire.
-        closed: whether the best cam is within the tolerance of it.
+        valid_for: the laws that this covers.
+        gap_to: relative gap of that cam to a bound, on the wire.
         searches: how many at single numbers it took. exit: why it ended.
         curved: whether limits that are not in the bound of programs at single numbers matter.
         cam: the best one, where no further search is to better it.
@@ -57,12 +58,16 @@ class NumberProof:
     value: float
     lower: float
     valid_for: str
-    gap: float
-    closed: bool
+    gap_to: Callable[[float], float]
     searches: int
     exit: str
     curved: bool = False
     cam: Candidate | None = None
+
+    @property
+    def gap(self) -> float:
+        """Relative gap of the best cam to the bound, on the wire."""
+        return self.gap_to(self.lower)
 
     def with_bound(self, other: NumberProof) -> NumberProof:
         """The same with the better bound of two proofs over all numbers."""
@@ -188,8 +193,7 @@ class NumberSearch:
         return NumberProof(
             numbers, value, lower,
             f"{all_laws(self.known[0][0].lagrangian.order)}, {ALL_NUMBERS}",
-            state.gap_between(state.incumbent, lower), lower >= self._target, self._searches, why,
-            self._curved,
+            partial(state.gap_between, state.incumbent), self._searches, why, self._curved,
         )  # fmt: skip
 
     def bound(self, box: Box, target: float) -> tuple[float, Array]:

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
+from functools import partial
 from math import exp, inf, log
 from typing import Any, TypeVar
 
@@ -151,10 +152,9 @@ def _search_merged(
     lower, valid_for = state.lower, f"{state.valid_for}, {ALL_NUMBERS}"
     if inner is not None:
         lower, valid_for = inner.lower, inner.valid_for
-    value = state.incumbent.value if cam is None else cam.value
-    gap = state.gap_between(state.incumbent if cam is None else cam, lower)
+    best = state.incumbent if cam is None else cam
     return numbers, NumberProof(
-        np.array(numbers), value, lower, valid_for, gap, gap <= tolerance, 1,
+        np.array(numbers), best.value, lower, valid_for, partial(state.gap_between, best), 1,
         state.stages[-1].exit, cam=cam,
     )  # fmt: skip
 
@@ -191,7 +191,7 @@ def _search_program(
 
     # 1. Branch and bound: with one or two directions it often closes the gap at once.
     first = prove(middle, FIRST_PROGRAMS)
-    if first is not None and (first.closed or first.gap <= all_numbers):
+    if first is not None and first.gap <= all_numbers:
         return BundlePoint(first.u, first.value), first
     # 2. Longer moves bound curved limits too, and lose nothing where laws do not decide together.
     suits = longer is not None and (longer.has_one_size or (first is not None and first.curved))

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from synthesis.catalogue.objectives import RmsJerk
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.control import mean_square_caps
+from synthesis.optimise.conic.control import mean_square_caps, weighed_controls
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.dual_bound.bound import (
+    _control_integrals,
+    dual_bound,
+    unknown_initial_values,
+)
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import ObjectiveCap, Problem
 from synthesis.spec.design_spec import DesignSpec
@@ -80,3 +86,21 @@ def test_the_multiplier_is_the_slope_of_the_optimum(question: Problem) -> None:
     unit = answer.model.scales.size
     gained = (answer.value - direct(wider, grids).value) / unit
     assert gained == pytest.approx(own.multiplier * (room - own.room), rel=5e-3)
+
+
+def test_the_cap_bounds_what_unknown_initial_values_may_gain(question: Problem) -> None:
+    """By Taylor's formula ∫ (x−τ)²/2 g''' dτ is what a law's state at 0 does not tell of g(x)."""
+    answer, x = on(question, 12), np.array([0.5, 1.0])
+    model, solution = answer.model, answer.solution
+    controls = weighed_controls(model, mean_square_caps(model, solution.multipliers))
+    assert controls is not None
+    most = _control_integrals(model, solution, controls)
+    for law, bound in zip(model.recover(solution.x)[0], most, strict=True):
+        start = law.curve().derivatives(np.zeros(1), 2, "right")[:, 0]
+        told = start[0] + start[1] * x + 0.5 * start[2] * x**2
+        assert 0.0 < np.max(np.abs(law.curve()(x) - told)) <= bound
+    # a residual of the initial values costs by it
+    lagrangian = SimpleNamespace(count=1, model=model,
+                                 initial_costates=np.full((1, len(most), 2), 1e-9))  # fmt: skip
+    cost = unknown_initial_values(cast(Any, lagrangian), most)[0]
+    assert cost > unknown_initial_values(cast(Any, lagrangian), [0.0] * len(most))[0] > 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -97,3 +98,24 @@ def test_the_answer_has_the_bound_of_all_lifts() -> None:
 def test_what_a_joint_asks_for_keeps_moves_apart(rises: list[dict[str, Any]]) -> None:
     assert MergedMoves.of(spec(rises)) is None
     assert MergedMoves.of(spec(RISES)) is not None
+
+
+def test_lifts_stay_in_their_ranges_where_levels_do_not_say_all() -> None:
+    """Of four moves levels in their ranges may come of lifts that are not: 1, 6, 5 and 8 mm."""
+    ranges = [(0.5, 2.0), (0.5, 5.0), (0.5, 6.0), (0.5, 8.0)]
+    rises = [move("rise", 30.0, angles(*each)) for each in ranges]
+    program = [*rises, dwell(30.0), move("return", 120.0, 20.0), dwell(90.0)]
+    merged = MergedMoves.of(spec(rises, program=program))
+    assert merged is not None
+    levels = np.array([0.0, 1.0, 7.0, 12.0, 20.0])
+    one = merged.spec.program[0]
+    assert isinstance(one, Rise)
+    for point, level in zip(one.points, levels[1:4], strict=True):
+        low, high = point.ends_of(TRAVEL)
+        assert low <= level <= high
+    law = SimpleNamespace(curve=lambda: lambda x: np.interp(x, merged.joints, levels / 20.0))
+    moving = [SimpleNamespace(index=0, free=True)]
+    cam: Any = SimpleNamespace(problem=SimpleNamespace(segments=moving), laws=[law])
+    lifts = [each.signed_lift for each in merged.with_lifts(merged.spec, cam).program[:4]]
+    assert sum(lifts) == pytest.approx(20.0, abs=1e-12)
+    assert all(low <= lift <= high for lift, (low, high) in zip(lifts, ranges, strict=True))

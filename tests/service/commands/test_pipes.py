@@ -82,6 +82,7 @@ def test_documents_of_a_pipe(text: str, expected: list[str]) -> None:
         ("at 3.5°: 254 mm and 2.54e3 mm/s², 645.16 mm²", "at 3.5°: 10 in and 100 in/s², 1 in²"),
         ("3 N/mm, 5 N mm, 7 µm, 8 ms", "3 N/mm, 5 N mm, 7 µm, 8 ms"),
         ("832462.8512 mm⁴", "2 in⁴"),
+        ("from 25.4 to -50.8 mm, 3° to 254 mm", "from 1 to -2 in, 3° to 10 in"),
     ],
 )  # fmt: skip
 def test_lines_in_inches(line: str, expected: str) -> None:
@@ -109,6 +110,26 @@ def test_what_is_printed_in_inches_is_what_is_printed_in_mm() -> None:
     assert " mm" in mm
     assert " mm" not in inches
     assert inches.count("in/s²") == mm.count("mm/s²") > 0
+
+
+@pytest.mark.parametrize(
+    ("command", "given", "words"),
+    [
+        (["costs"], "question", "is a question, not a design. Design it first: camwright design"),
+        (["design"], "answer", 'is a design already. Its question is under "spec".'),
+    ],
+)
+def test_a_question_in_place_of_a_design_is_told_so(
+    command: list[str], given: str, words: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "given.json"
+    question = json.loads(FIXED)
+    path.write_text(json.dumps(question if given == "question" else
+                               {"spec": question, "certificate": {}}))  # fmt: skip
+    run = runner.invoke(cli.app, [*command, str(path)])
+    assert run.exit_code == 2
+    assert run.output.count("\n") == 1
+    assert words in run.output
 
 
 def test_examples_are_questions_by_name() -> None:

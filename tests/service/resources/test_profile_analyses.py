@@ -85,6 +85,8 @@ def test_what_is_wrong_is_told_with_its_place(
         ("x y z\n1 2 0\n", [[1.0, 2.0]]),
         ("angle_deg,side,x_mm,y_mm\n0,0,7.5,8.5\n1,0,9,10\n", [[7.5, 8.5], [9.0, 10.0]]),
         ("\ufeff\"x\";\"y\"\n1;2\n", [[1.0, 2.0]]),
+        ("1,5;-2,5;0\n3,25\t4\n5,5 6,5\n", [[1.5, -2.5], [3.25, 4.0], [5.5, 6.5]]),
+        ("1, 2, 3\n4 ,5\n6,7;\n", [[1.0, 2.0], [4.0, 5.0], [6.0, 7.0]]),
     ],
 )  # fmt: skip
 def test_points_are_read_from_text(tmp_path: Path, text: str, expected: list[list[float]]) -> None:
