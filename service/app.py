@@ -14,8 +14,8 @@ from starlette.middleware.gzip import GZipMiddleware
 from service import pages
 from service.contract.documentation import OPENAPI_URL, TITLE, describe
 from service.resources.jobs import Jobs
-from service.resources.records import RESOURCES
-from service.routes import catalogue, designs, operation, resource_routes, sweep_proofs, sweeps
+from service.resources.records import PROOFS, RESOURCES
+from service.routes import catalogue, designs, operation, proofs, resource_routes, sweeps
 from service.settings import Settings
 from service.state import State
 from service.storage.store import Store
@@ -26,7 +26,7 @@ from service.wire.observe import Metrics, Observe
 from service.workers.engine import Engine, running_engine
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
-ROUTES = (designs, sweeps, sweep_proofs, catalogue, operation)
+ROUTES = (designs, sweeps, proofs, catalogue, operation)
 GZIP_LEVEL = 4  # of 9: a third of the time of the highest for a twentieth more bytes
 EXPOSED = (
     "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
@@ -45,7 +45,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             all_sweeps = Sweeps(engine, store, settings)
             jobs = {
                 path: Jobs(resource, engine, store, metrics, settings)
-                for path, resource in RESOURCES.items()
+                for path, resource in {**RESOURCES, PROOFS.path: PROOFS}.items()
             }
             app.state.parts = State(settings, metrics, engine, store, all_sweeps, jobs)
             working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]

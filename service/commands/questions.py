@@ -196,7 +196,7 @@ def proof(
 
     The file holds the question, the cam, and every claim with its witness; or, for what the format
     does not cover, with why. Bounds are in mm, mm/s² and mm/s³ as in the design, and may be some
-    millionths lower. The checker is one file that needs Python alone. Takes 0.1 to 5 s.
+    millionths lower. The checker is one file that needs Python alone. Takes 0.1 to 40 s.
 
       camwright proof results/design.json --out proof.json --checker check.py
       python3 -I -S check.py proof.json

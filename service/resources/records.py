@@ -10,13 +10,14 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 
 from service.resources.resource import Accepted, Resource, ResourceFile, StatusOrNone
+from service.storage.tables import AnswerRow
 from service.sweeps.store import design_of_item
 from service.wire.errors import ProblemType
 from service.workers import tasks
-from service.workers.tasks import DESIGN_FORMATS, PROOF, write_file
+from service.workers.tasks import DESIGN_FORMATS, write_file
 from synthesis.design.analysis import Analysis
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design, Status
@@ -107,10 +108,37 @@ DESIGNS = Resource(
             for name, each in formats.items()
         ),
         *(ResourceFile(PICTURES[name], write_design, name) for name in PICTURES if name != REPORT),
-        ResourceFile(PROOF, write_design, PROOF.name),
     ),
     marks_broken_limits=True,
     own_delete=True,
+)
+
+
+class DesignToProve(BaseModel):
+    """A finished design, whose proof file is to be written: as JSON, with its name."""
+
+    name: str
+    design: str
+
+
+def proof_asked(row: AnswerRow, design: bytes) -> DesignToProve:
+    """What the proof of a design is an answer to."""
+    return DesignToProve(name=row.name, design=design.decode())
+
+
+# Not a collection of its own: its answers are files of designs, kept as answers are.
+PROOFS = Resource(
+    path="/v1/designs/proof.json",
+    tag="files",
+    noun="proof",
+    id_name="design_id",
+    spec=DesignToProve,
+    answer=Design,
+    summary=Accepted,
+    task=tasks.prove_design,
+    unknown=ProblemType.UNKNOWN_DESIGN,
+    title="Proof that anyone can check",
+    text="",
 )
 ANALYSES = Resource(
     path="/v1/analyses",

@@ -9,7 +9,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import etag_response, problems
-from service.resources.records import DESIGNS, NO_CAM, REPORT, write_design
+from service.resources.records import DESIGNS, NO_CAM, PROOFS, REPORT, proof_asked, write_design
 from service.resources.resource import ResourceFile
 from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
 from service.state import Parts, State
@@ -92,7 +92,10 @@ async def delete_design(design_id: str, parts: Parts) -> None:
     own.
     """
     jobs = parts.jobs[DESIGNS.path]
+    row = await jobs.answers.find(design_id)
     if await jobs.dismiss(design_id):
+        if row is not None and row.body is not None:
+            await parts.jobs[PROOFS.path].dismiss(PROOFS.id_of(proof_asked(row, row.body)))
         return
     holder = await parts.sweeps.store.holder(design_id)
     if holder is None:

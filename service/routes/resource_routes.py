@@ -292,9 +292,7 @@ async def send_file(
     content: FileContent = await (
         in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
     )
-    name = file.ending or file.path
-    if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
-        name = f"not-certified-{name}"
+    name = name_of_file(resource, row, file.ending or file.path)
     metadata = {f"Camwright-{key}": value for key, value in content.metadata.items()}
     return Response(
         content.data,
@@ -309,15 +307,26 @@ async def send_file(
 async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     """Have a worker make what a path leads to, if there is room: it takes long or much memory."""
     parts.engine.admit()
+    budget_s = parts.settings.budget_s(None)
+    return await with_words_for_files(request, budget_s, parts.engine.run(work, budget_s=budget_s))
+
+
+def name_of_file(resource: Resource, row: AnswerRow, name: str) -> str:
+    """The end of a saved file's name: it says where a cam breaks its limits."""
+    broken = resource.marks_broken_limits and row.status in BROKEN_LIMITS
+    return f"not-certified-{name}" if broken else name
+
+
+async def with_words_for_files(request: Request, budget_s: float, making: Awaitable[T]) -> T:
+    """Wait for a file; what goes wrong is said of the file that a path leads to."""
     owner, _, file = request.url.path.rpartition("/")
     again = f"{request.url.path}?{request.url.query}".removesuffix("?")
     later = (
         f"{owner} is as it was: ask for the file again by GET {again}, when less is going on here "
         "or with coarser options, such as fewer points."
     )
-    budget_s = parts.settings.budget_s(None)
     try:
-        return await parts.engine.run(work, budget_s=budget_s)
+        return await making
     except TimeBudgetExceeded:
         raise ProblemType.TIME_BUDGET(
             f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "

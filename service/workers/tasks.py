@@ -5,6 +5,7 @@ Solvers are imported in the functions: the process that answers requests does no
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,9 +23,7 @@ from synthesis.exporters import (
     PICTURES,
     PROFILE_FORMATS,
     SOLID_FORMATS,
-    Exporter,
     FileContent,
-    Options,
 )
 from synthesis.exporters.exporter import FileFormat, compact_json
 from synthesis.machines.dynamics import TrainSpec
@@ -69,20 +68,15 @@ SENSITIVITY_SHARE = 0.8  # of the time budget: what is known by then is reported
 DESIGN_FORMATS = {"profile": PROFILE_FORMATS, "motion": MOTION_FORMATS, "solid": SOLID_FORMATS}
 
 
-def _prove(design: Design, _: Options) -> bytes:
+def prove_design(asked: bytes, _budget_s: float) -> Answer:
+    """The proof file of a finished design: JSON with the design's own in it."""
     from synthesis.pipeline.proof_file import proof
 
-    return compact_json(proof(design))
-
-
-PROOF = Exporter(
-    "proof.json", "Proof that anyone can check", "application/json", ".json", _prove, Options,
-    "The question, the cam, and every claim with its witness, or with why it is not covered.\n\n"
-    "The checker reads it: one file of Python without packages, in exact arithmetic, which "
-    "`camwright proof design.json --checker check.py` writes. The page `proof` of the "
-    "documentation has the format and the theorems. Takes as long as the design.",
-    in_worker=True, without_cam=True,
-)  # fmt: skip
+    started = time.monotonic()
+    found = proof(Design.model_validate_json(json.loads(asked)["design"]))
+    whole = all(claim["proven"] for claim in found["claims"])
+    seconds = time.monotonic() - started
+    return Answer(compact_json(found), "proven" if whole else "proven in part", {}, seconds)
 
 
 def links_to(path: str, id: str, files: Iterable[str]) -> dict[str, str]:
@@ -152,7 +146,7 @@ def design_answer(
     others = [name for name, each in PICTURES.items() if has_cam or each.without_cam]
     return _answer(
         design, design.status, started, summary, "/v1/designs",
-        [*(points if has_cam else ()), *others, PROOF.name],
+        [*(points if has_cam else ()), *others, "proof.json"],
         quantities=quantities, id=design.id, warm_start=neighbours[-1] if neighbours else None,
     )  # fmt: skip
 

@@ -299,3 +299,18 @@ def test_a_design_has_a_proof_file_with_or_without_a_cam(client: httpx2.Client) 
         assert [claim["proven"] for claim in found["claims"]] == [True] * places
         known = {"if-none-match": answer.headers["etag"]}
         assert client.get(path, headers=known).status_code == 304
+        assert client.get(path, headers={"prefer": "respond-async"}).content == answer.content
+
+
+def test_a_proof_that_takes_work_can_be_asked_for_again(client: httpx2.Client) -> None:
+    spec = {**examples()["flat-face"]["value"], "name": "proven later"}
+    path = f"{post(client, spec).json()['links']['self']}/proof.json"
+    later = {"prefer": "respond-async"}
+    first = client.get(path, headers=later)
+    assert (first.status_code, first.headers["location"]) == (202, path)
+    assert (first.json()["links"], first.headers["retry-after"]) == ({"self": path}, "1")
+    whole = client.get(path)  # joins the work
+    assert whole.json()["format"] == "camwright-proof"
+    assert client.get(path, headers=later).content == whole.content
+    assert client.delete(path.removesuffix("/proof.json")).status_code == 204
+    assert client.get(path).status_code == 404

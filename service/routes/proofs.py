@@ -1,0 +1,132 @@
+"""Proof files: of a design, and of chosen items of a sweep in one archive.
+
+A proof takes as long as its design, or longer: it is kept as answers are, and work on the same one
+is shared.
+"""
+
+from __future__ import annotations
+
+import zlib
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+
+from service.contract.documentation import file_response
+from service.resources.jobs import result_of
+from service.resources.records import DESIGNS, PROOFS, proof_asked
+from service.resources.resource import Accepted
+from service.routes.resource_routes import (
+    UNDER_WAY,
+    KnownTag,
+    Prefer,
+    content_of,
+    download_headers,
+    name_of_file,
+    with_words_for_files,
+)
+from service.routes.sweeps import RequestedSweep, find_item
+from service.state import Parts, State
+from service.storage.tables import AnswerRow
+from service.wire.conditional import IN_PARTS, not_modified, tag_of
+from service.wire.errors import ProblemType
+from service.wire.problem import problem_response
+from synthesis.exporters.bundle import MEDIA_TYPE, archive
+
+router = APIRouter()
+MAX_PROOFS = 50  # of one archive: each takes as long as its design
+JSON_FILE = "application/json"
+
+
+@router.get(
+    f"{DESIGNS.path}/{{design_id}}/proof.json",
+    tags=["files"],
+    response_class=Response,
+    responses={**file_response(content_of(JSON_FILE)), **UNDER_WAY},
+    summary=PROOFS.title,
+)
+async def get_proof_json(
+    request: Request,
+    design_id: str,
+    parts: Parts,
+    prefer: Prefer = "",
+    if_none_match: KnownTag = None,
+) -> Response:
+    """The question, the cam, and every claim with its witness, or with why it is not covered.
+
+    The checker reads it: one file of Python without packages, in exact arithmetic, which `camwright
+    proof design.json --checker check.py` writes. The page `proof` of the documentation has the
+    format and the theorems. Takes as long as the design, once; it is kept.
+    """
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    tag = tag_of(row.etag or "", "proof.json")
+    known = not_modified(request, tag)
+    if known is not None:
+        return known
+    if "respond-async" in prefer.lower():
+        jobs, asked = parts.jobs[PROOFS.path], proof_asked(row, design)
+        kept = await jobs.answers.find(PROOFS.id_of(asked))
+        if kept is not None and kept.problem is not None and kept.state == "failed":
+            return problem_response(request, kept.problem)
+        if kept is None or kept.state != "done":
+            return _accepted(request, row, await jobs.accept(asked))
+    name = name_of_file(DESIGNS, row, "proof.json")
+    headers = download_headers(row.name, name, JSON_FILE) | {"ETag": f'"{tag}"'}
+    proof = await _proof(request, parts, row, design)
+    return Response(proof, headers=headers | IN_PARTS, media_type=JSON_FILE)
+
+
+def _accepted(request: Request, row: AnswerRow, kept: AnswerRow) -> Response:
+    path = request.url.path
+    fields = {**PROOFS.fields_of(kept), "id": row.id, "links": {"self": path}}
+    body = Accepted(**fields).model_dump_json()
+    headers = {"Location": path, "Retry-After": "1", "Preference-Applied": "respond-async"}
+    return Response(body, 202, headers, JSON_FILE)
+
+
+async def _proof(request: Request, parts: State, row: AnswerRow, design: bytes) -> bytes:
+    """The proof file of a finished design, made once."""
+    jobs, asked = parts.jobs[PROOFS.path], proof_asked(row, design)
+    kept = await jobs.answers.find(PROOFS.id_of(asked))
+    if kept is None or kept.state != "done":
+        kept = await with_words_for_files(
+            request, parts.settings.budget_s(None), result_of(jobs.start(asked))
+        )
+    return kept.body or b""
+
+
+@router.get(
+    "/v1/sweeps/{sweep_id}/proofs.zip",
+    tags=["sweeps"],
+    response_class=Response,
+    responses=file_response(content_of(MEDIA_TYPE)),
+    summary="Proofs of chosen items",
+)
+async def get_sweep_proofs_zip(
+    request: Request,
+    sweep: RequestedSweep,
+    parts: Parts,
+    item: Annotated[
+        list[int],
+        Query(min_length=1, max_length=MAX_PROOFS, description="Item by number; may be repeated."),
+    ],
+) -> Response:
+    """A ZIP archive with the file `proof.json` of each item's design, named by its number.
+
+    `python3 check.py proofs.zip` checks all of them. Each takes as long as its design.
+    """
+    chosen = sorted(set(item))
+    rows = {number: await find_item(sweep, number, parts) for number in chosen}
+    for number, row in rows.items():
+        if row.design_id is None:
+            raise ProblemType.NOT_DONE(f"Item {number} of sweep {sweep.id} failed: no design.")
+    tag = tag_of(sweep.id, "proofs", repr(chosen), zlib.ZLIB_RUNTIME_VERSION)
+    known = not_modified(request, tag)
+    if known is not None:
+        return known
+    designs = parts.jobs[DESIGNS.path]
+    files = []
+    for number, row in rows.items():
+        of, design = await designs.find_done(row.design_id or "")
+        files.append((f"item-{number}.proof.json", await _proof(request, parts, of, design)))
+    headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}
+    return Response(archive(files), headers=headers | IN_PARTS, media_type=MEDIA_TYPE)
