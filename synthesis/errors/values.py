@@ -185,17 +185,23 @@ def not_an_object(value: Any, schemas: Sequence[Schema], path: Path) -> str:
     return f"Write an object with {listed}." if listed else "Write an object in braces: {…}."
 
 
+def is_entry(value: Any, items: Sequence[Schema]) -> bool:
+    """Whether a value is an entry of a list that lacks the brackets around it."""
+    known = {name for each in items for name in each.get("properties", {})}
+    named = isinstance(value, dict) and all(meant_kind(name, kinds_of(items)) for name in value)
+    return isinstance(value, dict) and not named and not known.isdisjoint(value)
+
+
 def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -> str:
     """What to write where a list belongs."""
     kinds = kinds_of(items)
+    if is_entry(value, items):
+        return "Put it in brackets: [{…}]."
     if isinstance(value, dict):
         named = {name: meant_kind(name, kinds) for name in value}
         if value and all(named.values()):
             kind = next(iter(named.values()))
             return f'Write a list of objects, each with its kind: [{{"kind": "{kind}", …}}, …].'
-        known = {name for each in items for name in each.get("properties", {})}
-        if not known.isdisjoint(value):
-            return "Put it in brackets: [{…}]."
     if isinstance(value, str) and kinds:
         kind = meant_kind(value, kinds)
         return f'Write [{{"kind": "{kind or kinds[0]}", …}}].'

@@ -26,6 +26,7 @@ from synthesis.errors.values import (
     abbreviate,
     add_field,
     as_number,
+    is_entry,
     missing_kind,
     not_a_list,
     not_a_number,
@@ -344,8 +345,9 @@ def _wrong_shape(error: Any, path: Loc, body: Any, model: Body) -> Finding:
         if word is not None:
             change = Change(path, path, {"kind": word})
     elif kind in LISTS:
-        remedy = not_a_list(value, schemas, schemas_at(body, [*path, 0], model))
-        if isinstance(value, dict) and "brackets: [{" in remedy:
+        items = schemas_at(body, [*path, 0], model)
+        remedy = not_a_list(value, schemas, items)
+        if is_entry(value, items):
             change = Change(path, path, [value])
     elif kind == "string_type":
         remedy = "Write it in quotes."

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from synthesis.numerics.maxima import quadratic_roots
-from synthesis.numerics.piecewise import Array, Indices, Piecewise
+from synthesis.numerics.piecewise import Array, Indices, Piecewise, horner
 
 Extremum = tuple[float, float]  # value and x
 
@@ -25,7 +25,7 @@ def extreme_values(curve: Piecewise, order: int = 0) -> tuple[Extremum, Extremum
     left, right = curve.breaks[:-1] - curve.origins, curve.breaks[1:] - curve.origins
     # 1. the ends of all pieces
     t, owner = np.concatenate([left, right]), np.tile(np.arange(curve.count), 2)
-    value = _horner(poly, owner, t)
+    value = _values(poly, owner, t)
     # 2. stationary points, of all pieces that may hold a higher or a lower value: a value inside
     #    differs from the nearer end's by at most half the width times the largest slope
     if poly.shape[1] > 2:
@@ -38,7 +38,7 @@ def extreme_values(curve: Piecewise, order: int = 0) -> tuple[Extremum, Extremum
         kept = np.flatnonzero((high + spread > high.max()) | (low - spread < low.min()))
         piece, inner = _roots(slope, kept, left, right)
         t, owner = np.concatenate([t, inner]), np.concatenate([owner, piece])
-        value = np.concatenate([value, _horner(poly, piece, inner)])
+        value = np.concatenate([value, _values(poly, piece, inner)])
     x = np.clip(curve.origins[owner] + t, curve.breaks[owner], curve.breaks[owner + 1])
     found = []
     for sign in (1.0, -1.0):
@@ -69,11 +69,8 @@ def _trimmed(poly: Array) -> Array:
     return poly[:, : used[-1] + 1 if len(used) else 1]
 
 
-def _horner(poly: Array, piece: Indices, t: Array) -> Array:
-    value = poly[piece, -1]
-    for power in range(poly.shape[1] - 2, -1, -1):
-        value = value * t + poly[piece, power]
-    return np.asarray(value)
+def _values(poly: Array, piece: Indices, t: Array) -> Array:
+    return np.asarray(horner(poly[piece].T[::-1], t, 0)[0])
 
 
 def _roots(slope: Array, kept: Indices, left: Array, right: Array) -> tuple[Indices, Array]:

@@ -51,12 +51,16 @@ def summary_tables(design: Design) -> list[TextTable]:
 
 
 def derivatives(design: Design, summary: MotionSummary) -> Iterator[tuple[str, DerivativeSummary]]:
-    """Velocity, acceleration and jerk by name: of the turn, then of every move."""
+    """Velocity, acceleration and jerk by name: of the turn, then of every move.
+
+    Where one is infinite, since that below it jumps, its peaks are those between the jumps.
+    """
     parts: list[tuple[str, MotionSummary | MoveSummary]] = [("turn", summary)]
     parts += [(move_name(design, move), move) for move in summary.moves]
     for name, part in parts:
         for word in ("velocity", "acceleration", "jerk"):
-            yield f"{word}, {name}", getattr(part, word)
+            found: DerivativeSummary = getattr(part, word)
+            yield f"{word}, {name}{' between jumps' * (found.rms is None)}", found
 
 
 def motion_table(design: Design, summary: MotionSummary) -> TextTable:

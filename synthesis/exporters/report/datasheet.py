@@ -42,7 +42,7 @@ LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
 FOOT = HEIGHT - MARGIN
 # where the columns of tables begin, as shares of their widths
 FIGURES = (0.0, 0.53, 0.86)
-PEAKS = (0.0, 0.18, 0.26, 0.38, 0.48, 0.6, 0.69, 0.79)
+PEAKS = (0.0, 0.25, 0.32, 0.43, 0.52, 0.63, 0.71, 0.8)
 MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
 LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
 MOST_GEOMETRY = 12  # lines of figures where forces follow

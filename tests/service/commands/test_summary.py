@@ -6,8 +6,8 @@ from service.commands.tables import describe_design
 from synthesis.design.design import Design
 
 
-def design() -> Design:
-    law = {"kind": "cycloidal"}
+def design(kind: str = "cycloidal") -> Design:
+    law = {"kind": kind}
     program = [
         {"kind": "rise", "angle_deg": 120, "lift_mm": 20, "law": law},
         {"kind": "dwell", "angle_deg": 60},
@@ -34,3 +34,13 @@ def test_the_tables_of_the_summary_follow_the_lines() -> None:
     figures = list(zip(*(column.cells for column in drawn), strict=True))
     assert ("outer radius", "70", "mm", "120.000") in figures
     assert ("least hollow radius", "no hollow", "", "–") in figures
+
+
+def test_peaks_of_an_infinite_derivative_are_told_to_be_those_between_jumps() -> None:
+    printed = describe_design(design("parabolic"), 0.01)
+    motion = next(each for each in printed if isinstance(each, Table) and each.title == "Motion")
+    rms = motion.columns.index("rms")
+    jumping = [row[0] for row in motion.rows if row[rms] == "infinite"]
+    assert jumping == ["jerk, turn between jumps", "jerk, rise 0–120° between jumps",
+                       "jerk, return 180–280° between jumps"]  # fmt: skip
+    assert not any("jumps" in str(row[0]) for row in motion.rows if row[rms] != "infinite")
