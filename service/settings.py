@@ -31,8 +31,8 @@ class Settings(BaseSettings):
     max_waiting: int = Field(64, ge=0)  # designs that may wait for a worker
     max_sweep_items: int = Field(20_000, ge=1)  # that a sweep may have
     # After so long without renewal of its lease, another process that shares the database
-    # continues a sweep [s].
-    sweep_lease_s: float = Field(5.0, ge=0.5, le=3600.0)
+    # continues a question or a sweep [s].
+    lease_s: float = Field(5.0, ge=0.5, le=3600.0)
     max_sweeps: int = Field(16, ge=1)  # that may run at the same time
     idempotency_hours: float = Field(24.0, gt=0.0)
     cors_origins: list[str] = []

@@ -85,10 +85,11 @@ class LocalWorkers:
 
     def __init__(self, slots: int, prepare: Callable[[], None]) -> None:
         self.slots, self._prepare = slots, prepare
-        self._method = multiprocessing.get_context(prefork.METHOD)
+        self._method: Any = multiprocessing.get_context(prefork.METHOD)
         self._ready: set[Worker] = set()
         self._idle: asyncio.Queue[Worker] = asyncio.Queue()
         self._busy: dict[str, Worker] = {}
+        self.all_ready = asyncio.Event()
         # A thread waits for each worker to end, another for what it answers. One alone starts them
         # and reads how they ended: multiprocessing looks at all its children at each start.
         self._threads = ThreadPoolExecutor(2 * slots, "workers")
@@ -149,6 +150,8 @@ class LocalWorkers:
             try:
                 if await self._answers(worker):
                     self._ready.add(worker)
+                    if len(self._ready) == self.slots:
+                        self.all_ready.set()
                     self._idle.put_nowait(worker)
                 await asyncio.shield(ended)
             finally:
@@ -175,14 +178,14 @@ class LocalWorkers:
         try:
             await loop.run_in_executor(self._threads, worker.receive)
         except (OSError, EOFError):
-            log.error("a worker ended before it was ready")  # noqa: TRY400 (nothing to trace)
+            log.error("a worker ended before it was ready")
             await asyncio.sleep(ANEW_S)
             return False
         return True
 
     async def limit_memory(self) -> None:
         """Stop workers that take more than their share of the machine's memory, where it tells."""
-        while PROC.exists() and self._memory:
+        while self._memory:
             await asyncio.sleep(LOOK_S)
             for worker in list(self._busy.values()):
                 if resident_bytes(worker.process.pid) > self._memory:
@@ -203,8 +206,7 @@ async def local_workers(slots: int, prepare: Callable[[], None]) -> AsyncIterato
     tasks = [asyncio.create_task(workers.keep()) for _ in range(slots)]
     tasks.append(asyncio.create_task(workers.limit_memory()))
     try:
-        while await workers.count() < slots:
-            await asyncio.sleep(0.01)
+        await workers.all_ready.wait()
         yield workers
     finally:
         for task in tasks:
@@ -237,7 +239,7 @@ def reason_of(code: int) -> str:
 
 def memory_of_this_machine() -> int:
     """Memory [bytes] of the machine, or of the container; 0 where the system does not tell."""
-    if not hasattr(os, "sysconf") or "SC_PHYS_PAGES" not in os.sysconf_names:
+    if not PROC.exists():
         return 0
     whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     limit = CGROUP.read_text().strip() if CGROUP.exists() else "max"

@@ -83,7 +83,8 @@ class RemoteWorkers:
     async def connect(self) -> None:
         """Connect to the scheduler."""
         make: Any = Client
-        self._client = await make(self._address, asynchronous=True, security=Security())
+        security: Any = Security
+        self._client = await make(self._address, asynchronous=True, security=security())
         self._client.scheduler_comm.interval = BATCH_S
         await self._client.register_plugin(self._warm_up)
 
