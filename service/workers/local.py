@@ -38,6 +38,7 @@ RETRY = {"Retry-After": "2"}  # [s]: by then a lost worker has been replaced
 ANEW_S = 1.0  # after a worker that ended before it was ready
 LOOK_S = 0.25  # between looks at how much memory the workers have
 MIB = 2**20
+TASK, CANCEL = b"+", b"-"  # what messages to a worker begin with
 UNKNOWN = 255  # what multiprocessing says where nobody saw how a process ended
 PROC = Path("/proc")
 CGROUP = Path("/sys/fs/cgroup/memory.max")  # what a container may have
@@ -72,8 +73,14 @@ class Worker:
         return True
 
     def exchange(self, message: bytes) -> bytes | None:
-        """In a thread: send a task and wait for the answer; None where it had ended before."""
-        return self.receive() if self.send(message) else None
+        """In a thread: send a task and wait for the answer; None where it ended before it began."""
+        if not self.send(TASK + message):
+            return None
+        try:
+            self.receive()  # it has begun
+        except (EOFError, OSError):
+            return None
+        return self.receive()
 
     def receive(self) -> bytes:
         """In a thread: wait for what it says. EOFError or OSError where it ends before."""
@@ -115,7 +122,7 @@ class LocalWorkers:
                     ) from None
             finally:
                 del self._busy[key]
-            if reply is None:  # nobody's fault: it goes to another one
+            if reply is None:  # it had no part in that: another worker does it
                 continue
             self._idle.put_nowait(worker)
             succeeded, result = pickle.loads(reply)
@@ -130,7 +137,7 @@ class LocalWorkers:
         for key in keys:
             worker = self._busy.get(key)
             if worker is not None:
-                worker.send(dumps((key, None)))
+                worker.send(CANCEL + key.encode())
 
     async def stop(self, key: str) -> None:
         worker = self._busy.get(key)
@@ -280,12 +287,14 @@ def _listen(connection: Connection, tasks: SimpleQueue[Any], events: dict[str, E
     """Put tasks into a queue and cancel them; at the end of the pipe the process ends."""
     try:
         while True:
-            key, work = pickle.loads(connection.recv_bytes())
-            if work is not None:
+            message = connection.recv_bytes()
+            if message[:1] == TASK:
+                connection.send_bytes(b"")  # it begins; the main thread has nothing to send now
+                key, work = pickle.loads(message[1:])
                 events[key] = Event()
                 tasks.put((key, work))
-            elif key in events:
-                events[key].set()
+            elif (event := events.get(message[1:].decode())) is not None:
+                event.set()
     except (EOFError, OSError):
         os._exit(0)
     except BaseException:  # a task that cannot be read: it is lost with its worker
