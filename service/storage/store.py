@@ -17,10 +17,19 @@ from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, KeyRow, StoredRow
 
+UNANSWERED = ("accepted", "failed")
+# What an answer that has ended says of itself, and that nobody works on it any more.
+ENDED = (
+    "created", "state", "status", "body", "etag", "summary", "problem", "owner", "leased_until",
+)  # fmt: skip
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
 Lookup = Callable[[Session, str], AnswerRow | None]
+
+
+class LeaseLost(Exception):
+    """Another process works on the row now, or it was dismissed or deleted."""
 
 
 def _make_durable(connection: Any, _record: Any) -> None:
@@ -107,27 +116,54 @@ class Answers:
 
         return await self._do(work)
 
-    async def put(self, row: AnswerRow) -> AnswerRow:
-        """Keep an answer in place of what there was; one that is done already stays as it is."""
+    async def accept(self, row: AnswerRow) -> AnswerRow:
+        """Keep a question; where there is one with its id, that one, asked again if it failed."""
 
         def work(session: Session) -> AnswerRow:
             existing = find_or_add(session, row)
+            if existing.state in ("failed", "superseded"):
+                existing.state, existing.created = row.state, row.created
+                existing.problem, existing.strikes = None, 0
+            return existing
+
+        return await self._do(work)
+
+    async def finish(self, row: AnswerRow, accepted: bool) -> AnswerRow:
+        """Keep an answer; one that is done already stays as it is.
+
+        ``accepted``: whether its question is kept; LeaseLost where it has been deleted since.
+        """
+
+        def work(session: Session) -> AnswerRow:
+            existing = find_or_add(session, row)
+            if existing is row and accepted:
+                raise LeaseLost
             if existing.state != "done" and existing is not row:
-                for field in ("created", "state", "status", "body", "etag", "summary", "problem"):
+                for field in ENDED:
                     setattr(existing, field, getattr(row, field))
             return existing
 
         return await self._do(work)
 
     async def fail(self, id: str, problem: dict[str, Any]) -> None:
-        """Note why an accepted one failed; nothing where it was never accepted."""
+        """Note why an accepted one failed, or failed again; nothing where it was never accepted."""
+        change = update(AnswerRow).filter_by(id=id).where(AnswerRow.state.in_(UNANSWERED))
+        change = change.values(state="failed", problem=problem, owner=None, leased_until=None)
+        await self._do(lambda session: session.execute(change))
+
+    async def add_strike(self, id: str) -> int:
+        """Note that an accepted one has killed a worker; how many by now, 0 if not accepted."""
         change = update(AnswerRow).filter_by(id=id, state="accepted")
-        await self._do(lambda s: s.execute(change.values(state="failed", problem=problem)))
+        change = change.values(strikes=AnswerRow.strikes + 1)
+        strikes = change.returning(AnswerRow.strikes)
+        return await self._do(lambda session: session.scalar(strikes)) or 0
 
     async def supersede(self, id: str) -> None:
         """Drop the answer of an earlier engine; its row still leads from its id to its question."""
         change = update(AnswerRow).filter_by(id=id, kind=self._kind)
-        change = change.values(state="superseded", body=None, problem=None)
+        change = change.values(
+            state="superseded", body=None, problem=None, owner=None, leased_until=None
+        )
         await self._do(lambda s: s.execute(change))
 
     async def remove(self, id: str) -> bool:
@@ -140,12 +176,6 @@ class Answers:
         query = select_newest(AnswerRow, before, size, kind=self._kind, status=status)
         query = query.options(defer(AnswerRow.body), defer(AnswerRow.spec))
         query = query.where(AnswerRow.state != "superseded")
-        return await self._do(lambda session: session.scalars(query).all())
-
-    async def unfinished(self) -> Sequence[AnswerRow]:
-        """What was accepted and is neither done nor failed."""
-        query = select(AnswerRow).filter_by(kind=self._kind, state="accepted")
-        query = query.order_by(AnswerRow.sequence)
         return await self._do(lambda session: session.scalars(query).all())
 
     async def counts(self) -> dict[str, int]:
