@@ -22,8 +22,11 @@ from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
 from service.wire.conditional import Ranges, TagEncodings
+from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
+from service.wire.places import Places
 from service.workers.engine import Engine, running_engine
+from service.workers.readers import Readers
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, sweep_proofs, catalogue, operation)
@@ -47,7 +50,12 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
                 path: Jobs(resource, engine, store, metrics, settings)
                 for path, resource in RESOURCES.items()
             }
-            app.state.parts = State(settings, metrics, engine, store, all_sweeps, jobs)
+            readers = Readers(settings)
+            most, each = settings.max_streams, settings.max_streams_per_client
+            streams = Places("streams of events", ProblemType.BUSY, most, each)
+            app.state.parts = State(
+                settings, metrics, engine, store, all_sweeps, readers, streams, jobs
+            )
             working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]
             for work in working:
                 await work.resume()
@@ -55,6 +63,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             engine.closing = True
             for work in working:
                 await work.close()
+            readers.close()
         store.dispose()
 
     app = FastAPI(
