@@ -22,8 +22,11 @@ from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
 from service.wire.conditional import Ranges, TagEncodings
+from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
+from service.wire.places import Places
 from service.workers.engine import Engine, running_engine
+from service.workers.readers import Readers
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, sweep_proofs, catalogue, operation)
@@ -47,14 +50,20 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             accepted = questions(store, settings, jobs)
             for path, resource in RESOURCES.items():
                 jobs[path] = Jobs(resource, engine, store, metrics, settings, accepted)
-            app.state.parts = State(settings, metrics, engine, store, all_sweeps, jobs)
+            readers = Readers(settings)
+            most, each = settings.max_streams, settings.max_streams_per_client
+            streams = Places("streams of events", ProblemType.BUSY, most, each)
+            app.state.parts = State(
+                settings, metrics, engine, store, all_sweeps, readers, streams, jobs
+            )
             for work in (all_sweeps, accepted):
                 await work.resume()
             yield
             engine.closing = True
             working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
-            for each in working:
-                await each.close()
+            for part in working:
+                await part.close()
+            readers.close()
         store.dispose()
 
     app = FastAPI(

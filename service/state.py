@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, cast
 
@@ -13,7 +13,9 @@ from service.settings import Settings
 from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire.observe import Metrics
+from service.wire.places import Places
 from service.workers.engine import Engine
+from service.workers.readers import Readers
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,8 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
+    readers: Readers
+    streams: Places
     jobs: Mapping[str, Jobs]  # by the resource's path
 
 
@@ -33,3 +37,13 @@ def _state(request: Request) -> State:
 
 
 Parts = Annotated[State, Depends(_state)]
+
+
+async def hold_stream(request: Request, parts: Parts) -> AsyncIterator[None]:
+    """A place among those who watch, for as long as the response takes."""
+    address = request.client.host if request.client else ""
+    parts.streams.take(address)
+    try:
+        yield
+    finally:
+        parts.streams.leave(address)
