@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import time
 from datetime import UTC, datetime
 from typing import Any
 
@@ -31,14 +32,14 @@ class Jobs:
         self._metrics, self._settings = metrics, settings
         self._tasks: dict[str, asyncio.Task[AnswerRow]] = {}
 
-    async def find(self, id: str) -> AnswerRow:
-        """The answer with this id, by this engine.
+    async def find(self, id: str, owner: str | None) -> AnswerRow:
+        """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id)
+        row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
@@ -51,15 +52,15 @@ class Jobs:
                 f"one cannot read its spec. POST it to {self.resource.path} in today's form, as "
                 "in /docs."
             ) from None
-        current = await self.answers.find(self.resource.id_of(spec))
+        current = await self.answers.find(self.resource.id_of(spec), owner)
         if current is None:
             current = await self._accept(spec)
-        await self.answers.supersede(id)
+        await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
+    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
         """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id)
+        row = await self.find(id, owner)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
@@ -103,7 +104,7 @@ class Jobs:
                 self._task(row.id, self.resource.spec.model_validate_json(row.spec))
                 continue
             try:
-                await self.find(row.id)
+                await self.find(row.id, None)
             except ServiceError as error:
                 await self.answers.fail(row.id, problem_of(error))
 
@@ -119,12 +120,19 @@ class Jobs:
         if not task.cancelled():
             task.exception()  # retrieved, so that asyncio does not log it
 
-    async def dismiss(self, id: str) -> bool:
-        """Stop and delete one; whether there was one."""
-        task = self._tasks.get(id)
-        if task is not None:
-            task.cancel()
-        return await self.answers.remove(id) or task is not None
+    async def dismiss(self, id: str, owner: str) -> bool:
+        """Stop and delete what an owner holds; whether there was one.
+
+        What others hold too stays for them as it is.
+        """
+        there = await self.answers.find(id, owner) is not None
+        held, by_others = await self.answers.release(id, owner)
+        task = self._tasks.get(id) if held else None
+        if held and not by_others:
+            if task is not None:
+                task.cancel()
+            there = await self.answers.remove(id)
+        return held and (there or task is not None)
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
@@ -134,19 +142,19 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, id: str, spec: Any) -> AnswerRow:
-        row = self._row(id, spec, "done")
+        row, began = self._row(id, spec, "done"), time.monotonic()
         try:
             budget = self._settings.budget_s(getattr(spec, "time_budget_s", None))
             answer = await self.engine.solve(row.spec, budget, self.resource.task)
         except Exception as error:
             problem = problem_of(error)
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
-            await self.answers.fail(id, problem)
+            await self.answers.fail(id, problem, time.monotonic() - began)
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
-        return await self.answers.put(row)
+        return await self.answers.put(row, answer.seconds)
 
     def _row(self, id: str, spec: Any, state: str) -> AnswerRow:
         return AnswerRow(

@@ -35,6 +35,7 @@ from service.state import Parts, State
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
 from service.sweeps.store import UNDER_WAY
+from service.sweeps.sweeps import id_of
 from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
@@ -51,7 +52,7 @@ QUANTITIES = 8  # that one front may be of
 
 async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     """The sweep with this id."""
-    row = await parts.sweeps.store.find(sweep_id)
+    row = await parts.sweeps.store.find(sweep_id, parts.owner)
     if row is None:
         raise ProblemType.UNKNOWN_SWEEP(
             f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
@@ -96,7 +97,8 @@ async def create_sweep(
     spec, body = await read_body(request, SweepSpec, parts.settings.max_body_bytes)
     parts.sweeps.check(spec)
     await check_key(parts, idempotency_key, body)
-    row = await parts.sweeps.accept(spec)
+    async with parts.quotas.room(parts.caller, id_of(spec, parts.owner)):
+        row = await parts.sweeps.accept(spec, parts.owner)
     response.headers.update({"Location": views.sweep_path(row.id), "Retry-After": "1"})
     return views.sweep_of(row, parts.sweeps)
 
@@ -111,7 +113,7 @@ async def list_sweeps(
     ] = None,
 ) -> views.SweepPage:
     """The newest first."""
-    rows, following = await newest(parts.sweeps.store, limit, cursor, state)
+    rows, following = await newest(parts.sweeps.store, parts.owner, limit, cursor, state)
     items = [views.summary_of(row, parts.sweeps) for row in rows]
     return views.SweepPage(items=items, next=following)
 
@@ -145,7 +147,7 @@ async def delete_sweep(
     """A running one is stopped within a second, its items are kept; a finished one is deleted."""
     stopped = await parts.sweeps.dismiss(row)
     if stopped is None and not discard:
-        stopped = await parts.sweeps.store.find(row.id)
+        stopped = await parts.sweeps.store.find(row.id, parts.owner)
     if stopped is not None:
         return Response(
             views.sweep_of(stopped, parts.sweeps).model_dump_json(), 200, None, "application/json"

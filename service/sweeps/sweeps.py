@@ -20,14 +20,14 @@ from sqlalchemy.exc import InterfaceError, OperationalError
 
 from service.settings import Settings
 from service.storage.store import Store
-from service.storage.tables import SweepRow
+from service.storage.tables import LOCAL, SweepRow
 from service.sweeps.chunks import CHAIN, STRIKES, Chunks
 from service.sweeps.store import STATUSES, LeaseLost, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, item_spec, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
 from service.workers.engine import Engine, new_task_name
-from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.design.identity import ENGINE_NUMBER, identity
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.spec import sweep_id
@@ -102,7 +102,7 @@ class SweepRunner:
             self.progress.update(len(done))
             del done
             await self._run_chunks(chunks)
-            row = await self._store.find(self._row.id)
+            row = await self._store.find(self._row.id, None)
             if row is not None and not self._stopping:
                 state = "failed" if row.failed == row.size else "successful"
                 await self._store.end(number, state)
@@ -223,6 +223,15 @@ class SweepRunner:
                 await asyncio.sleep(RETRY_S)
 
 
+def id_of(spec: SweepSpec, owner: str) -> str:
+    """The id of an owner's sweep.
+
+    Every owner has a sweep of his own, though another may have asked the same: what one stops or
+    deletes, the other goes on with.
+    """
+    return sweep_id(spec) if owner == LOCAL else identity(owner, sweep_id(spec))
+
+
 class Sweeps:
     """The sweeps that this process runs, by id; and all that are stored."""
 
@@ -261,19 +270,19 @@ class Sweeps:
             f"{first.detail}", violations=violations,
         )  # fmt: skip
 
-    async def accept(self, spec: SweepSpec) -> SweepRow:
-        """Accept a sweep, or join it, or continue one that was dismissed."""
+    async def accept(self, spec: SweepSpec, owner: str) -> SweepRow:
+        """Accept an owner's sweep, or join it, or continue one that was dismissed."""
         running = len(self._runners)
-        if sweep_id(spec) not in self._runners and running >= self._settings.max_sweeps:
+        if id_of(spec, owner) not in self._runners and running >= self._settings.max_sweeps:
             raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
-        return await self._accept(spec)
+        return await self._accept(spec, owner)
 
-    async def _accept(self, spec: SweepSpec) -> SweepRow:
+    async def _accept(self, spec: SweepSpec, owner: str) -> SweepRow:
         row = SweepRow(
-            id=sweep_id(spec), engine=ENGINE_NUMBER, name=spec.name,
+            id=id_of(spec, owner), belongs_to=owner, engine=ENGINE_NUMBER, name=spec.name,
             created=datetime.now(UTC), state="accepted",
             spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
             axes=[axis.pointer for axis in spec.axes],
@@ -314,7 +323,7 @@ class Sweeps:
         except ValidationError:
             log.warning("the spec of a sweep that an earlier engine began cannot be read")
             return
-        await self._accept(spec)
+        await self._accept(spec, row.belongs_to)
 
     async def _start(self, row: SweepRow) -> None:
         if row.id in self._runners or not await self.store.take(row.sequence):
@@ -338,7 +347,7 @@ class Sweeps:
         if runner is not None:
             await runner.stop()
             await asyncio.wait({runner.task})
-        return None if ended is None else await self.store.find(row.id)
+        return None if ended is None else await self.store.find(row.id, None)
 
     async def close(self) -> None:
         """Stop everything; it is continued at the next start."""

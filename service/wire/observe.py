@@ -15,6 +15,7 @@ from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, gene
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.wire.access import audit
 from service.wire.problem import error_response
 
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
@@ -22,6 +23,15 @@ METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
 # Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
 SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
+# Of every response that says nothing else: it is what it says it is, no page elsewhere may show or
+# load it, opened by itself it loads and runs nothing, and where it leads is not told whence.
+SECURITY = {
+    "X-Content-Type-Options": "nosniff",
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; "
+    "frame-ancestors 'self'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+}
 log = logging.getLogger("camwright.request")
 
 
@@ -80,6 +90,7 @@ def configure_logs(level: str) -> None:
     handler.setFormatter(JsonLine())
     logging.basicConfig(level=logging.WARNING, handlers=[handler], force=True)
     logging.getLogger("camwright").setLevel(level.upper())
+    audit.setLevel(logging.INFO)  # who did what is told at any level
 
 
 class Observe:
@@ -102,7 +113,8 @@ class Observe:
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
                 headers["X-Request-ID"] = scope["request_id"]
-                headers["X-Content-Type-Options"] = "nosniff"
+                for name, value in SECURITY.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         try:
@@ -124,5 +136,7 @@ class Observe:
                 "ms": round(1e3 * seconds, 1),
                 "request_id": scope["request_id"],
             }
+            if (caller := scope.get("caller")) is not None and caller.key is not None:
+                fields |= {"owner": caller.owner, "key": caller.key}
             level = logging.DEBUG if route in QUIET else logging.INFO
             log.log(level, "request", extra={"fields": fields})
