@@ -21,6 +21,7 @@ from service.state import State
 from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
 from service.storage.store import Store
+from service.wire.access import audit
 from service.wire.observe import configure_logs
 from synthesis.spec.design_spec import DesignSpec
 
@@ -30,6 +31,7 @@ SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
 def serve(settings: Settings, listener: socket.socket) -> None:
     """Run until Ctrl-C or a signal; one sentence and exit 1 where the database cannot be used."""
     configure_logs(settings.log_level)
+    audit.setLevel(logging.INFO)  # who did what is told at any level
     app = create_app(settings, keys_needed=keys_needed(settings))
     config = server_config(app)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)

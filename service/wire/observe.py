@@ -15,7 +15,6 @@ from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, gene
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.wire.access import audit
 from service.wire.problem import error_response
 
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
@@ -90,7 +89,6 @@ def configure_logs(level: str) -> None:
     handler.setFormatter(JsonLine())
     logging.basicConfig(level=logging.WARNING, handlers=[handler], force=True)
     logging.getLogger("camwright").setLevel(level.upper())
-    audit.setLevel(logging.INFO)  # who did what is told at any level
 
 
 class Observe:
