@@ -23,7 +23,7 @@ from starlette.staticfiles import StaticFiles
 
 from service.contract.documentation import OPENAPI_URL, TITLE
 from service.state import Parts
-from service.wire.access import COOKIE, HOW, SESSION, KeyRefused, key_of, refusal
+from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -75,7 +75,7 @@ async def keep_key(request: Request, parts: Parts) -> Response:
     try:
         caller = await parts.keys.caller(key or "")
     except KeyRefused as error:
-        raise refusal(f"The key {error}. {HOW}", ', error="invalid_token"') from None
+        raise refusal(f"The key {error}.", ', error="invalid_token"') from None
     answer = JSONResponse({"owner": caller.owner}, headers={"Cache-Control": "no-store"})
     secure = request.url.scheme == "https"
     answer.set_cookie(COOKIE, key or "", httponly=True, samesite="strict", secure=secure)

@@ -7,8 +7,6 @@ import re
 import uuid
 from collections.abc import Iterator
 from datetime import UTC, datetime
-from functools import cache
-from typing import Any
 
 import httpx2
 import pytest
@@ -22,14 +20,6 @@ from tests.service.specs import spec
 from tests.service.sweeps.test_sweeps import over, posted, sweep_of
 
 
-@cache
-def key(service: Running, owner: str, **more: Any) -> str:
-    """The text of a new key."""
-    keys = service.app.state.parts.keys
-    _, text = asyncio.run(keys.create(f"key of {owner}", owner, **more))
-    return str(text)
-
-
 def client_of(service: Running, text: str) -> httpx2.Client:
     headers = {"Authorization": f"Bearer {text}"}
     anew = httpx2.Limits(max_keepalive_connections=0)
@@ -38,13 +28,13 @@ def client_of(service: Running, text: str) -> httpx2.Client:
 
 @pytest.fixture
 def ada(service: Running) -> Iterator[httpx2.Client]:
-    with client_of(service, key(service, "ada")) as client:
+    with client_of(service, service.new_key("ada")) as client:
         yield client
 
 
 @pytest.fixture
 def bob(service: Running) -> Iterator[httpx2.Client]:
-    with client_of(service, key(service, "bob")) as client:
+    with client_of(service, service.new_key("bob")) as client:
         yield client
 
 
@@ -154,7 +144,7 @@ def test_a_quota_is_refused_with_what_there_is_of_it(
     service: Running, quotas: Quotas, name: str, waits: bool
 ) -> None:
     owner = f"has little of {name}"
-    with client_of(service, key(service, owner, quotas=quotas)) as client:
+    with client_of(service, service.new_key(owner, quotas=quotas)) as client:
         later = {"Prefer": "respond-async"} if name == "concurrent" else {}
         first = client.post("/v1/designs", json=spec("look 3" if later else ""), headers=later)
         assert first.status_code == (202 if later else 200), first.text
