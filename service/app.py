@@ -13,7 +13,7 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from service import pages
 from service.contract.documentation import OPENAPI_URL, TITLE, describe
-from service.resources.jobs import Jobs
+from service.resources.jobs import Jobs, Questions, questions
 from service.resources.quotas import UsedQuotas
 from service.resources.records import RESOURCES
 from service.routes import catalogue, designs, operation, resource_routes, sweep_proofs, sweeps
@@ -54,21 +54,21 @@ def create_app(
         store = Store(settings)
         async with engine_of(settings) as engine:
             all_sweeps = Sweeps(engine, store, settings)
-            jobs = {
-                path: Jobs(resource, engine, store, metrics, settings)
-                for path, resource in RESOURCES.items()
-            }
+            jobs: dict[str, Jobs] = {}
+            accepted = questions(store, settings, jobs)
+            for path, resource in RESOURCES.items():
+                jobs[path] = Jobs(resource, engine, store, metrics, settings, accepted)
             app.state.parts = State(
                 settings, metrics, engine, store, all_sweeps, jobs, ApiKeys(store, settings),
                 UsedQuotas(store),
             )  # fmt: skip
-            working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]
-            for work in working:
+            for work in (all_sweeps, accepted):
                 await work.resume()
             yield
             engine.closing = True
-            for work in working:
-                await work.close()
+            working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
+            for each in working:
+                await each.close()
         store.dispose()
 
     app = FastAPI(

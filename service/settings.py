@@ -26,8 +26,8 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(8000, ge=0, le=65535)
     database_url: str = "sqlite:///camwright.db"  # SQLAlchemy URL: SQLite, or PostgreSQL
-    scheduler: str | None = None  # address of Dask's; None: the service starts its own
-    workers: int = Field(2, ge=1, le=1024)  # processes of the service's own engine
+    scheduler: str | None = None  # tls:// address of Dask's; None: workers of the service's own
+    workers: int = Field(2, ge=1, le=1024)  # processes of the service's own
     time_budget_s: float = Field(30.0, gt=0.0)  # of a design that requests none [s]
     max_time_budget_s: float = Field(300.0, gt=0.0)  # that a design may request [s]
     grace_s: float = Field(2.0, gt=0.0)  # after the time budget, until the worker is stopped [s]
@@ -35,8 +35,8 @@ class Settings(BaseSettings):
     max_waiting: int = Field(64, ge=0)  # designs that may wait for a worker
     max_sweep_items: int = Field(20_000, ge=1)  # that a sweep may have
     # After so long without renewal of its lease, another process that shares the database
-    # continues a sweep [s].
-    sweep_lease_s: float = Field(5.0, ge=0.5, le=3600.0)
+    # continues a question or a sweep [s].
+    lease_s: float = Field(5.0, ge=0.5, le=3600.0)
     max_sweeps: int = Field(16, ge=1)  # that may run at the same time
     idempotency_hours: float = Field(24.0, gt=0.0)
     # Who may use it. None: on the loopback anyone until there is a key, elsewhere those with a key.
@@ -76,6 +76,16 @@ class Settings(BaseSettings):
     def reaches_others(self) -> bool:
         """Whether other machines reach it: it listens wider, or has a name beyond the loopback."""
         return not all(map(_is_loopback, (self.host, *self.allowed_hosts)))
+
+    @field_validator("scheduler")
+    @classmethod
+    def _is_encrypted(cls, value: str | None) -> str | None:
+        if value is not None and not value.startswith("tls://"):
+            raise ValueError(
+                "a scheduler runs whatever code it is sent, so it must ask for certificates: name "
+                "an address such as tls://10.0.0.5:8786, see docs/deployment.md"
+            )
+        return value
 
     @cached_property
     def database(self) -> URL:

@@ -19,7 +19,6 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.resources.jobs import result_of
 from service.resources.resource import Accepted, Resource, ResourceFile, page_of
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
@@ -45,6 +44,7 @@ PAGE_POLICY = (
     "frame-ancestors 'self'; sandbox allow-scripts"
 )
 POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
+LATER = 500  # HTTP statuses from here on: the same question may be answered another time
 WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
 BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
@@ -96,9 +96,11 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         if row is None or row.state != "done":
             async with parts.quotas.room(parts.caller, id):
                 if "respond-async" in prefer.lower():
-                    return _accepted(resource, await jobs.accept(spec), applied=True)
-                row = await result_of(jobs.start(spec))
-        return _done(resource, row)
+                    accepted = await jobs.accept(spec)
+                    accepted.created = row.created if row else accepted.created  # for this owner
+                    return _accepted(resource, accepted, applied=True)
+                row = await jobs.answer(spec, row, parts.owner)
+        return _ended(request, resource, row)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -155,9 +157,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         row = await parts.jobs[resource.path].find(id, parts.owner)
         if row.state == "accepted":
             return _accepted(resource, row)
-        if row.problem is not None and row.state == "failed":
-            return problem_response(request, row.problem)
-        return not_modified(request, row.etag or "") or _done(resource, row)
+        return not_modified(request, row.etag or "") or _ended(request, resource, row)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -216,7 +216,14 @@ async def newest(
     return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
 
 
-def _done(resource: Resource, row: AnswerRow) -> Response:
+def _ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
+    """The answer, or the problem document of a question that has failed."""
+    if row.problem is not None and row.state == "failed":
+        problem, again = row.problem, f"POST it to {resource.path} to have it tried again."
+        if problem["status"] < LATER:  # the question itself is at fault
+            return problem_response(request, problem)
+        problem = {**problem, "detail": f"{problem['detail']} The question has failed: {again}"}
+        return problem_response(request, problem)
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
     return Response(row.body, 200, headers, "application/json")
 

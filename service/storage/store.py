@@ -17,10 +17,19 @@ from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
 
+UNANSWERED = ("accepted", "failed")
+# What an answer that has ended says of itself, and that nobody works on it any more.
+ENDED = (
+    "created", "state", "status", "body", "etag", "summary", "problem", "owner", "leased_until",
+)  # fmt: skip
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
 Lookup = Callable[[Session, str, str | None], AnswerRow | None]
+
+
+class LeaseLost(Exception):
+    """Another process works on the row now, or it was dismissed or deleted."""
 
 
 def _make_durable(connection: Any, _record: Any) -> None:
@@ -147,31 +156,55 @@ class Answers:
 
         return await self._do(work)
 
-    async def put(self, row: AnswerRow, seconds: float = 0.0) -> AnswerRow:
-        """Keep an answer in place of what there was; one that is done already stays as it is.
+    async def accept(self, row: AnswerRow) -> AnswerRow:
+        """Keep a question; where there is one with its id, that one, asked again if it failed."""
 
-        ``seconds``: that the core took; they are used by whoever was first to ask.
+        def work(session: Session) -> AnswerRow:
+            existing = find_or_add(session, row)
+            if existing.state in ("failed", "superseded"):
+                existing.state, existing.created = row.state, row.created
+                existing.problem, existing.strikes = None, 0
+            return existing
+
+        return await self._do(work)
+
+    async def finish(self, row: AnswerRow, accepted: bool, seconds: float = 0.0) -> AnswerRow:
+        """Keep an answer; one that is done already stays as it is.
+
+        Args:
+            accepted: whether its question is kept; LeaseLost where it has been deleted since.
+            seconds: that the core took; they are used by whoever was first to ask.
         """
 
         def work(session: Session) -> AnswerRow:
             self._charge(session, row.id, seconds)
             existing = find_or_add(session, row)
+            if existing is row and accepted:
+                raise LeaseLost
             if existing.state != "done" and existing is not row:
-                for field in ("created", "state", "status", "body", "etag", "summary", "problem"):
+                for field in ENDED:
                     setattr(existing, field, getattr(row, field))
             return existing
 
         return await self._do(work)
 
     async def fail(self, id: str, problem: dict[str, Any], seconds: float = 0.0) -> None:
-        """Note why an accepted one failed; nothing where it was never accepted."""
-        change = update(AnswerRow).filter_by(id=id, state="accepted")
+        """Note why an accepted one failed, or failed again; nothing where it was never accepted."""
+        change = update(AnswerRow).filter_by(id=id).where(AnswerRow.state.in_(UNANSWERED))
+        change = change.values(state="failed", problem=problem, owner=None, leased_until=None)
 
         def work(session: Session) -> None:
-            session.execute(change.values(state="failed", problem=problem))
+            session.execute(change)
             self._charge(session, id, seconds)
 
         await self._do(work)
+
+    async def add_strike(self, id: str) -> int:
+        """Note that an accepted one has killed a worker; how many by now, 0 if not accepted."""
+        change = update(AnswerRow).filter_by(id=id, state="accepted")
+        change = change.values(strikes=AnswerRow.strikes + 1)
+        strikes = change.returning(AnswerRow.strikes)
+        return await self._do(lambda session: session.scalar(strikes)) or 0
 
     def _charge(self, session: Session, id: str, seconds: float) -> None:
         first = select(HoldingRow.owner).filter_by(id=id).order_by(HoldingRow.sequence).limit(1)
@@ -185,7 +218,9 @@ class Answers:
         Those who hold it hold the ``current`` one to their question as well.
         """
         change = update(AnswerRow).filter_by(id=id, kind=self._kind)
-        change = change.values(state="superseded", body=None, problem=None)
+        change = change.values(
+            state="superseded", body=None, problem=None, owner=None, leased_until=None
+        )
 
         def work(session: Session) -> None:
             session.execute(change)
@@ -223,13 +258,15 @@ class Answers:
         if before is not None:
             query = query.where(HoldingRow.sequence < before)
         query = query.order_by(HoldingRow.sequence.desc()).limit(size)
-        return await self._do(lambda s: [_as_held(s, *each) for each in s.execute(query).all()])
 
-    async def unfinished(self) -> Sequence[AnswerRow]:
-        """What was accepted and is neither done nor failed."""
-        query = select(AnswerRow).filter_by(kind=self._kind, state="accepted")
-        query = query.order_by(AnswerRow.sequence)
-        return await self._do(lambda session: session.scalars(query).all())
+        def work(session: Session) -> Sequence[AnswerRow]:
+            found = session.execute(query).all()
+            rows = [_as_held(session, *each) for each in found]
+            for row, (_, holding) in zip(rows, found, strict=True):
+                row.sequence = holding.sequence  # in line as he has asked
+            return rows
+
+        return await self._do(work)
 
     async def counts(self) -> dict[str, int]:
         """How many there are by status, or by state where they have none."""
@@ -240,9 +277,9 @@ class Answers:
 
 
 def _as_held(session: Session, row: AnswerRow, holding: HoldingRow) -> AnswerRow:
-    """An answer as its holder sees it: created, and in line, when he has asked."""
+    """An answer as its holder sees it: created when he has asked."""
     session.expunge(row)  # so that what is set here is not written
-    row.created, row.sequence = holding.created, holding.sequence
+    row.created = holding.created
     return row
 
 

@@ -42,7 +42,20 @@ class StoredRow(Base):
     spec: Mapped[bytes] = mapped_column(LargeBinary)
 
 
-class AnswerRow(StoredRow):
+class LeasedRow(StoredRow):
+    """What a process works on.
+
+    ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may.
+    """
+
+    __abstract__ = True
+
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    owner: Mapped[str | None] = mapped_column(String(64))
+    leased_until: Mapped[float | None] = mapped_column(Float)
+
+
+class AnswerRow(LeasedRow):
     """One question with its answer.
 
     Attributes:
@@ -51,18 +64,19 @@ class AnswerRow(StoredRow):
             this one has accepted the question.
         status: what came out; None until it is done. spec: the question. body: the answer.
         summary: what lists show of it. problem: the problem document, where it failed.
+        strikes: workers that it has killed.
     """
 
     __tablename__ = "answers"
     __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
 
     kind: Mapped[str] = mapped_column(String(64))
-    state: Mapped[str] = mapped_column(String(16), index=True)
     status: Mapped[str | None] = mapped_column(String(16))
     body: Mapped[bytes | None] = mapped_column(LargeBinary)
     etag: Mapped[str | None] = mapped_column(String(64))
     summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    strikes: Mapped[int] = mapped_column(Integer, default=0, server_default="0")
 
 
 class HoldingRow(Base):
@@ -129,18 +143,13 @@ class KeyRow(Base):
     created: Mapped[datetime] = mapped_column(TIME, index=True)
 
 
-class SweepRow(StoredRow):
-    """One sweep, with how many of its items came out how.
-
-    ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may;
-    ``belongs_to`` is the owner who has asked for it.
-    """
+class SweepRow(LeasedRow):
+    """One sweep, with how many of its items came out how; ``belongs_to``: who has asked for it."""
 
     __tablename__ = "sweeps"
 
     started: Mapped[datetime | None] = mapped_column(TIME)
     finished: Mapped[datetime | None] = mapped_column(TIME)
-    state: Mapped[str] = mapped_column(String(16), index=True)
     size: Mapped[int] = mapped_column(Integer)
     axes: Mapped[list[str]] = mapped_column(JSON)
     quantities: Mapped[list[str]] = mapped_column(JSON)
@@ -150,8 +159,6 @@ class SweepRow(StoredRow):
     infeasible: Mapped[int] = mapped_column(Integer, default=0)
     failed: Mapped[int] = mapped_column(Integer, default=0)
     belongs_to: Mapped[str] = mapped_column(NAME, index=True, server_default=LOCAL)
-    owner: Mapped[str | None] = mapped_column(String(64))
-    leased_until: Mapped[float | None] = mapped_column(Float)
 
     @property
     def done(self) -> int:

@@ -22,8 +22,9 @@ from pydantic import BaseModel, Field, JsonValue
 
 from service.storage.tables import ItemRow, SweepRow, in_utc
 from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
-from service.sweeps.sweeps import POLL_S, Sweeps
+from service.sweeps.sweeps import Sweeps
 from service.wire.errors import ProblemType
+from service.work import POLL_S
 from service.workers.tasks import links_to
 from synthesis.design.warnings import Severity
 from synthesis.errors import ExtraMissing

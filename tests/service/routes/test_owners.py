@@ -49,7 +49,7 @@ def kept_for(service: Running, owner: str) -> dict[str, str]:
             state="failed", spec=b"{}", summary={}, problem=problem,
         )  # fmt: skip
         answers = service.app.state.parts.jobs[path].answers
-        asyncio.run(answers.put(row))
+        asyncio.run(answers.accept(row))
         asyncio.run(answers.claim(ids[path], owner))
     return ids
 

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from sqlalchemy.exc import OperationalError
 
+from service import work as work_module
 from service.storage.store import Store
 from service.storage.tables import LOCAL, SweepRow
 from service.sweeps import sweeps as sweeps_module
@@ -80,7 +81,7 @@ def run(
         row = await sweeps.accept(spec, LOCAL)
         if started is not None:
             await started(sweeps)
-        for runner in list(sweeps._runners.values()):
+        for runner in list(sweeps.work.runners.values()):
             await asyncio.wait_for(runner.task, 60.0)
         await sweeps.close()
         found = await sweeps.store.find(row.id, None)
@@ -98,7 +99,8 @@ def run(
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps_module, "RETRY_S", 0.01)
-    monkeypatch.setattr(sweeps_module, "RENEWAL_S", 0.01)
+    monkeypatch.setattr(work_module, "RETRY_S", 0.01)
+    monkeypatch.setattr(work_module, "RENEWAL_S", 0.01)
 
 
 def test_every_item_is_solved_once_and_the_lease_is_given_back(tmp_path: Path) -> None:
@@ -205,7 +207,7 @@ def test_a_dismissed_sweep_stops_and_keeps_what_is_done(tmp_path: Path) -> None:
         return await solved(numbers)
 
     async def dismissed(sweeps: Sweeps) -> None:
-        (runner,) = sweeps._runners.values()
+        (runner,) = sweeps.work.runners.values()
         for _ in range(3):
             await asyncio.wait_for(runner.progress.next_change.wait(), 10.0)
         row = await sweeps.dismiss(runner._row)
@@ -224,14 +226,14 @@ def test_a_sweep_whose_process_has_died_is_continued(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Found under a lease that is still good: it is taken when that ends."""
-    monkeypatch.setattr(sweeps_module, "POLL_S", 0.02)
+    monkeypatch.setattr(work_module, "POLL_S", 0.02)
     settings = settings_for(tmp_path)
     store, engine = Store(settings), MadeUp(solved)
     spec = SweepSpec.model_validate(sweep_of(["a", "b", "c"]))
 
     async def work() -> SweepRow | None:
         first = Sweeps(engine, store, settings)  # type: ignore[arg-type]
-        monkeypatch.setattr(first, "_start", lambda row: asyncio.sleep(0))
+        monkeypatch.setattr(first.work, "start", lambda row: asyncio.sleep(0))
         row = await first.accept(spec, LOCAL)
         first.store.lease_s = 0.4
         assert await first.store.take(row.sequence)

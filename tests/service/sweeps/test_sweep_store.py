@@ -57,7 +57,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
             assert ended is not None
             assert (ended.state, ended.finished is None) == (state, False)
             assert await one.end(row.sequence, "failed") is None
-            assert not await one.renew(row.sequence)
+            assert row.sequence not in await one.renew()
             assert not await one.take(row.sequence)
         assert await one.unowned() == []
         await one.start(first.sequence)
@@ -73,7 +73,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
 def test_a_lease_is_one_process_s_and_of_one_sweep(tmp_path: Path) -> None:
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         first, second = await one.accept(a_sweep("a")), await one.accept(a_sweep("b"))
-        assert not await one.renew(first.sequence)  # it has none yet
+        assert first.sequence not in await one.renew()  # it has none yet
         assert await one.take(first.sequence)
         assert await one.take(first.sequence)  # its own
         assert [each.id for each in await other.unowned()] == ["b"]
@@ -85,7 +85,7 @@ def test_a_lease_is_one_process_s_and_of_one_sweep(tmp_path: Path) -> None:
         released = await one.find("a", None)
         assert released is not None
         assert (released.owner, released.leased_until) == (None, None)
-        assert await other.renew(second.sequence)
+        assert second.sequence in await other.renew()
         assert await other.take(first.sequence)
         # ended by another process: the owner's lease is gone
         ended = await one.end(first.sequence, "dismissed")
