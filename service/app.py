@@ -26,8 +26,11 @@ from service.sweeps.sweeps import Sweeps
 from service.wire import problem
 from service.wire.access import Caller, Guard
 from service.wire.conditional import Ranges, TagEncodings
+from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
+from service.wire.places import Places
 from service.workers.engine import Engine, running_engine
+from service.workers.readers import Readers
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, sweep_proofs, catalogue, operation)
@@ -58,17 +61,21 @@ def create_app(
             accepted = questions(store, settings, jobs)
             for path, resource in RESOURCES.items():
                 jobs[path] = Jobs(resource, engine, store, metrics, settings, accepted)
+            readers = Readers(settings)
+            most, each = settings.max_streams, settings.max_streams_per_client
+            streams = Places("streams of events", ProblemType.BUSY, most, each)
             app.state.parts = State(
-                settings, metrics, engine, store, all_sweeps, jobs, ApiKeys(store, settings),
-                UsedQuotas(store),
+                settings, metrics, engine, store, all_sweeps, readers, streams, jobs,
+                ApiKeys(store, settings), UsedQuotas(store),
             )  # fmt: skip
             for work in (all_sweeps, accepted):
                 await work.resume()
             yield
             engine.closing = True
             working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
-            for each in working:
-                await each.close()
+            for one in working:
+                await one.close()
+            readers.close()
         store.dispose()
 
     app = FastAPI(

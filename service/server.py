@@ -9,6 +9,8 @@ import logging
 import socket
 import sys
 import time
+from functools import partial
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -22,9 +24,13 @@ from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
 from service.storage.store import Store
 from service.wire.access import audit
+from service.wire.connection import Connection
+from service.wire.errors import ProblemType
 from service.wire.observe import configure_logs
+from service.wire.places import Places
 from synthesis.spec.design_spec import DesignSpec
 
+OTHER_FILES = 256  # open besides connections: of the store, of workers, of libraries
 SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
 
 
@@ -33,7 +39,8 @@ def serve(settings: Settings, listener: socket.socket) -> None:
     configure_logs(settings.log_level)
     audit.setLevel(logging.INFO)  # who did what is told at any level
     app = create_app(settings, keys_needed=keys_needed(settings))
-    config = server_config(app)
+    allow_files(settings)
+    config = server_config(app, settings)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     sys.stdout.write("Camwright is starting its workers ...\n")
     sys.stdout.flush()
@@ -44,15 +51,40 @@ def serve(settings: Settings, listener: socket.socket) -> None:
         _Server(config, app, f"http://{host}:{listener.getsockname()[1]}").run([listener])
 
 
-def server_config(app: FastAPI) -> uvicorn.Config:
+def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """Settings of uvicorn; at shutdown it does not wait for those who watch a sweep."""
+    most, each = settings.max_connections, settings.max_connections_per_client
+    places = Places("connections", ProblemType.TOO_MANY_CONNECTIONS, most, each)
+    connection: Any = partial(Connection, settings=settings, places=places)
     return uvicorn.Config(
         app,
+        http=connection,
+        ws="none",
+        timeout_keep_alive=settings.keep_alive_s,
         log_config=None,
         access_log=False,
         server_header=False,
         timeout_graceful_shutdown=SHUTDOWN_S,
     )
+
+
+def allow_files(settings: Settings) -> None:
+    """Allow this process a file for every connection, and some for all else."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = settings.max_connections + OTHER_FILES
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        if most < wanted:
+            sys.exit(
+                f"CAMWRIGHT_MAX_CONNECTIONS is {settings.max_connections}, and this process may "
+                f"open {hard} files: at most {max(0, hard - OTHER_FILES)} connections fit. Set "
+                "it lower, or raise the limit (ulimit -Hn)."
+            )
 
 
 def open_database(settings: Settings) -> Store:

@@ -32,6 +32,25 @@ class Settings(BaseSettings):
     max_time_budget_s: float = Field(300.0, gt=0.0)  # that a design may request [s]
     grace_s: float = Field(2.0, gt=0.0)  # after the time budget, until the worker is stopped [s]
     max_body_bytes: int = Field(1_048_576, ge=1024)
+    # Bytes of path, query and headers: browsers send at most 16 kB of cookies and the like.
+    max_head_bytes: int = Field(32_768, ge=1024)
+    # In which a whole request has to arrive, from the connection or its first byte on [s]: a body
+    # of 1 MiB by a line of 0.5 Mbit/s.
+    request_timeout_s: float = Field(20.0, gt=0.0)
+    keep_alive_s: int = Field(5, ge=1)  # that a connection stays open without a request [s]
+    # That a peer may take to acknowledge, or to read, what it is sent [s]; then it is taken for
+    # gone. A stream of events has a sign of life every 15 s.
+    unread_s: int = Field(60, ge=1)
+    max_connections: int = Field(1024, ge=1)  # at the same time
+    # By address: 40 browsers, each with 6. A proxy before the service is one client: set it to
+    # max_connections then, and have the proxy limit its own clients.
+    max_connections_per_client: int = Field(256, ge=1)
+    # Of events, at the same time: each asks the store once a second.
+    max_streams: int = Field(64, ge=1)
+    max_streams_per_client: int = Field(32, ge=1)  # by address
+    readers: int = Field(2, ge=1, le=64)  # processes that read long bodies: one slow body holds one
+    # That reading a body may take [s]. The longest sensible ones, tables of 20 000 rows, take 0.2.
+    reading_s: float = Field(10.0, gt=0.0)
     max_waiting: int = Field(64, ge=0)  # designs that may wait for a worker
     max_sweep_items: int = Field(20_000, ge=1)  # that a sweep may have
     # After so long without renewal of its lease, another process that shares the database
@@ -129,6 +148,7 @@ def listening_socket(settings: Settings) -> socket.socket:
     listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
+        _notice_absent_peers(listener, settings.unread_s)
         listener.bind((settings.host, settings.port))
         listener.listen(256)
     except OSError as error:
@@ -141,3 +161,17 @@ def listening_socket(settings: Settings) -> socket.socket:
         )
     listener.set_inheritable(True)
     return listener
+
+
+def _notice_absent_peers(listener: socket.socket, unread_s: int) -> None:
+    """Have the kernel end connections whose peer is gone or reads nothing; they inherit that."""
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    # Not every system has them: without, its own times hold, which are hours.
+    for name, value in (
+        ("TCP_KEEPIDLE", unread_s),  # of silence before the first probe [s]
+        ("TCP_KEEPINTVL", max(1, unread_s // 4)),  # between probes [s]
+        ("TCP_KEEPCNT", 4),
+        ("TCP_USER_TIMEOUT", 1000 * unread_s),  # what was sent, and a window of nothing [ms]
+    ):
+        if hasattr(socket, name):
+            listener.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, cast
 
@@ -16,7 +16,9 @@ from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire.access import Caller
 from service.wire.observe import Metrics
+from service.wire.places import Places
 from service.workers.engine import Engine
+from service.workers.readers import Readers
 
 NOBODY = Caller("")  # who has nothing: no owner is called so
 
@@ -30,6 +32,8 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
+    readers: Readers
+    streams: Places
     jobs: Mapping[str, Jobs]  # by the resource's path
     keys: ApiKeys
     quotas: UsedQuotas
@@ -48,3 +52,13 @@ def _state(request: Request) -> State:
 
 
 Parts = Annotated[State, Depends(_state)]
+
+
+async def hold_stream(request: Request, parts: Parts) -> AsyncIterator[None]:
+    """A place among those who watch, for as long as the response takes."""
+    address = request.client.host if request.client else ""
+    parts.streams.take(address)
+    try:
+        yield
+    finally:
+        parts.streams.leave(address)

@@ -89,7 +89,7 @@ def own_service(folder: Path) -> Iterator[str]:
     configure_logs("error")
     open_database(settings).dispose()
     app, listener = create_app(settings), listening_socket(settings)
-    server = uvicorn.Server(server_config(app))
+    server = uvicorn.Server(server_config(app, settings))
     running = threading.Thread(target=lambda: asyncio.run(server.serve([listener])))
     running.start()
     try:

@@ -89,7 +89,8 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
     ) -> Response:
         jobs = parts.jobs[resource.path]
-        spec, body = await read_body(request, resource.spec, parts.settings.max_body_bytes)
+        most = parts.settings.max_body_bytes
+        spec, body = await read_body(request, parts.readers, resource.spec, most)
         await check_key(parts, idempotency_key, body)
         id = resource.id_of(spec)
         row = await jobs.answers.claim(id, parts.owner)

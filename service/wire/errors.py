@@ -17,6 +17,7 @@ class ProblemType(Enum):
     The name is the slug under /problems/.
     """
 
+    NOT_HTTP = 400, "The request is not HTTP/1.1", "It cannot be parsed, or comes with too many."
     NOT_JSON = 400, "The body is not JSON"
     KEY_NEEDED = 401, "A key is needed", "None was sent, or one that is not valid (any more)."
     NOT_ALLOWED = 403, "This key does not open that"
@@ -29,11 +30,12 @@ class ProblemType(Enum):
     UNKNOWN_TRAIN_RESPONSE = 404, "No such train response"
     UNKNOWN_LINKAGE = 404, "No such linkage"
     METHOD_NOT_ALLOWED = 405, "The resource does not have this method"
+    REQUEST_TIMEOUT = 408, "The request took too long to arrive"
     NOT_DONE = 409, "The answer is not finished", "It is being worked on, or the work failed."
     PART_OF_SWEEP = 409, "The design belongs to a sweep", "It is deleted with the sweep."
     NOTHING_FITS = 409, "The design has no cam and so no files"
     DISMISSED = 409, "The question was deleted", "That happened while it was being worked on."
-    BODY_TOO_LARGE = 413, "The body is too large", "It is larger than this server's limit."
+    BODY_TOO_LARGE = (413, "The body is too large", "Or it takes too long to read.")
     WRONG_MEDIA_TYPE = 415, "The body must be application/json"
     NO_SUCH_BYTES = 416, "The range is not satisfiable"
     MISDIRECTED = 421, "This service has another name", "See the header Host."
@@ -43,11 +45,13 @@ class ProblemType(Enum):
     IDEMPOTENCY_KEY_REUSED = 422, "The idempotency key was used for another request"
     BUSY = 429, "The queue is full"
     QUOTA_USED_UP = 429, "The key's quota is used up", "`Retry-After` says when there is more."
+    HEAD_TOO_LARGE = 431, "Path, query and headers are too large"
     INTERNAL = 500, "Internal error"
     SOLVER_FAILED = 500, "The solver failed", "It stopped without a usable point."
     NOT_INSTALLED = 501, "An optional package is not installed here"
     WORKER_LOST = 503, "The worker process died", "That happened while it worked on the question."
     ENGINE_UNREACHABLE = 503, "No worker can be reached"
+    TOO_MANY_CONNECTIONS = 503, "Too many connections", "In all, or from one address."
     STORE_UNREACHABLE = 503, "The store cannot be reached"
     TIME_BUDGET = 504, "The time budget ended first", "`best` is the best design by then, if any."
 

@@ -30,7 +30,7 @@ class Running:
         self.app = create_app(settings, running_engine if real else fake_core.engine)
         self._socket = listening_socket(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
-        self.server = uvicorn.Server(server_config(self.app))
+        self.server = uvicorn.Server(server_config(self.app, settings))
         # The server ends a connection on which nothing is asked for a while: each has its own.
         anew = httpx2.Limits(max_keepalive_connections=0)
         self.client = httpx2.Client(base_url=self.url, timeout=180.0, limits=anew)
