@@ -18,10 +18,12 @@ from urllib.parse import urlsplit
 
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
 from fastapi.openapi.docs import get_redoc_html
-from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
 from service.contract.documentation import OPENAPI_URL, TITLE
+from service.state import Parts
+from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -60,6 +62,32 @@ async def show_studio(request: Request) -> Response:
 
 def _html(*names: str) -> str:
     return (HERE / "studio" / Path(*names)).with_suffix(".html").read_text("utf-8")
+
+
+@router.post(SESSION)
+async def keep_key(request: Request, parts: Parts) -> Response:
+    """Let a browser keep the key that it sends in Authorization as a cookie, until it is closed.
+
+    What it loads by itself, such as pictures, downloads and events, has no other way to bring one.
+    No script can read the cookie, and no request that another site has caused brings it along.
+    """
+    key = key_of(request.headers) if "authorization" in request.headers else ""
+    try:
+        caller = await parts.keys.caller(key or "")
+    except KeyRefused as error:
+        raise refusal(f"The key {error}.", ', error="invalid_token"') from None
+    answer = JSONResponse({"owner": caller.owner}, headers={"Cache-Control": "no-store"})
+    secure = request.url.scheme == "https"
+    answer.set_cookie(COOKIE, key or "", httponly=True, samesite="strict", secure=secure)
+    return answer
+
+
+@router.delete(SESSION, status_code=204)
+async def forget_key() -> Response:
+    """Let the browser forget the key."""
+    answer = Response(status_code=204)
+    answer.delete_cookie(COOKIE, httponly=True, samesite="strict")
+    return answer
 
 
 @router.get("/docs")

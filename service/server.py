@@ -20,8 +20,10 @@ from service.app import create_app
 from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from service.state import State
+from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
 from service.storage.store import Store
+from service.wire.access import audit
 from service.wire.connection import Connection
 from service.wire.errors import ProblemType
 from service.wire.observe import configure_logs
@@ -35,8 +37,8 @@ SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
 def serve(settings: Settings, listener: socket.socket) -> None:
     """Run until Ctrl-C or a signal; one sentence and exit 1 where the database cannot be used."""
     configure_logs(settings.log_level)
-    check_database(settings)
-    app = create_app(settings)
+    audit.setLevel(logging.INFO)  # who did what is told at any level
+    app = create_app(settings, keys_needed=keys_needed(settings))
     allow_files(settings)
     config = server_config(app, settings)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
@@ -85,14 +87,38 @@ def allow_files(settings: Settings) -> None:
             )
 
 
-def check_database(settings: Settings) -> None:
-    """Open the database and close it again; one sentence and exit 1 where that cannot be."""
+def open_database(settings: Settings) -> Store:
+    """The store; one sentence and exit 1 where it cannot be used."""
     try:
-        Store(settings).dispose()
+        return Store(settings)
     except (SQLAlchemyError, OSError, ImportError, ForeignDatabase) as error:
         reason = str(getattr(error, "orig", error)).partition("\n")[0]
         address = settings.database.render_as_string(hide_password=True)
         sys.exit(f"The database {address} cannot be used: {reason}. See CAMWRIGHT_DATABASE_URL.")
+
+
+def keys_needed(settings: Settings) -> bool:
+    """Whether those without a key are refused: as the settings say; else where there are keys.
+
+    One sentence and exit 1 where the database cannot be used, and where other machines reach the
+    service, and neither a key nor a setting says who may use it.
+    """
+    store = open_database(settings)
+    try:
+        keys = asyncio.run(ApiKeys(store, settings).all())
+    finally:
+        store.dispose()
+    if settings.access == "open-to-anyone":
+        return False
+    if settings.reaches_others and not any(map(is_valid, keys)):
+        where = ", ".join((settings.host, *settings.allowed_hosts))
+        sys.exit(
+            f"Other machines may reach the service ({where}), and it has no valid key. Make one: "
+            "camwright keys create NAME, with the same CAMWRIGHT_DATABASE_URL. Or say that it is "
+            "to be open: with CAMWRIGHT_ACCESS=open-to-anyone whoever reaches it may read, delete "
+            "and compute."
+        )
+    return settings.access == "keys" or settings.reaches_others or bool(keys)
 
 
 class _Server(uvicorn.Server):

@@ -6,12 +6,16 @@ import errno
 import socket
 import sys
 from functools import cached_property
-from typing import Any
+from ipaddress import ip_address
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError
+
+# As which a browser on the same machine addresses a service there.
+LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
 
 class Settings(BaseSettings):
@@ -54,7 +58,16 @@ class Settings(BaseSettings):
     lease_s: float = Field(5.0, ge=0.5, le=3600.0)
     max_sweeps: int = Field(16, ge=1)  # that may run at the same time
     idempotency_hours: float = Field(24.0, gt=0.0)
+    # Who may use it. None: on the loopback anyone until there is a key, elsewhere those with a key.
+    access: Literal["keys", "open-to-anyone"] | None = None
+    # Names by which the service is addressed, with commas; those of the loopback always are.
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = ()
     cors_origins: list[str] = []
+    # What a key allows that was made without numbers of its own; None: as much as there is.
+    quota_requests_per_minute: int | None = Field(None, ge=1)
+    quota_core_seconds_per_day: float | None = Field(None, gt=0.0)  # of the key's owner [s]
+    quota_storage_mb: float | None = Field(None, gt=0.0)  # of the key's owner [10^6 bytes]
+    quota_concurrent: int | None = Field(None, ge=1)  # questions of the owner that are worked on
     log_level: str = Field("info", pattern="^(debug|info|warning|error)$")
 
     @field_validator("database_url")
@@ -65,6 +78,23 @@ class Settings(BaseSettings):
         except ArgumentError as error:
             raise ValueError("not a database address such as sqlite:///camwright.db") from error
         return value
+
+    @field_validator("allowed_hosts", mode="before")
+    @classmethod
+    def _are_names(cls, value: Any) -> Any:
+        names = value.split(",") if isinstance(value, str) else value
+        return tuple(name.strip().strip("[]").lower() for name in names if name.strip())
+
+    @property
+    def hosts(self) -> frozenset[str]:
+        """Names by which it may be addressed, without ports."""
+        own = () if self.host in ("0.0.0.0", "::") else (self.host.lower(),)
+        return frozenset((*LOOPBACK_NAMES, *own, *self.allowed_hosts))
+
+    @property
+    def reaches_others(self) -> bool:
+        """Whether other machines reach it: it listens wider, or has a name beyond the loopback."""
+        return not all(map(_is_loopback, (self.host, *self.allowed_hosts)))
 
     @field_validator("scheduler")
     @classmethod
@@ -84,6 +114,15 @@ class Settings(BaseSettings):
     def budget_s(self, requested: float | None) -> float:
         """Time budget [s] of a question: what it asks for, or the default, at most the maximum."""
         return min(requested or self.time_budget_s, self.max_time_budget_s)
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:  # a name
+        return False
 
 
 def settings_from(**given: Any) -> Settings:

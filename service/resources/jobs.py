@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import logging
+import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
@@ -66,14 +67,14 @@ class Jobs:
         self._metrics, self._settings, self._accepted = metrics, settings, accepted
         self._attempts: dict[str, Attempt] = {}
 
-    async def find(self, id: str) -> AnswerRow:
-        """The answer with this id, by this engine.
+    async def find(self, id: str, owner: str | None) -> AnswerRow:
+        """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id)
+        row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
@@ -86,15 +87,15 @@ class Jobs:
                 f"one cannot read its spec. POST it to {self.resource.path} in today's form, as "
                 "in /docs."
             ) from None
-        current = await self.answers.find(self.resource.id_of(spec))
+        current = await self.answers.find(self.resource.id_of(spec), owner)
         if current is None:
             current = await self._accept(spec)
-        await self.answers.supersede(id)
+        await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
+    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
         """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id)
+        row = await self.find(id, owner)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
@@ -111,7 +112,7 @@ class Jobs:
             "POST the spec again to make it anew."
         )
 
-    async def answer(self, spec: Any, known: AnswerRow | None) -> AnswerRow:
+    async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:
         """Work on a question, or wait for whoever does: its answer, or that it failed.
 
         ``known`` is its row in the store, which is not done. A question that nobody has accepted is
@@ -135,7 +136,7 @@ class Jobs:
                     pass  # as when it is stopped: see who has it
             else:  # another process works on it
                 await asyncio.sleep(POLL_S)
-            row = await self.answers.find(id)
+            row = await self.answers.find(id, owner)
             if row is None:
                 raise ProblemType.DISMISSED(
                     "The question was deleted while it was being worked on."
@@ -162,7 +163,7 @@ class Jobs:
             attempt.sequence = row.sequence
             return attempt
         try:
-            await self.find(row.id)
+            await self.find(row.id, None)
         except ServiceError as error:
             await self.answers.fail(row.id, problem_of(error))
         return None
@@ -180,13 +181,19 @@ class Jobs:
         if not task.cancelled():
             task.exception()  # retrieved, so that asyncio does not log it
 
-    async def dismiss(self, id: str) -> bool:
-        """Stop and delete one; whether there was one."""
-        attempt = self._attempts.get(id)
+    async def dismiss(self, id: str, owner: str) -> bool:
+        """Stop and delete what an owner holds; whether there was one.
+
+        What others hold too stays for them as it is.
+        """
+        held, by_others = await self.answers.release(id, owner)
+        attempt = self._attempts.get(id) if held else None
+        if held and by_others:
+            return attempt is not None or await self.answers.find(id, None) is not None
         if attempt is not None:
             attempt.task.cancel()
             await asyncio.wait({attempt.task})
-        return await self.answers.remove(id) or attempt is not None
+        return held and (await self.answers.remove(id) or attempt is not None)
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
@@ -196,7 +203,7 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
-        row = self._row(id, spec, "done")
+        row, began = self._row(id, spec, "done"), time.monotonic()
         try:
             answer = await self._solve(row, spec)
         except Exception as error:
@@ -205,18 +212,19 @@ class Jobs:
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
             attempt.keeping = True
-            await retry_transaction(lambda: self.answers.fail(id, problem))
+            seconds = min(time.monotonic() - began, self._budget_s(spec))  # it may have waited
+            await retry_transaction(lambda: self.answers.fail(id, problem, seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
         attempt.keeping = True
         accepted = id in self._accepted.runners
-        return await retry_transaction(lambda: self.answers.finish(row, accepted))
+        return await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
 
     async def _solve(self, row: AnswerRow, spec: Any) -> Answer:
         """Have a worker answer; again, until it has killed too many of them."""
-        budget = self._settings.budget_s(getattr(spec, "time_budget_s", None))
+        budget = self._budget_s(spec)
         strikes = 0
         while True:
             try:
@@ -237,6 +245,9 @@ class Jobs:
                         f"by itself. The last time: {error.detail}",
                         error.headers,
                     ) from None
+
+    def _budget_s(self, spec: Any) -> float:
+        return self._settings.budget_s(getattr(spec, "time_budget_s", None))
 
     def _row(self, id: str, spec: Any, state: str) -> AnswerRow:
         return AnswerRow(

@@ -92,11 +92,15 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         most = parts.settings.max_body_bytes
         spec, body = await read_body(request, parts.readers, resource.spec, most)
         await check_key(parts, idempotency_key, body)
-        row = await jobs.answers.find(resource.id_of(spec))
+        id = resource.id_of(spec)
+        row = await jobs.answers.claim(id, parts.owner)
         if row is None or row.state != "done":
-            if "respond-async" in prefer.lower():
-                return _accepted(resource, await jobs.accept(spec), applied=True)
-            row = await jobs.answer(spec, row)
+            async with parts.quotas.room(parts.caller, id):
+                if "respond-async" in prefer.lower():
+                    accepted = await jobs.accept(spec)
+                    accepted.created = row.created if row else accepted.created  # for this owner
+                    return _accepted(resource, accepted, applied=True)
+                row = await jobs.answer(spec, row, parts.owner)
         return _ended(request, resource, row)
 
     router.add_api_route(
@@ -125,7 +129,9 @@ def _add_list(router: APIRouter, resource: Resource) -> None:
         status: Annotated[kind, only] = None,
     ) -> Any:
         answers = parts.jobs[resource.path].answers
-        rows, following = await newest(answers, limit, cursor, status if filters else None)
+        rows, following = await newest(
+            answers, parts.owner, limit, cursor, status if filters else None
+        )
         items = [{**resource.fields_of(row), "status": row.status, **row.summary} for row in rows]
         return page_of(resource.summary).model_validate({"items": items, "next": following})
 
@@ -149,7 +155,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         parts: Parts,
         if_none_match: KnownTag = None,
     ) -> Response:
-        row = await parts.jobs[resource.path].find(id)
+        row = await parts.jobs[resource.path].find(id, parts.owner)
         if row.state == "accepted":
             return _accepted(resource, row)
         return not_modified(request, row.etag or "") or _ended(request, resource, row)
@@ -165,7 +171,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
 def _add_delete(router: APIRouter, resource: Resource) -> None:
     async def handler(id: Annotated[str, Path(alias=resource.id_name)], parts: Parts) -> None:
         jobs = parts.jobs[resource.path]
-        if not await jobs.dismiss(id):
+        if not await jobs.dismiss(id, parts.owner):
             raise jobs.unknown(id)
 
     router.add_api_route(
@@ -187,7 +193,7 @@ async def check_key(parts: State, key: str | None, body: bytes) -> None:
     if not key.isprintable():
         raise ProblemType.INVALID_PARAMETER("Idempotency-Key: use printable characters only.")
     body_hash = hashlib.sha256(body).hexdigest()
-    if await parts.store.body_of_key(key, body_hash) != body_hash:
+    if await parts.store.body_of_key(parts.owner, key, body_hash) != body_hash:
         raise ProblemType.IDEMPOTENCY_KEY_REUSED(
             f"Idempotency-Key {key!r} came with another body before. Use a new key for a new body."
         )
@@ -203,11 +209,11 @@ def position_of(cursor: str) -> int:
 
 
 async def newest(
-    kept: Any, limit: int, cursor: str | None, state: str | None
+    kept: Any, owner: str, limit: int, cursor: str | None, state: str | None
 ) -> tuple[Sequence[Any], str | None]:
-    """Rows of a page and the cursor of the next one; ``kept`` has the rows."""
+    """An owner's rows of a page and the cursor of the next one; ``kept`` has the rows."""
     before = None if cursor is None else position_of(cursor)
-    rows = await kept.page(before, limit + 1, state)
+    rows = await kept.page(before, limit + 1, state, owner)
     return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
 
 
@@ -249,7 +255,7 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
     ) -> Response:
         options = file.format.options(**dict(query))
-        row, body = await parts.jobs[resource.path].find_done(id)
+        row, body = await parts.jobs[resource.path].find_done(id, parts.owner)
         return await send_file(request, parts, resource, file, row, body, options)
 
     add_file_route(router, resource, file, handler, file.format.in_worker)

@@ -36,7 +36,7 @@ from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
 from service.sweeps.asked import read_sweep
 from service.sweeps.store import UNDER_WAY
-from service.sweeps.sweeps import spec_of
+from service.sweeps.sweeps import id_of, spec_of
 from service.wire.body import receive_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
@@ -52,7 +52,7 @@ QUANTITIES = 8  # that one front may be of
 
 async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     """The sweep with this id."""
-    row = await parts.sweeps.store.find(sweep_id)
+    row = await parts.sweeps.store.find(sweep_id, parts.owner)
     if row is None:
         raise ProblemType.UNKNOWN_SWEEP(
             f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
@@ -95,7 +95,8 @@ async def create_sweep(request: Request, parts: Parts, idempotency_key: Key = No
     body = await receive_body(request, parts.settings.max_body_bytes)
     asked = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
     await check_key(parts, idempotency_key, body)
-    row = await parts.sweeps.accept(asked)
+    async with parts.quotas.room(parts.caller, id_of(asked.id, parts.owner)):
+        row = await parts.sweeps.accept(asked, parts.owner)
     headers = {"Location": views.sweep_path(row.id), "Retry-After": "1"}
     return Response(views.sweep_of(row, parts.sweeps), 202, headers, "application/json")
 
@@ -110,7 +111,7 @@ async def list_sweeps(
     ] = None,
 ) -> views.SweepPage:
     """The newest first."""
-    rows, following = await newest(parts.sweeps.store, limit, cursor, state)
+    rows, following = await newest(parts.sweeps.store, parts.owner, limit, cursor, state)
     items = [views.summary_of(row, parts.sweeps) for row in rows]
     return views.SweepPage(items=items, next=following)
 
@@ -144,7 +145,7 @@ async def delete_sweep(
     """A running one is stopped within a second, its items are kept; a finished one is deleted."""
     stopped = await parts.sweeps.dismiss(row)
     if stopped is None and not discard:
-        stopped = await parts.sweeps.store.find(row.id)
+        stopped = await parts.sweeps.store.find(row.id, parts.owner)
     if stopped is not None:
         return Response(views.sweep_of(stopped, parts.sweeps), media_type="application/json")
     await parts.sweeps.store.delete(row.sequence)

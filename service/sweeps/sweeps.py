@@ -20,7 +20,7 @@ from sqlalchemy.exc import DBAPIError
 
 from service.settings import Settings
 from service.storage.store import LeaseLost, Store
-from service.storage.tables import SweepRow
+from service.storage.tables import LOCAL, SweepRow
 from service.sweeps.asked import AskedSweep, asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import STATUSES, SweepStore
@@ -29,7 +29,7 @@ from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine, new_task_name
-from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.design.identity import ENGINE_NUMBER, identity
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
 
@@ -108,7 +108,7 @@ class SweepRunner:
             self.progress.update(len(done))
             del done
             await self._run_chunks(chunks)
-            row = await retry_transaction(lambda: self._store.find(self._row.id))
+            row = await retry_transaction(lambda: self._store.find(self._row.id, None))
             if row is not None and not self._stopping:
                 state = "failed" if row.failed == row.size else "successful"
                 await retry_transaction(lambda: self._store.end(number, state))
@@ -201,6 +201,15 @@ class SweepRunner:
             self.progress.update(row.done)
 
 
+def id_of(question: str, owner: str) -> str:
+    """The id of an owner's sweep, by that of its question.
+
+    Every owner has a sweep of his own, though another may have asked the same: what one stops or
+    deletes, the other goes on with.
+    """
+    return question if owner == LOCAL else identity(owner, question)
+
+
 class Sweeps:
     """The sweeps that this process runs, by id; and all that are stored."""
 
@@ -209,19 +218,19 @@ class Sweeps:
         self.store = SweepStore(store, settings.lease_s)
         self.work: Work[SweepRow, SweepRunner] = Work(self.store, self._begin)
 
-    async def accept(self, asked: AskedSweep) -> SweepRow:
-        """Accept a sweep, or join it, or continue one that was dismissed."""
-        running = len(self.work.runners)
-        if asked.id not in self.work.runners and running >= self._settings.max_sweeps:
+    async def accept(self, asked: AskedSweep, owner: str) -> SweepRow:
+        """Accept an owner's sweep, or join it, or continue one that was dismissed."""
+        running, id = len(self.work.runners), id_of(asked.id, owner)
+        if id not in self.work.runners and running >= self._settings.max_sweeps:
             raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
-        return await self._accept(asked)
+        return await self._accept(asked, owner)
 
-    async def _accept(self, asked: AskedSweep) -> SweepRow:
+    async def _accept(self, asked: AskedSweep, owner: str) -> SweepRow:
         row = SweepRow(
-            id=asked.id, engine=ENGINE_NUMBER, name=asked.name,
+            id=id_of(asked.id, owner), belongs_to=owner, engine=ENGINE_NUMBER, name=asked.name,
             created=datetime.now(UTC), state="accepted",
             spec=asked.text.encode(), size=asked.size, quantities=[], axes=asked.axes,
             **dict.fromkeys(STATUSES, 0),
@@ -251,7 +260,7 @@ class Sweeps:
         except ValidationError:
             log.warning("the spec of a sweep that an earlier engine began cannot be read")
             return
-        await self._accept(asked_sweep(spec))
+        await self._accept(asked_sweep(spec), row.belongs_to)
 
     def progress(self, name: str) -> Progress | None:
         """The progress of a sweep that this process runs."""
@@ -265,7 +274,7 @@ class Sweeps:
         if runner is not None:
             await runner.stop()
             await asyncio.wait({runner.task})
-        return None if ended is None else await self.store.find(row.id)
+        return None if ended is None else await self.store.find(row.id, None)
 
     async def close(self) -> None:
         """Stop everything; it is continued at the next start."""

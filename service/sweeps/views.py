@@ -198,7 +198,7 @@ async def events(
         progress = sweeps.progress(row.id)
         # Taken before the sweep is read, so that no change after that is missed.
         change = progress.next_change if progress else asyncio.Event()
-        now = await sweeps.store.find(row.id)
+        now = await sweeps.store.find(row.id, row.belongs_to)
         if now is None:
             return
         while items and (

@@ -19,6 +19,8 @@ class ProblemType(Enum):
 
     NOT_HTTP = 400, "The request is not HTTP/1.1", "It cannot be parsed, or comes with too many."
     NOT_JSON = 400, "The body is not JSON"
+    KEY_NEEDED = 401, "A key is needed", "None was sent, or one that is not valid (any more)."
+    NOT_ALLOWED = 403, "This key does not open that"
     NOT_FOUND = 404, "Not found"
     UNKNOWN_DESIGN = 404, "No such design"
     UNKNOWN_CAM_SET = 404, "No such cam set"
@@ -36,11 +38,13 @@ class ProblemType(Enum):
     BODY_TOO_LARGE = (413, "The body is too large", "Or it takes too long to read.")
     WRONG_MEDIA_TYPE = 415, "The body must be application/json"
     NO_SUCH_BYTES = 416, "The range is not satisfiable"
+    MISDIRECTED = 421, "This service has another name", "See the header Host."
     INVALID_REQUEST = 422, "The request is invalid", "It is JSON, but does not satisfy its schema."
     INVALID_PARAMETER = 422, "A parameter or header is invalid"
     INVALID_DESIGN = 422, "The spec is invalid", "A value breaks a rule of the core."
     IDEMPOTENCY_KEY_REUSED = 422, "The idempotency key was used for another request"
     BUSY = 429, "The queue is full"
+    QUOTA_USED_UP = 429, "The key's quota is used up", "`Retry-After` says when there is more."
     HEAD_TOO_LARGE = 431, "Path, query and headers are too large"
     INTERNAL = 500, "Internal error"
     SOLVER_FAILED = 500, "The solver failed", "It stopped without a usable point."

@@ -81,12 +81,14 @@ class Readers:
         return False, failure
 
     def _start(self) -> tuple[Any, Any]:
+        prefork.start_fork_server()  # it runs already where workers are the service's own
         context: Any = multiprocessing.get_context(prefork.METHOD)
         pipe, far = context.Pipe()
         process = context.Process(target=serve, args=(far,), name="reader", daemon=True)
         process.start()
         far.close()
         self._processes.add(process)
+        pipe.recv()  # it is there: time counts from here on
         return process, pipe
 
     def close(self) -> None:
@@ -97,7 +99,8 @@ class Readers:
 
 
 def serve(pipe: Any) -> None:
-    """Do what comes through a pipe, until its other end is closed."""
+    """Say that it is there, and do what comes through a pipe, until its other end is closed."""
+    pipe.send(None)
     while True:
         try:
             work, arguments = pipe.recv()

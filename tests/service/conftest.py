@@ -6,7 +6,9 @@ import asyncio
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import pytest
@@ -43,6 +45,12 @@ class Running:
             assert self._thread.is_alive(), "the service did not start"
             self._thread.join(0.02)
         return self
+
+    def new_key(self, owner: str, **more: Any) -> str:
+        """The text of a new key of an owner; in a thread: some tests have an event loop."""
+        made = self.app.state.parts.keys.create(f"of {owner}", owner, **more)
+        with ThreadPoolExecutor(1) as thread:
+            return str(thread.submit(asyncio.run, made).result()[1])
 
     def __exit__(self, *_: object) -> None:
         self.client.close()
