@@ -20,7 +20,7 @@ from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, Usa
 UNANSWERED = ("accepted", "failed")
 # What an answer that has ended says of itself, and that nobody works on it any more.
 ENDED = (
-    "created", "state", "status", "body", "etag", "summary", "problem", "owner", "leased_until",
+    "created", "state", "status", "body", "etag", "summary", "problem", "leased_by", "leased_until",
 )  # fmt: skip
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
@@ -191,7 +191,7 @@ class Answers:
     async def fail(self, id: str, problem: dict[str, Any], seconds: float = 0.0) -> None:
         """Note why an accepted one failed, or failed again; nothing where it was never accepted."""
         change = update(AnswerRow).filter_by(id=id).where(AnswerRow.state.in_(UNANSWERED))
-        change = change.values(state="failed", problem=problem, owner=None, leased_until=None)
+        change = change.values(state="failed", problem=problem, leased_by=None, leased_until=None)
 
         def work(session: Session) -> None:
             session.execute(change)
@@ -219,7 +219,7 @@ class Answers:
         """
         change = update(AnswerRow).filter_by(id=id, kind=self._kind)
         change = change.values(
-            state="superseded", body=None, problem=None, owner=None, leased_until=None
+            state="superseded", body=None, problem=None, leased_by=None, leased_until=None
         )
 
         def work(session: Session) -> None:

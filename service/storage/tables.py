@@ -43,15 +43,14 @@ class StoredRow(Base):
 
 
 class LeasedRow(StoredRow):
-    """What a process works on.
-
-    ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may.
+    """What a process works on: ``leased_by`` is that process, ``leased_until`` [s since 1970] how
+    long it may.
     """
 
     __abstract__ = True
 
     state: Mapped[str] = mapped_column(String(16), index=True)
-    owner: Mapped[str | None] = mapped_column(String(64))
+    leased_by: Mapped[str | None] = mapped_column(String(64))
     leased_until: Mapped[float | None] = mapped_column(Float)
 
 

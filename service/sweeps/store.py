@@ -96,7 +96,7 @@ class SweepStore(Leases[SweepRow]):
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[WITHOUT_SPEC], with_for_update=True)
-            if whole is None or whole.owner != self.owner:
+            if whole is None or whole.leased_by != self.process:
                 raise LeaseLost
             finished = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
@@ -129,8 +129,8 @@ class SweepStore(Leases[SweepRow]):
             if whole is None or whole.state not in UNDER_WAY:
                 return None
             whole.state, whole.finished = state, datetime.now(UTC)
-            if whole.owner != self.owner:
-                whole.owner = whole.leased_until = None
+            if whole.leased_by != self.process:
+                whole.leased_by = whole.leased_until = None
             return whole
 
         return await self._do(work)

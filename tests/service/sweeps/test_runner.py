@@ -107,7 +107,7 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_item_is_solved_once_and_the_lease_is_given_back(tmp_path: Path) -> None:
     row, engine, strikes, done = run(tmp_path, solved)
     assert (row.state, row.optimal, row.done, strikes) == ("successful", 23, 23, {})
-    assert (row.owner, row.leased_until) == (None, None)
+    assert (row.leased_by, row.leased_until) == (None, None)
     assert row.started is not None
     assert done == set(range(23))
     assert Counter(n for sent in engine.sent for n in sent) == Counter(range(23))
@@ -163,7 +163,7 @@ def test_a_fault_of_the_engine_ends_the_sweep_as_failed(tmp_path: Path) -> None:
         raise RuntimeError
 
     row, *_ = run(tmp_path, broken)
-    assert (row.state, row.done, row.owner) == ("failed", 0, None)
+    assert (row.state, row.done, row.leased_by) == ("failed", 0, None)
 
 
 def test_a_store_that_cannot_be_reached_is_written_to_again(

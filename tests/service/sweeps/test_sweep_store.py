@@ -45,7 +45,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
 ) -> None:
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         first, second = await one.accept(a_sweep("a")), await one.accept(a_sweep("b"))
-        assert [each.id for each in await one.unowned()] == ["a", "b"]
+        assert [each.id for each in await one.unleased()] == ["a", "b"]
         await one.start(first.sequence)
         running = await one.find("a", None)
         assert running is not None
@@ -59,7 +59,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
             assert await one.end(row.sequence, "failed") is None
             assert row.sequence not in await one.renew()
             assert not await one.take(row.sequence)
-        assert await one.unowned() == []
+        assert await one.unleased() == []
         await one.start(first.sequence)
         assert (await one.accept(a_sweep("a"))).state == "successful"
         again = await one.accept(a_sweep("b"))
@@ -76,25 +76,25 @@ def test_a_lease_is_one_process_s_and_of_one_sweep(tmp_path: Path) -> None:
         assert first.sequence not in await one.renew()  # it has none yet
         assert await one.take(first.sequence)
         assert await one.take(first.sequence)  # its own
-        assert [each.id for each in await other.unowned()] == ["b"]
+        assert [each.id for each in await other.unleased()] == ["b"]
         assert await other.take(second.sequence)
         await other.release(first.sequence)  # not its own
         assert not await other.take(first.sequence)
         await one.release(first.sequence)
-        assert [each.id for each in await one.unowned()] == ["a"]
+        assert [each.id for each in await one.unleased()] == ["a"]
         released = await one.find("a", None)
         assert released is not None
-        assert (released.owner, released.leased_until) == (None, None)
+        assert (released.leased_by, released.leased_until) == (None, None)
         assert second.sequence in await other.renew()
         assert await other.take(first.sequence)
-        # ended by another process: the owner's lease is gone
+        # ended by another process: the lease is gone
         ended = await one.end(first.sequence, "dismissed")
         assert ended is not None
-        assert ended.owner is None
+        assert ended.leased_by is None
         assert ended.leased_until is None
         kept = await other.end(second.sequence, "failed")
         assert kept is not None
-        assert kept.owner == other.owner
+        assert kept.leased_by == other.process
 
     on_store(tmp_path, work)
 

@@ -41,7 +41,7 @@ def ports(family: list[int]) -> set[int]:
     inodes = set()
     for process in family:
         for descriptor in Path(f"/proc/{process}/fd").iterdir():
-            target = os.readlink(descriptor)
+            target = str(descriptor.readlink())
             if target.startswith("socket:"):
                 inodes.add(target.removeprefix("socket:[").removesuffix("]"))
     found = set()
@@ -118,7 +118,7 @@ def test_work_is_done_again_where_its_worker_went_with_another_process(tmp_path:
 
     async def story(workers: LocalWorkers) -> None:
         forking = await workers.run("a", os.getppid)
-        assert len([*Path(f"/proc/{forking}/task").iterdir()]) == 1
+        assert threads(forking) == 1
         assert await workers.run("b", held_back) > 100_000
         task = asyncio.ensure_future(workers.run("c", at_work, tmp_path / "c"))
         (first,) = await begun(tmp_path / "c")
@@ -129,6 +129,10 @@ def test_work_is_done_again_where_its_worker_went_with_another_process(tmp_path:
         assert await workers.run("d", os.getppid) != forking
 
     with_one_worker(story)
+
+
+def threads(process: int) -> int:
+    return len([*Path(f"/proc/{process}/task").iterdir()])
 
 
 def held_back() -> int:
