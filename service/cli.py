@@ -15,6 +15,7 @@ import typer
 from service.commands import questions
 from service.commands.examples import examples
 from service.commands.export import export
+from service.commands.keys import KEYS
 from service.commands.keys import app as keys
 from service.commands.serve import serve
 from service.commands.sweep import sweep
@@ -82,8 +83,8 @@ HELP = {name: help_text(command.__doc__ or "") for name, command in COMMANDS.ite
 for name, command in COMMANDS.items():
     offered = with_key(command) if "url" in signature(command).parameters else command
     app.command(name, help=HELP[name], short_help=HELP[name].partition("\n")[0])(offered)
-KEYS = "Keys to a service: made, listed, rotated and revoked where its database is."
-app.add_typer(keys, name="keys", help=KEYS, short_help=KEYS.partition(":")[0])
+HELP["keys"] = help_text(KEYS)
+app.add_typer(keys, name="keys", help=HELP["keys"], short_help="Keys to a service.")
 for each in keys.registered_commands:
     each.help = help_text(getattr(each.callback, "__doc__", None) or "")
     each.short_help = each.help.partition("\n")[0]

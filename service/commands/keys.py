@@ -9,6 +9,18 @@ import typer
 
 from service.commands.terminal import complain, say, stop
 
+KEYS = """Keys to a service: made, listed, rotated and revoked where its database is.
+
+A service that others reach asks for a key, and opens with it what its owner has asked. The database
+is that of CAMWRIGHT_DATABASE_URL or --database-url, as of `camwright serve`; the service may be
+running meanwhile.
+
+  camwright keys create "Ada's laptop" --owner ada --days 365
+  camwright keys list
+  camwright keys rotate 1f2e3d4c --overlap-days 7
+  camwright keys revoke 1f2e3d4c
+
+Exit codes: 0 done; 1 the database or a setting cannot be used; 2 there is no such key."""
 T = TypeVar("T")
 LOCAL = "local"  # as in `service.storage.tables`, which takes long to import
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)

@@ -29,11 +29,22 @@ log = logging.getLogger("camwright.questions")
 
 
 class Attempt:
-    """The work on one question, in ``task``; ``keeping``: its answer is being kept."""
+    """The work on one question, in ``task``; ``keeping``: its answer is being kept.
+
+    ``budget_s`` is the time that the core may take for it.
+    """
 
     sequence: int
     task: asyncio.Task[Any]
     keeping = False
+
+    def __init__(self, budget_s: float) -> None:
+        self.budget_s, self._began = budget_s, time.monotonic()
+
+    @property
+    def seconds(self) -> float:
+        """Time that the core may have taken for it so far, as it may have waited before [s]."""
+        return min(time.monotonic() - self._began, self.budget_s)
 
     async def stop(self) -> None:
         """End it, unless it has ended but for the keeping: the store sees who may."""
@@ -171,7 +182,9 @@ class Jobs:
     def _attempt(self, id: str, spec: Any) -> Attempt:
         attempt = self._attempts.get(id)
         if attempt is None:
-            attempt = self._attempts[id] = Attempt()
+            attempt = self._attempts[id] = Attempt(
+                self._settings.budget_s(getattr(spec, "time_budget_s", None))
+            )
             attempt.task = asyncio.create_task(self._run(attempt, id, spec))
             attempt.task.add_done_callback(lambda task: self._remove(id, task))
         return attempt
@@ -186,14 +199,17 @@ class Jobs:
 
         What others hold too stays for them as it is.
         """
-        held, by_others = await self.answers.release(id, owner)
-        attempt = self._attempts.get(id) if held else None
-        if held and by_others:
+        attempt = self._attempts.get(id)
+        seconds = 0.0 if attempt is None else attempt.seconds
+        held, by_others = await self.answers.release(id, owner, seconds)
+        if not held:
+            return False
+        if by_others:
             return attempt is not None or await self.answers.find(id, None) is not None
         if attempt is not None:
             attempt.task.cancel()
             await asyncio.wait({attempt.task})
-        return held and (await self.answers.remove(id) or attempt is not None)
+        return await self.answers.remove(id) or attempt is not None
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
@@ -203,17 +219,16 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
-        row, began = self._row(id, spec, "done"), time.monotonic()
+        row = self._row(id, spec, "done")
         try:
-            answer = await self._solve(row, spec)
+            answer = await self._solve(row, attempt.budget_s)
         except Exception as error:
             problem = problem_of(error)
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
             attempt.keeping = True
-            seconds = min(time.monotonic() - began, self._budget_s(spec))  # it may have waited
-            await retry_transaction(lambda: self.answers.fail(id, problem, seconds))
+            await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
@@ -222,9 +237,8 @@ class Jobs:
         accepted = id in self._accepted.runners
         return await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
 
-    async def _solve(self, row: AnswerRow, spec: Any) -> Answer:
+    async def _solve(self, row: AnswerRow, budget: float) -> Answer:
         """Have a worker answer; again, until it has killed too many of them."""
-        budget = self._budget_s(spec)
         strikes = 0
         while True:
             try:
@@ -245,9 +259,6 @@ class Jobs:
                         f"by itself. The last time: {error.detail}",
                         error.headers,
                     ) from None
-
-    def _budget_s(self, spec: Any) -> float:
-        return self._settings.budget_s(getattr(spec, "time_budget_s", None))
 
     def _row(self, id: str, spec: Any, state: str) -> AnswerRow:
         return AnswerRow(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections import defaultdict
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -43,29 +45,40 @@ class UsedQuotas:
             if not asked:
                 self._asked.pop(caller.owner, None)
 
-    async def use(self, caller: Caller, seconds: float) -> None:
-        """Note time in the core [s] for what is not kept, such as files; of keys alone."""
-        if caller.key is not None:
+    @asynccontextmanager
+    async def core(self, caller: Caller, budget_s: float) -> AsyncIterator[None]:
+        """While a worker makes what is not kept, such as a file, in the time that it has [s]."""
+        if caller.key is None:
+            yield
+            return
+        await self._check_core_seconds(caller)
+        began = time.monotonic()
+        try:
+            yield
+        finally:
+            seconds = min(time.monotonic() - began, budget_s)  # it may have waited for a worker
             await self._do(lambda session: charge(session, caller.owner, seconds))
+
+    async def _check_core_seconds(self, caller: Caller) -> None:
+        owner, most, now = caller.owner, caller.quotas.core_seconds_per_day, datetime.now(UTC)
+        if most is None:
+            return
+        used = await self._do(lambda s: s.get(UsageRow, (owner, now.date().isoformat())))
+        if used is not None and used.core_seconds >= most:
+            midnight = datetime.combine(now.date() + timedelta(1), datetime.min.time(), UTC)
+            left_s = math.ceil((midnight - now).total_seconds())
+            headers = limit_headers("core-seconds", most, DAY_S, 0.0, left_s)
+            raise ProblemType.QUOTA_USED_UP(
+                f"{owner} may use {most:g} s of the core a day, and has used them. What was "
+                "accepted is finished; ask again after midnight UTC, or let the operator raise "
+                "the quota.",
+                {**headers, "Retry-After": str(left_s)},
+            )
 
     async def _check(self, caller: Caller, id: str, asked: frozenset[str]) -> None:
         """Refuse what goes beyond a quota, before it is accepted; what was accepted is finished."""
-        owner, quotas, now = caller.owner, caller.quotas, datetime.now(UTC)
-        midnight = datetime.combine(now.date() + timedelta(1), datetime.min.time(), UTC)
-        left_s = (midnight - now).total_seconds() + 1.0
-        if quotas.core_seconds_per_day is not None:
-            used = await self._do(lambda s: s.get(UsageRow, (owner, now.date().isoformat())))
-            left = quotas.core_seconds_per_day - (used.core_seconds if used else 0.0)
-            if left <= 0.0:
-                headers = limit_headers(
-                    "core-seconds", quotas.core_seconds_per_day, DAY_S, 0.0, left_s
-                )
-                raise ProblemType.QUOTA_USED_UP(
-                    f"{owner} may use {quotas.core_seconds_per_day:g} s of the core a day, and has "
-                    "used them. What was accepted is finished; ask new questions after midnight "
-                    "UTC, or let the operator raise the quota.",
-                    {**headers, "Retry-After": f"{left_s:.0f}"},
-                )
+        owner, quotas = caller.owner, caller.quotas
+        await self._check_core_seconds(caller)
         if quotas.storage_mb is not None:
             used_mb = await self._do(lambda session: _stored(session, owner)) / MEGABYTE
             if used_mb >= quotas.storage_mb:

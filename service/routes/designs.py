@@ -52,7 +52,8 @@ async def get_design_sensitivities(
 
 async def _sensitivities(parts: State, design: bytes) -> bytes:
     budget_s = parts.settings.time_budget_s
-    return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
+    async with parts.quotas.core(parts.caller, budget_s):
+        return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
 
 
 @router.get(

@@ -329,7 +329,8 @@ async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     )
     budget_s = parts.settings.budget_s(None)
     try:
-        return await parts.engine.run(work, budget_s=budget_s)
+        async with parts.quotas.core(parts.caller, budget_s):
+            return await parts.engine.run(work, budget_s=budget_s)
     except TimeBudgetExceeded:
         raise ProblemType.TIME_BUDGET(
             f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "

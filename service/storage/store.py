@@ -144,14 +144,19 @@ class Answers:
         answer = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
         session.execute(answer.with_for_update())
 
-    async def release(self, id: str, owner: str) -> tuple[bool, bool]:
-        """Let an owner hold it no longer. Whether he did, and whether others do."""
+    async def release(self, id: str, owner: str, seconds: float = 0.0) -> tuple[bool, bool]:
+        """Let an owner hold it no longer. Whether he did, and whether others do.
+
+        ``seconds``: that the core has worked on it so far; used by this owner if he was the last.
+        """
 
         def work(session: Session) -> tuple[bool, bool]:
             self._lock(session, id)
             own = delete(HoldingRow).filter_by(owner=owner, id=id, kind=self._kind)
             held = session.scalar(own.returning(HoldingRow.sequence)) is not None
             other = session.scalar(select(HoldingRow.sequence).filter_by(id=id).limit(1))
+            if held and other is None and seconds:
+                charge(session, owner, seconds)
             return held, other is not None
 
         return await self._do(work)
