@@ -118,7 +118,7 @@ def test_work_is_done_again_where_its_worker_went_with_another_process(tmp_path:
 
     async def story(workers: LocalWorkers) -> None:
         forking = await workers.run("a", os.getppid)
-        assert threads(forking) == 1
+        assert await asyncio.to_thread(threads, forking) == 1
         assert await workers.run("b", held_back) > 100_000
         task = asyncio.ensure_future(workers.run("c", at_work, tmp_path / "c"))
         (first,) = await begun(tmp_path / "c")
