@@ -112,6 +112,10 @@ class Work(Generic[Row, AnyRunner]):
         for runner in before:
             if runner.sequence not in held and not runner.task.done():
                 await runner.stop()
+        # Work that has ended without its row, such as by a fault: let it be adopted.
+        if not self._starting:
+            for sequence in held - {runner.sequence for runner in self.runners.values()}:
+                await self.leases.release(sequence)
 
     async def _poll(self) -> None:
         looked = asyncio.get_running_loop().time()

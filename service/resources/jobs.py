@@ -20,6 +20,7 @@ from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
+from service.wire.validation import kept_question
 from service.work import POLL_S, RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine
 from service.workers.tasks import Answer
@@ -91,7 +92,7 @@ class Jobs:
         if row.engine >= ENGINE_NUMBER:
             return row
         try:
-            spec = self.resource.spec.model_validate_json(row.spec)
+            spec = await asyncio.to_thread(self.resource.spec.model_validate_json, row.spec)
         except ValidationError:
             raise self.resource.unknown(
                 f"{self.resource.noun.capitalize()} {id} was made by an earlier engine, and this "
@@ -148,11 +149,11 @@ class Jobs:
             else:  # another process works on it
                 await asyncio.sleep(POLL_S)
             row = await self.answers.find(id, owner)
-            if row is None:
+            if row is None and not await self.answers.is_held(id, owner):
                 raise ProblemType.DISMISSED(
                     "The question was deleted while it was being worked on."
                 )
-            if row.state in ("done", "failed"):
+            if row is not None and row.state in ("done", "failed"):
                 return row
 
     async def accept(self, spec: Any) -> AnswerRow:
@@ -170,7 +171,7 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
-            attempt = self._attempt(row.id, self.resource.spec.model_validate_json(row.spec))
+            attempt = self._attempt(row.id, kept_question(row.name, row.spec))
             attempt.sequence = row.sequence
             return attempt
         try:
@@ -201,15 +202,12 @@ class Jobs:
         """
         attempt = self._attempts.get(id)
         seconds = 0.0 if attempt is None else attempt.seconds
-        held, by_others = await self.answers.release(id, owner, seconds)
-        if not held:
-            return False
-        if by_others:
-            return attempt is not None or await self.answers.find(id, None) is not None
-        if attempt is not None:
+        held, by_others, kept = await self.answers.release(id, owner, seconds)
+        if held and not by_others and attempt is not None:
             attempt.task.cancel()
             await asyncio.wait({attempt.task})
-        return await self.answers.remove(id) or attempt is not None
+            await self.answers.remove(id)  # what it may have kept meanwhile
+        return held and (kept or attempt is not None)
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""

@@ -144,20 +144,31 @@ class Answers:
         answer = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
         session.execute(answer.with_for_update())
 
-    async def release(self, id: str, owner: str, seconds: float = 0.0) -> tuple[bool, bool]:
-        """Let an owner hold it no longer. Whether he did, and whether others do.
+    async def is_held(self, id: str, owner: str) -> bool:
+        """Whether an owner has asked the question and not deleted it, answered or not."""
+        query = select(HoldingRow.sequence).filter_by(owner=owner, id=id, kind=self._kind)
+        return await self._do(lambda session: session.scalar(query)) is not None
 
-        ``seconds``: that the core has worked on it so far; used by this owner if he was the last.
+    async def release(self, id: str, owner: str, seconds: float = 0.0) -> tuple[bool, bool, bool]:
+        """Let an owner hold it no longer, and delete it where nobody else does.
+
+        Whether he held it, whether others do, and whether there was an answer, or a question that
+        was accepted. ``seconds``: that the core has worked on it so far; used by this owner if he
+        was the last.
         """
 
-        def work(session: Session) -> tuple[bool, bool]:
+        def work(session: Session) -> tuple[bool, bool, bool]:
             self._lock(session, id)
             own = delete(HoldingRow).filter_by(owner=owner, id=id, kind=self._kind)
             held = session.scalar(own.returning(HoldingRow.sequence)) is not None
             other = session.scalar(select(HoldingRow.sequence).filter_by(id=id).limit(1))
-            if held and other is None and seconds:
-                charge(session, owner, seconds)
-            return held, other is not None
+            kept = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
+            there = session.scalar(kept) is not None
+            if held and other is None:
+                if seconds:
+                    charge(session, owner, seconds)
+                session.execute(delete(AnswerRow).filter_by(id=id, kind=self._kind))
+            return held, other is not None, there
 
         return await self._do(work)
 
@@ -182,13 +193,14 @@ class Answers:
         """
 
         def work(session: Session) -> AnswerRow:
-            self._charge(session, row.id, seconds)
             existing = find_or_add(session, row)
             if existing is row and accepted:
                 raise LeaseLost
-            if existing.state != "done" and existing is not row:
-                for field in ENDED:
-                    setattr(existing, field, getattr(row, field))
+            if existing.state == "done" and existing is not row:
+                return existing
+            self._charge(session, row.id, seconds)
+            for field in ENDED:
+                setattr(existing, field, getattr(row, field))
             return existing
 
         return await self._do(work)

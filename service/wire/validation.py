@@ -72,6 +72,11 @@ def read_question(body: bytes, model: type[BaseModel]) -> Question:
     return Question(spec.name, getattr(spec, "time_budget_s", None), spec.model_dump_json())
 
 
+def kept_question(name: str, spec: bytes) -> Question:
+    """A question as the store has kept it: it was valid, and is not checked again."""
+    return Question(name, json.loads(spec).get("time_budget_s"), spec.decode())
+
+
 def validate(body: bytes, model: type[Model]) -> Model:
     """Bytes as ``model``, in strict mode; ServiceError where they are no JSON, or of no model."""
     known = all_names(model)

@@ -318,7 +318,7 @@ def judge(asking: Asking, store: Store, settled_s: float) -> int:
         again = asking.ask("POST", "/v1/designs", json=body)
         assert again.headers["content-location"] == where
         assert again.content == asking.ask("GET", where).content
-    owned = store.rows("select count(*) from answers where owner is not null")[0][0]
+    owned = store.rows("select count(*) from answers where leased_by is not null")[0][0]
     print(f"designs {len(asking.designs)}, sweeps {len(asking.sweeps)} with {expected} items")
     print(f"items {dict(states)}; answers of the service {dict(asking.statuses)}")
     print(f"lost {len(lost) + max(0, expected - len(items))}, doubled {twice}, "

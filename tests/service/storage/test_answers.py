@@ -130,8 +130,10 @@ def test_pages_counts_and_removal(tmp_path: Path) -> None:
         assert [each.id for each in await one.page(None, 9, "optimal", ME)] == ["c", "a"]
         assert await one.counts() == {"optimal": 2, "feasible": 1, "accepted": 2}
         assert not await one.remove("a")  # as long as somebody holds it
-        assert await other.release("a", ME) == (False, True)
-        assert await one.release("a", ME) == (True, False)
+        assert await other.release("a", ME) == (False, True, False)
+        assert await one.release("a", ME) == (True, False, True)  # and so it is deleted
+        assert not await one.remove("a")
+        await one.accept(row("a"))
         assert not await other.remove("a")
         assert await one.remove("a")
         assert not await one.remove("a")
@@ -154,8 +156,8 @@ def test_an_owner_sees_what_he_has_asked_and_nothing_of_others(tmp_path: Path) -
         assert long_ago < mine.created.replace(tzinfo=UTC) < his.created.replace(tzinfo=UTC)
         (listed,) = await one.page(None, 9, None, "him")
         assert (listed.created, listed.sequence) == (his.created, 2)  # the second to ask
-        assert await one.release("a", "she") == (False, True)
-        assert await one.release("a", ME) == (True, True)
+        assert await one.release("a", "she") == (False, True, True)
+        assert await one.release("a", ME) == (True, True, True)
         assert await one.find("a", ME) is None
         assert not await one.remove("a")
         # what an earlier engine has answered leads all who hold it to the question of this one
