@@ -152,7 +152,11 @@ class LocalWorkers:
         """Have one worker, and another one whenever it has ended."""
         loop = asyncio.get_running_loop()
         while True:
-            worker = await self._started()
+            try:
+                worker = await self._started()
+            except (OSError, EOFError):  # what forks has died at it: the next start brings another
+                await asyncio.sleep(ANEW_S)
+                continue
             ended = loop.run_in_executor(self._threads, wait, [worker.process.sentinel])
             try:
                 if await self._answers(worker):
