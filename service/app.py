@@ -12,7 +12,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 
 from service import pages
-from service.contract.documentation import OPENAPI_URL, TITLE, describe
+from service.contract.documentation import TITLE, describe
 from service.resources.jobs import Jobs
 from service.resources.records import RESOURCES
 from service.routes import catalogue, designs, operation, resource_routes, sweep_proofs, sweeps
@@ -21,7 +21,7 @@ from service.state import State
 from service.storage.store import Store
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
-from service.wire.conditional import Ranges, TagEncodings
+from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
@@ -69,7 +69,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     app = FastAPI(
         title=TITLE,
         lifespan=lifespan,
-        openapi_url=OPENAPI_URL,
+        openapi_url=None,  # as a page, with a tag
         docs_url=None,
         redoc_url=None,
         swagger_ui_oauth2_redirect_url=None,
@@ -83,6 +83,7 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     pages.install(app)
     problem.install(app)
     # Middleware, from the innermost to the outermost.
+    app.add_middleware(Heads)
     app.add_middleware(GZipMiddleware, minimum_size=1000, compresslevel=GZIP_LEVEL)
     app.add_middleware(TagEncodings)
     app.add_middleware(Ranges)

@@ -13,6 +13,10 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
+# Connections that may wait to be accepted: beyond these the kernel drops them, and their peers try
+# again after seconds. Systems allow at least so many.
+BACKLOG = 1024
+
 
 class Settings(BaseSettings):
     """The settings of an operator; each field is CAMWRIGHT_<NAME> in the environment."""
@@ -101,7 +105,7 @@ def listening_socket(settings: Settings) -> socket.socket:
     try:
         _notice_absent_peers(listener, settings.unread_s)
         listener.bind((settings.host, settings.port))
-        listener.listen(256)
+        listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
         in_use = error.errno == errno.EADDRINUSE
