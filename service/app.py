@@ -12,7 +12,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 
 from service import pages
-from service.contract.documentation import OPENAPI_URL, TITLE, describe
+from service.contract.documentation import TITLE, describe
 from service.resources.jobs import Jobs, Questions, questions
 from service.resources.quotas import UsedQuotas
 from service.resources.records import RESOURCES
@@ -25,7 +25,7 @@ from service.storage.tables import LOCAL
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
 from service.wire.access import Caller, Guard
-from service.wire.conditional import Ranges, TagEncodings
+from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
@@ -81,7 +81,7 @@ def create_app(
     app = FastAPI(
         title=TITLE,
         lifespan=lifespan,
-        openapi_url=OPENAPI_URL,
+        openapi_url=None,  # as a page, with a tag
         docs_url=None,
         redoc_url=None,
         swagger_ui_oauth2_redirect_url=None,
@@ -95,6 +95,7 @@ def create_app(
     pages.install(app)
     problem.install(app)
     # Middleware, from the innermost to the outermost.
+    app.add_middleware(Heads)
     app.add_middleware(GZipMiddleware, minimum_size=1000, compresslevel=GZIP_LEVEL)
     app.add_middleware(TagEncodings)
     app.add_middleware(Ranges)

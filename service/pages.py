@@ -7,7 +7,9 @@ source file, become plain text.
 
 from __future__ import annotations
 
+import asyncio
 import html
+import json
 import re
 from functools import lru_cache
 from importlib.metadata import distribution
@@ -24,6 +26,7 @@ from starlette.staticfiles import StaticFiles
 from service.contract.documentation import OPENAPI_URL, TITLE
 from service.state import Parts
 from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
+from service.wire.conditional import not_modified, tag_of
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -108,6 +111,22 @@ async def show_redoc() -> Response:
         with_google_fonts=False,
     )
     return HTMLResponse(bytes(page.body), headers={"Content-Security-Policy": REDOC_POLICY})
+
+
+@router.get(OPENAPI_URL)
+async def show_contract(request: Request) -> Response:
+    """The OpenAPI document; made in a thread, for it takes a second."""
+    body, tag = await asyncio.to_thread(_contract, request.app)
+    return not_modified(request, tag) or Response(
+        body, 200, {"ETag": f'"{tag}"'}, "application/json"
+    )
+
+
+@lru_cache(maxsize=1)
+def _contract(app: FastAPI) -> tuple[bytes, str]:
+    """The document and its tag, made once."""
+    text = json.dumps(app.openapi(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode(), tag_of(text)
 
 
 @router.get("/guide")

@@ -16,6 +16,9 @@ from sqlalchemy.exc import ArgumentError
 
 # As which a browser on the same machine addresses a service there.
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
+# Connections that may wait to be accepted: beyond these the kernel drops them, and their peers try
+# again after seconds. Systems allow at least so many.
+BACKLOG = 1024
 
 
 class Settings(BaseSettings):
@@ -150,7 +153,7 @@ def listening_socket(settings: Settings) -> socket.socket:
     try:
         _notice_absent_peers(listener, settings.unread_s)
         listener.bind((settings.host, settings.port))
-        listener.listen(256)
+        listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
         in_use = error.errno == errno.EADDRINUSE

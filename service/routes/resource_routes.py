@@ -5,12 +5,13 @@
 import asyncio
 import hashlib
 import re
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from functools import partial
 from inspect import cleandoc
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi.responses import StreamingResponse
 
 from service.contract.documentation import (
     UNDER_WAY_HEADERS,
@@ -23,7 +24,7 @@ from service.resources.resource import Accepted, Resource, ResourceFile, page_of
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.body import read_body
-from service.wire.conditional import IN_PARTS, not_modified, tag_of
+from service.wire.conditional import IN_PARTS, not_modified, only_head, tag_of
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import problem_response
 from synthesis.design.design import WITHOUT_CAM
@@ -300,22 +301,25 @@ async def send_file(
     known = not_modified(request, tag)
     if known is not None:
         return known
+    name = file.ending or file.path
+    if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
+        name = f"not-certified-{name}"
+    headers = download_headers(row.name, name, file.format.media_type)
+    headers |= {"ETag": f'"{tag}"', **IN_PARTS}
+    media_type = file.format.media_type
+    if only_head(request):  # without what only the file itself tells, its length among it
+        return StreamingResponse(nothing(), 200, headers, media_type)
     make = partial(file.write, file.format, body, options)
     content: FileContent = await (
         in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
     )
-    name = file.ending or file.path
-    if resource.marks_broken_limits and row.status in BROKEN_LIMITS:
-        name = f"not-certified-{name}"
-    metadata = {f"Camwright-{key}": value for key, value in content.metadata.items()}
-    return Response(
-        content.data,
-        headers={
-            "ETag": f'"{tag}"', **IN_PARTS,
-            **download_headers(row.name, name, file.format.media_type), **metadata,
-        },
-        media_type=file.format.media_type,
-    )  # fmt: skip
+    headers |= {f"Camwright-{key}": value for key, value in content.metadata.items()}
+    return Response(content.data, 200, headers, media_type)
+
+
+async def nothing() -> AsyncIterator[bytes]:
+    """No bytes."""
+    yield b""
 
 
 async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
