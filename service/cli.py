@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from service.commands import questions
+from service.commands import admin, questions
 from service.commands.examples import examples
 from service.commands.export import export
 from service.commands.keys import KEYS
@@ -79,6 +79,7 @@ def help_text(text: str) -> str:
 
 # Plain help: that of rich takes three times as long to load as all else here.
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app.add_typer(admin.app, name="admin")
 HELP = {name: help_text(command.__doc__ or "") for name, command in COMMANDS.items()}
 for name, command in COMMANDS.items():
     offered = with_key(command) if "url" in signature(command).parameters else command

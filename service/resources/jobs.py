@@ -131,6 +131,8 @@ class Jobs:
         not kept: whoever asks is still there, and asks again.
         """
         id, row = self.resource.id_of(spec), known
+        if row is not None and row.state == "failed":
+            await self._kept(id)
         while True:
             if row is not None and row.state == "accepted":
                 await self._accepted.start(row)
@@ -171,6 +173,7 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
+            await self._kept(row.id)
             attempt = self._attempt(row.id, kept_question(row.name, row.spec))
             attempt.sequence = row.sequence
             return attempt
@@ -179,6 +182,12 @@ class Jobs:
         except ServiceError as error:
             await self.answers.fail(row.id, problem_of(error))
         return None
+
+    async def _kept(self, id: str) -> None:
+        """Wait until nothing is kept any more of an attempt that has ended."""
+        attempt = self._attempts.get(id)
+        if attempt is not None and attempt.keeping:
+            await asyncio.wait({attempt.task})
 
     def _attempt(self, id: str, spec: Any) -> Attempt:
         attempt = self._attempts.get(id)

@@ -147,13 +147,24 @@ class Postgres(Store):
         os.kill(first, signal.SIGKILL)
         while any(Path(f"/proc/{each}/exe").exists() for each in forked):
             time.sleep(0.1)
-        if self._again is not None:
-            self._again.wait()
-        (where / "data" / "postmaster.pid").unlink(missing_ok=True)
-        user = account if os.geteuid() == 0 else None
-        self._again = subprocess.Popen(
-            command, user=user, cwd=where, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
+        with contextlib.suppress(ChildProcessError):  # one that nobody waited for counts as alive
+            os.waitpid(first, 0)
+        # Until it takes connections: it ends at once where a process of the old one still lives.
+        while self._again is None or self._again.poll() is not None or not self._there():
+            if self._again is None or self._again.poll() is not None:
+                user = account if os.geteuid() == 0 else None
+                self._again = subprocess.Popen(
+                    command, user=user, cwd=where, stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )  # fmt: skip
+            time.sleep(0.3)
+
+    def _there(self) -> bool:
+        try:
+            psycopg.connect(f"postgresql://{self._address}").close()
+        except psycopg.OperationalError:
+            return False
+        return True
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
         with psycopg.connect(f"postgresql://{self._address}") as connection:
@@ -351,9 +362,11 @@ def main() -> int:
                 answering(client)
         asking = Asking(services.ports, draw)
         posting = [
-            threading.Thread(target=asking.post_sweeps, args=(chosen.sweeps, chosen.items)),
             threading.Thread(
-                target=asking.post_designs, args=(chosen.singles, 3.0 * chosen.faults)
+                daemon=True, target=asking.post_sweeps, args=(chosen.sweeps, chosen.items)
+            ),
+            threading.Thread(
+                daemon=True, target=asking.post_designs, args=(chosen.singles, 3.0 * chosen.faults)
             ),
         ]
         for each in posting:

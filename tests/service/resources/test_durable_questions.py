@@ -156,10 +156,21 @@ def test_what_kills_its_workers_is_given_up_and_can_be_asked_again(
     asyncio.run(story())
 
 
-def test_one_that_fails_again_while_somebody_waits_says_so(tmp_path: Path, store: Store) -> None:
+def test_one_that_fails_again_while_somebody_waits_says_so(
+    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where what has failed before is still in the memory of the process."""
+
     async def story() -> None:
         spec, wrong = question(), InputError("/lift", 1, "is too much", "Take less.")
         one = Service(tmp_path, store, raising(LOST, LOST, LOST, wrong))
+        fail = one.designs.answers.fail
+
+        async def fail_slowly(*given: Any) -> None:
+            await fail(*given)
+            await asyncio.sleep(0.1)
+
+        monkeypatch.setattr(one.designs.answers, "fail", fail_slowly)
         row = await one.accept(spec)
         row = await one.ends(row.id, "failed")
         with pytest.raises(InputError):
