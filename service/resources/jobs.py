@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import logging
+import time
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
@@ -28,11 +29,22 @@ log = logging.getLogger("camwright.questions")
 
 
 class Attempt:
-    """The work on one question, in ``task``; ``keeping``: its answer is being kept."""
+    """The work on one question, in ``task``; ``keeping``: its answer is being kept.
+
+    ``budget_s`` is the time that the core may take for it.
+    """
 
     sequence: int
     task: asyncio.Task[Any]
     keeping = False
+
+    def __init__(self, budget_s: float) -> None:
+        self.budget_s, self._began = budget_s, time.monotonic()
+
+    @property
+    def seconds(self) -> float:
+        """Time that the core may have taken for it so far, as it may have waited before [s]."""
+        return min(time.monotonic() - self._began, self.budget_s)
 
     async def stop(self) -> None:
         """End it, unless it has ended but for the keeping: the store sees who may."""
@@ -66,14 +78,14 @@ class Jobs:
         self._metrics, self._settings, self._accepted = metrics, settings, accepted
         self._attempts: dict[str, Attempt] = {}
 
-    async def find(self, id: str) -> AnswerRow:
-        """The answer with this id, by this engine.
+    async def find(self, id: str, owner: str | None) -> AnswerRow:
+        """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id)
+        row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
@@ -86,15 +98,15 @@ class Jobs:
                 f"one cannot read its spec. POST it to {self.resource.path} in today's form, as "
                 "in /docs."
             ) from None
-        current = await self.answers.find(self.resource.id_of(spec))
+        current = await self.answers.find(self.resource.id_of(spec), owner)
         if current is None:
             current = await self._accept(spec)
-        await self.answers.supersede(id)
+        await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
+    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
         """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id)
+        row = await self.find(id, owner)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
@@ -111,7 +123,7 @@ class Jobs:
             "POST the spec again to make it anew."
         )
 
-    async def answer(self, spec: Any, known: AnswerRow | None) -> AnswerRow:
+    async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:
         """Work on a question, or wait for whoever does: its answer, or that it failed.
 
         ``known`` is its row in the store, which is not done. A question that nobody has accepted is
@@ -135,7 +147,7 @@ class Jobs:
                     pass  # as when it is stopped: see who has it
             else:  # another process works on it
                 await asyncio.sleep(POLL_S)
-            row = await self.answers.find(id)
+            row = await self.answers.find(id, owner)
             if row is None:
                 raise ProblemType.DISMISSED(
                     "The question was deleted while it was being worked on."
@@ -162,7 +174,7 @@ class Jobs:
             attempt.sequence = row.sequence
             return attempt
         try:
-            await self.find(row.id)
+            await self.find(row.id, None)
         except ServiceError as error:
             await self.answers.fail(row.id, problem_of(error))
         return None
@@ -170,7 +182,9 @@ class Jobs:
     def _attempt(self, id: str, spec: Any) -> Attempt:
         attempt = self._attempts.get(id)
         if attempt is None:
-            attempt = self._attempts[id] = Attempt()
+            attempt = self._attempts[id] = Attempt(
+                self._settings.budget_s(getattr(spec, "time_budget_s", None))
+            )
             attempt.task = asyncio.create_task(self._run(attempt, id, spec))
             attempt.task.add_done_callback(lambda task: self._remove(id, task))
         return attempt
@@ -180,9 +194,18 @@ class Jobs:
         if not task.cancelled():
             task.exception()  # retrieved, so that asyncio does not log it
 
-    async def dismiss(self, id: str) -> bool:
-        """Stop and delete one; whether there was one."""
+    async def dismiss(self, id: str, owner: str) -> bool:
+        """Stop and delete what an owner holds; whether there was one.
+
+        What others hold too stays for them as it is.
+        """
         attempt = self._attempts.get(id)
+        seconds = 0.0 if attempt is None else attempt.seconds
+        held, by_others = await self.answers.release(id, owner, seconds)
+        if not held:
+            return False
+        if by_others:
+            return attempt is not None or await self.answers.find(id, None) is not None
         if attempt is not None:
             attempt.task.cancel()
             await asyncio.wait({attempt.task})
@@ -198,25 +221,24 @@ class Jobs:
     async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
         row = self._row(id, spec, "done")
         try:
-            answer = await self._solve(row, spec)
+            answer = await self._solve(row, attempt.budget_s)
         except Exception as error:
             problem = problem_of(error)
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
             attempt.keeping = True
-            await retry_transaction(lambda: self.answers.fail(id, problem))
+            await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
         attempt.keeping = True
         accepted = id in self._accepted.runners
-        return await retry_transaction(lambda: self.answers.finish(row, accepted))
+        return await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
 
-    async def _solve(self, row: AnswerRow, spec: Any) -> Answer:
+    async def _solve(self, row: AnswerRow, budget: float) -> Answer:
         """Have a worker answer; again, until it has killed too many of them."""
-        budget = self._settings.budget_s(getattr(spec, "time_budget_s", None))
         strikes = 0
         while True:
             try:

@@ -54,7 +54,7 @@ async def get_sweep_proofs_zip(
     designs = parts.jobs[DESIGNS.path]
     files = []
     for number, row in rows.items():
-        _, design = await designs.find_done(row.design_id or "")
+        _, design = await designs.find_done(row.design_id or "", parts.owner)
         made = await in_worker(request, parts, partial(write_design, PROOF, design, Options()))
         files.append((f"item-{number}.proof.json", made.data))
     headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}

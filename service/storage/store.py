@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
 from service.storage.migrations import migrate
-from service.storage.tables import AnswerRow, KeyRow, StoredRow
+from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
 
 UNANSWERED = ("accepted", "failed")
 # What an answer that has ended says of itself, and that nobody works on it any more.
@@ -25,7 +25,7 @@ ENDED = (
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
-Lookup = Callable[[Session, str], AnswerRow | None]
+Lookup = Callable[[Session, str, str | None], AnswerRow | None]
 
 
 class LeaseLost(Exception):
@@ -81,15 +81,15 @@ class Store:
         """Whether the database answers."""
         return await self.do(lambda session: session.execute(text("select 1")).scalar()) == 1
 
-    async def body_of_key(self, key: str, body_hash: str) -> str:
-        """Hash of the body that an Idempotency-Key came with first: this one, if it is new."""
+    async def body_of_key(self, owner: str, key: str, body_hash: str) -> str:
+        """Hash of the body that an owner's Idempotency-Key came with first: this, if it is new."""
 
         def work(session: Session) -> str:
             now = datetime.now(UTC)
             session.execute(delete(KeyRow).where(KeyRow.created < now - self._kept_for))
-            row = session.get(KeyRow, key)
+            row = session.get(KeyRow, (owner, key))
             if row is None:
-                row = KeyRow(key=key, body_hash=body_hash, created=now)
+                row = KeyRow(owner=owner, key=key, body_hash=body_hash, created=now)
                 session.add(row)
             return row.body_hash
 
@@ -104,20 +104,65 @@ class Store:
 class Answers:
     """The answers of one kind; every method is one transaction of the store's.
 
-    ``elsewhere`` finds answers that are kept as part of others.
+    An ``owner`` sees the answers that he holds, as if there were no others: when he has asked is
+    when they were created. None is the service itself, which sees all. ``elsewhere`` finds answers
+    that are kept as part of others.
     """
 
     def __init__(self, kind: str, store: Store, elsewhere: Lookup | None = None) -> None:
         self._kind, self._do, self._elsewhere = kind, store.do, elsewhere
 
-    async def find(self, id: str) -> AnswerRow | None:
-        """The answer with this id."""
+    async def find(self, id: str, owner: str | None) -> AnswerRow | None:
+        """The answer with this id, if the owner holds it."""
+        return await self._do(lambda session: self._find(session, id, owner))
+
+    def _find(self, session: Session, id: str, owner: str | None) -> AnswerRow | None:
+        if owner is None:
+            row = session.scalar(select(AnswerRow).filter_by(id=id, kind=self._kind))
+        else:
+            found = session.execute(self._held(owner).where(AnswerRow.id == id)).first()
+            row = None if found is None else _as_held(session, *found)
+        if row is None and self._elsewhere is not None:
+            return self._elsewhere(session, id, owner)
+        return row
+
+    def _held(self, owner: str) -> Select[AnswerRow, HoldingRow]:
+        """The answers of this kind that an owner holds, with his holdings."""
+        query = select(AnswerRow, HoldingRow).join(HoldingRow, HoldingRow.id == AnswerRow.id)
+        return query.where(HoldingRow.owner == owner, HoldingRow.kind == self._kind)
+
+    async def claim(self, id: str, owner: str) -> AnswerRow | None:
+        """Let an owner hold the answer to a question that he has asked; the answer, if any."""
 
         def work(session: Session) -> AnswerRow | None:
-            row = session.scalar(select(AnswerRow).filter_by(id=id, kind=self._kind))
-            if row is None and self._elsewhere is not None:
-                return self._elsewhere(session, id)
-            return row
+            self._lock(session, id)
+            if session.scalar(select(HoldingRow).filter_by(owner=owner, id=id)) is None:
+                now = datetime.now(UTC)
+                session.add(HoldingRow(owner=owner, id=id, kind=self._kind, created=now))
+                session.flush()
+            return self._find(session, id, owner)
+
+        return await self._do(work)
+
+    def _lock(self, session: Session, id: str) -> None:
+        """Let nobody else begin or end to hold an answer until the transaction ends."""
+        answer = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
+        session.execute(answer.with_for_update())
+
+    async def release(self, id: str, owner: str, seconds: float = 0.0) -> tuple[bool, bool]:
+        """Let an owner hold it no longer. Whether he did, and whether others do.
+
+        ``seconds``: that the core has worked on it so far; used by this owner if he was the last.
+        """
+
+        def work(session: Session) -> tuple[bool, bool]:
+            self._lock(session, id)
+            own = delete(HoldingRow).filter_by(owner=owner, id=id, kind=self._kind)
+            held = session.scalar(own.returning(HoldingRow.sequence)) is not None
+            other = session.scalar(select(HoldingRow.sequence).filter_by(id=id).limit(1))
+            if held and other is None and seconds:
+                charge(session, owner, seconds)
+            return held, other is not None
 
         return await self._do(work)
 
@@ -133,13 +178,16 @@ class Answers:
 
         return await self._do(work)
 
-    async def finish(self, row: AnswerRow, accepted: bool) -> AnswerRow:
+    async def finish(self, row: AnswerRow, accepted: bool, seconds: float = 0.0) -> AnswerRow:
         """Keep an answer; one that is done already stays as it is.
 
-        ``accepted``: whether its question is kept; LeaseLost where it has been deleted since.
+        Args:
+            accepted: whether its question is kept; LeaseLost where it has been deleted since.
+            seconds: that the core took; they are used by whoever was first to ask.
         """
 
         def work(session: Session) -> AnswerRow:
+            self._charge(session, row.id, seconds)
             existing = find_or_add(session, row)
             if existing is row and accepted:
                 raise LeaseLost
@@ -150,11 +198,16 @@ class Answers:
 
         return await self._do(work)
 
-    async def fail(self, id: str, problem: dict[str, Any]) -> None:
+    async def fail(self, id: str, problem: dict[str, Any], seconds: float = 0.0) -> None:
         """Note why an accepted one failed, or failed again; nothing where it was never accepted."""
         change = update(AnswerRow).filter_by(id=id).where(AnswerRow.state.in_(UNANSWERED))
         change = change.values(state="failed", problem=problem, owner=None, leased_until=None)
-        await self._do(lambda session: session.execute(change))
+
+        def work(session: Session) -> None:
+            session.execute(change)
+            self._charge(session, id, seconds)
+
+        await self._do(work)
 
     async def add_strike(self, id: str) -> int:
         """Note that an accepted one has killed a worker; how many by now, 0 if not accepted."""
@@ -163,25 +216,67 @@ class Answers:
         strikes = change.returning(AnswerRow.strikes)
         return await self._do(lambda session: session.scalar(strikes)) or 0
 
-    async def supersede(self, id: str) -> None:
-        """Drop the answer of an earlier engine; its row still leads from its id to its question."""
+    def _charge(self, session: Session, id: str, seconds: float) -> None:
+        first = select(HoldingRow.owner).filter_by(id=id).order_by(HoldingRow.sequence).limit(1)
+        owner = session.scalar(first) if seconds else None
+        if owner is not None:
+            charge(session, owner, seconds)
+
+    async def supersede(self, id: str, current: str) -> None:
+        """Drop the answer of an earlier engine; its row still leads from its id to its question.
+
+        Those who hold it hold the ``current`` one to their question as well.
+        """
         change = update(AnswerRow).filter_by(id=id, kind=self._kind)
         change = change.values(
             state="superseded", body=None, problem=None, owner=None, leased_until=None
         )
-        await self._do(lambda s: s.execute(change))
+
+        def work(session: Session) -> None:
+            session.execute(change)
+            known = set(session.scalars(select(HoldingRow.owner).filter_by(id=current)))
+            for each in session.scalars(select(HoldingRow).filter_by(id=id, kind=self._kind)):
+                if each.owner not in known:
+                    session.add(
+                        HoldingRow(
+                            owner=each.owner, id=current, kind=self._kind, created=each.created
+                        )
+                    )
+
+        await self._do(work)
 
     async def remove(self, id: str) -> bool:
-        """Delete an answer; whether there was one."""
-        gone = delete(AnswerRow).filter_by(id=id, kind=self._kind).returning(AnswerRow.sequence)
-        return await self._do(lambda s: s.scalar(gone)) is not None
+        """Delete an answer that nobody holds; whether there was one."""
 
-    async def page(self, before: int | None, size: int, status: str | None) -> Sequence[AnswerRow]:
-        """Answers from the newest on, those with a smaller sequence than ``before``."""
-        query = select_newest(AnswerRow, before, size, kind=self._kind, status=status)
+        def work(session: Session) -> bool:
+            self._lock(session, id)
+            if session.scalar(select(HoldingRow.sequence).filter_by(id=id).limit(1)) is not None:
+                return False
+            gone = delete(AnswerRow).filter_by(id=id, kind=self._kind)
+            return session.scalar(gone.returning(AnswerRow.sequence)) is not None
+
+        return await self._do(work)
+
+    async def page(
+        self, before: int | None, size: int, status: str | None, owner: str
+    ) -> Sequence[AnswerRow]:
+        """An owner's answers from the newest on, those with a smaller sequence than ``before``."""
+        query = self._held(owner).where(AnswerRow.state != "superseded")
         query = query.options(defer(AnswerRow.body), defer(AnswerRow.spec))
-        query = query.where(AnswerRow.state != "superseded")
-        return await self._do(lambda session: session.scalars(query).all())
+        if status is not None:
+            query = query.where(AnswerRow.status == status)
+        if before is not None:
+            query = query.where(HoldingRow.sequence < before)
+        query = query.order_by(HoldingRow.sequence.desc()).limit(size)
+
+        def work(session: Session) -> Sequence[AnswerRow]:
+            found = session.execute(query).all()
+            rows = [_as_held(session, *each) for each in found]
+            for row, (_, holding) in zip(rows, found, strict=True):
+                row.sequence = holding.sequence  # in line as he has asked
+            return rows
+
+        return await self._do(work)
 
     async def counts(self) -> dict[str, int]:
         """How many there are by status, or by state where they have none."""
@@ -189,6 +284,24 @@ class Answers:
         query = select(named, func.count()).filter_by(kind=self._kind).group_by(named)
         query = query.where(AnswerRow.state != "superseded")
         return await self._do(lambda session: dict(session.execute(query).all()))
+
+
+def _as_held(session: Session, row: AnswerRow, holding: HoldingRow) -> AnswerRow:
+    """An answer as its holder sees it: created when he has asked."""
+    session.expunge(row)  # so that what is set here is not written
+    row.created = holding.created
+    return row
+
+
+def charge(session: Session, owner: str, seconds: float) -> None:
+    """Note time in the core [s] as used by an owner today."""
+    day = datetime.now(UTC).date().isoformat()
+    row = session.get(UsageRow, (owner, day), with_for_update=True)
+    if row is None:
+        session.add(UsageRow(owner=owner, day=day, core_seconds=seconds))
+        session.flush()
+    else:
+        row.core_seconds += seconds
 
 
 def select_newest(

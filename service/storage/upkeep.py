@@ -18,10 +18,19 @@ from sqlalchemy.orm import Session
 
 from service.settings import Settings
 from service.storage.store import Store
-from service.storage.tables import AnswerRow, Base, ItemRow, LeasedRow, StrikeRow, SweepRow
+from service.storage.tables import (
+    AnswerRow,
+    Base,
+    HoldingRow,
+    ItemRow,
+    LeasedRow,
+    StrikeRow,
+    SweepRow,
+)  # fmt: skip
 
 ROWS = 200  # that are held, or deleted in a transaction, at once: some MB at most
 FREE = {"owner": None, "leased_until": None}  # of a row in a copy: nobody works on it there
+TABLES = Base.metadata.sorted_tables
 LEASED = {
     mapper.local_table for mapper in Base.registry.mappers if issubclass(mapper.class_, LeasedRow)
 }
@@ -29,7 +38,7 @@ OVER = ("done", "failed", "superseded")  # states of questions that nobody works
 
 
 class NotEmpty(Exception):
-    """The database that is to be restored into holds answers or sweeps."""
+    """The database that is to be restored into holds rows already."""
 
 
 def back_up(settings: Settings, file: Path) -> dict[str, int]:
@@ -75,7 +84,7 @@ def _copy(source: Settings, target: Settings) -> dict[str, int]:
     there, here = Store(source), Store(target)
     try:
         with snapshot(there.engine) as reading, here.engine.begin() as writing:
-            if any(writing.scalar(select(func.count()).select_from(each)) for each in LEASED):
+            if any(writing.scalar(select(func.count()).select_from(each)) for each in TABLES):
                 raise NotEmpty
             return copy_rows(reading, writing)
     finally:
@@ -95,7 +104,7 @@ def snapshot(engine: Engine) -> Connection:
 def copy_rows(source: Connection, target: Connection) -> dict[str, int]:
     """Copy the rows of all tables; how many of each."""
     counts = {}
-    for table in Base.metadata.sorted_tables:
+    for table in TABLES:
         counts[table.name] = 0
         query = select(table).order_by(*table.primary_key)
         found = source.execution_options(yield_per=ROWS).execute(query)
@@ -172,7 +181,9 @@ def prune(engine: Engine, before: datetime, count_only: bool) -> dict[str, int]:
     while True:
         with Session(engine) as session, session.begin():
             some = session.scalars(old_answers.limit(ROWS)).all()
-            session.execute(delete(AnswerRow).where(AnswerRow.sequence.in_(some)))
+            gone = delete(AnswerRow).where(AnswerRow.sequence.in_(some)).returning(AnswerRow.id)
+            ids = session.scalars(gone).all()
+            session.execute(delete(HoldingRow).where(HoldingRow.id.in_(ids)))
         if not some:
             break
         counts["answers"] += len(some)

@@ -16,7 +16,7 @@ from sqlalchemy import ColumnElement, delete, insert, select, update
 from sqlalchemy.orm import Session, defer
 
 from service.storage.leases import Leases
-from service.storage.store import LeaseLost, Store, find_or_add, select_newest
+from service.storage.store import LeaseLost, Store, charge, find_or_add, select_newest
 from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 
@@ -45,13 +45,17 @@ class SweepStore(Leases[SweepRow]):
 
         return await self._do(work)
 
-    async def find(self, name: str) -> SweepRow | None:
-        """The sweep with this id."""
-        return await self._do(lambda s: s.scalar(select(SweepRow).filter_by(id=name)))
+    async def find(self, name: str, owner: str | None) -> SweepRow | None:
+        """The sweep with this id, if it belongs to the owner (None: in any case)."""
+        query = select(SweepRow).where(SweepRow.id == name, *_belonging_to(owner))
+        return await self._do(lambda s: s.scalar(query))
 
-    async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
-        """Sweeps from the newest on, without their specs."""
-        query = select_newest(SweepRow, before, size, state=state).options(WITHOUT_SPEC)
+    async def page(
+        self, before: int | None, size: int, state: str | None, owner: str
+    ) -> Sequence[SweepRow]:
+        """An owner's sweeps from the newest on, without their specs."""
+        query = select_newest(SweepRow, before, size, state=state, belongs_to=owner)
+        query = query.options(WITHOUT_SPEC)
         return await self._do(lambda session: session.scalars(query).all())
 
     async def done_numbers(self, sweep: int) -> set[int]:
@@ -101,6 +105,7 @@ class SweepStore(Leases[SweepRow]):
             new = [row for number, row in rows.items() if number not in known]
             if new:
                 session.execute(insert(ItemRow), new)
+                charge(session, whole.belongs_to, sum(row["seconds"] for row in new))
             for status in STATUSES:
                 more = sum(row["status"] == status for row in new)
                 setattr(whole, status, getattr(whole, status) + more)
@@ -166,21 +171,30 @@ class SweepStore(Leases[SweepRow]):
         query = select(ItemRow).filter_by(sweep=sweep, number=number)
         return await self._do(lambda session: session.scalar(query))
 
-    async def holder(self, design_id: str) -> tuple[str, int] | None:
-        """The sweep that has this design, and as which item; None where no sweep has."""
+    async def holder(self, design_id: str, owner: str) -> tuple[str, int] | None:
+        """The owner's sweep that has this design, and as which item; None where none of his has."""
         query = select(SweepRow.id, ItemRow.number).where(
-            ItemRow.sweep == SweepRow.sequence, ItemRow.design_id == design_id
-        )
+            ItemRow.sweep == SweepRow.sequence, ItemRow.design_id == design_id,
+            *_belonging_to(owner),
+        )  # fmt: skip
         row = await self._do(lambda session: session.execute(query).first())
         return None if row is None else (row[0], row[1])
 
 
-def design_of_item(session: Session, id: str) -> AnswerRow | None:
-    """The design with this id as an answer of its own, where it came out of a sweep."""
+def _belonging_to(owner: str | None) -> tuple[ColumnElement[bool], ...]:
+    """That a sweep is this owner's; nothing for the service itself."""
+    return () if owner is None else (SweepRow.belongs_to == owner,)
+
+
+def design_of_item(session: Session, id: str, owner: str | None) -> AnswerRow | None:
+    """The design with this id as an answer of its own, where it came out of a sweep of the owner's.
+
+    None of ``owner``: of any.
+    """
     row = session.execute(
         select(ItemRow, SweepRow.engine)
         .join(SweepRow, ItemRow.sweep == SweepRow.sequence)
-        .where(ItemRow.design_id == id)
+        .where(ItemRow.design_id == id, *_belonging_to(owner))
         .limit(1)
     ).first()
     if row is None:

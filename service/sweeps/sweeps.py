@@ -20,22 +20,32 @@ from sqlalchemy.exc import DBAPIError
 
 from service.settings import Settings
 from service.storage.store import LeaseLost, Store
-from service.storage.tables import SweepRow
+from service.storage.tables import LOCAL, SweepRow
+from service.sweeps.asked import AskedSweep, asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import STATUSES, SweepStore
-from service.sweeps.tasks import SLICE_S, ItemAnswer, item_spec, solve_items
+from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine, new_task_name
-from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.design.identity import ENGINE_NUMBER, identity
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
-from synthesis.studies.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
-SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
 WINDOW = 32  # commits over which the rate is taken
+
+
+async def spec_of(row: SweepRow) -> SweepSpec:
+    """The spec of a sweep, read in a thread: it may be long."""
+
+    def read() -> SweepSpec:
+        spec = SweepSpec.model_validate_json(row.spec)
+        spec.item_values(0)  # the values of a Latin hypercube are drawn here, not in the event loop
+        return spec
+
+    return await asyncio.to_thread(read)
 
 
 @dataclass(eq=False)
@@ -67,13 +77,14 @@ class Progress:
 class SweepRunner:
     """Runs a sweep whose lease this process holds, in ``task``."""
 
+    _spec: SweepSpec
+    _spec_for_workers: bytes
+    _budget_s: float
+
     def __init__(
         self, row: SweepRow, engine: Engine, store: SweepStore, settings: Settings
     ) -> None:
-        self._row, self._engine, self._store = row, engine, store
-        self._spec = SweepSpec.model_validate_json(row.spec)
-        self._budget_s = settings.budget_s(self._spec.base.time_budget_s)
-        self._spec_for_workers = self._spec.without_values().model_dump_json().encode()
+        self._row, self._engine, self._store, self._settings = row, engine, store, settings
         self._writing = asyncio.Lock()
         self._stopping = False
         self._running: dict[asyncio.Task[None], str] = {}  # chunks at the workers, with their names
@@ -86,6 +97,9 @@ class SweepRunner:
         """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
         try:
+            self._spec = await spec_of(self._row)
+            self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)
+            self._spec_for_workers = self._spec.without_values().model_dump_json().encode()
             done = await retry_transaction(lambda: self._store.done_numbers(number))
             strikes = await retry_transaction(lambda: self._store.strikes(number))
             chain = CHAIN if self._spec.warm_start else 1
@@ -94,7 +108,7 @@ class SweepRunner:
             self.progress.update(len(done))
             del done
             await self._run_chunks(chunks)
-            row = await retry_transaction(lambda: self._store.find(self._row.id))
+            row = await retry_transaction(lambda: self._store.find(self._row.id, None))
             if row is not None and not self._stopping:
                 state = "failed" if row.failed == row.size else "successful"
                 await retry_transaction(lambda: self._store.end(number, state))
@@ -187,6 +201,15 @@ class SweepRunner:
             self.progress.update(row.done)
 
 
+def id_of(question: str, owner: str) -> str:
+    """The id of an owner's sweep, by that of its question.
+
+    Every owner has a sweep of his own, though another may have asked the same: what one stops or
+    deletes, the other goes on with.
+    """
+    return question if owner == LOCAL else identity(owner, question)
+
+
 class Sweeps:
     """The sweeps that this process runs, by id; and all that are stored."""
 
@@ -195,51 +218,21 @@ class Sweeps:
         self.store = SweepStore(store, settings.lease_s)
         self.work: Work[SweepRow, SweepRunner] = Work(self.store, self._begin)
 
-    def check(self, spec: SweepSpec) -> None:
-        """Refuse a sweep that is too large, or of which no item seems to be valid.
-
-        Invalid items fail one by one when their turn comes: a corner of a grid may be out of reach.
-        Where none of some that lie far apart is valid, the sweep is refused.
-        """
-        most = self._settings.max_sweep_items
-        if spec.size > most:
-            rule = f"makes {spec.size} items; this server takes {most} in a sweep"
-            remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
-            wrong = {"pointer": "/axes", "value": spec.size, "rule": rule, "remedy": remedy}
-            raise ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[wrong])
-        step = (spec.size - 1) / (SAMPLED - 1)
-        sample = dict.fromkeys(round(i * step) for i in range(SAMPLED))
-        first: ServiceError | None = None
-        for number in sample:
-            try:
-                item_spec(spec, spec.item_values(number))
-            except ServiceError as error:
-                first = first or error
-            else:
-                return
-        assert first is not None
-        violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
-        raise ProblemType.INVALID_REQUEST(
-            f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
-            f"{first.detail}", violations=violations,
-        )  # fmt: skip
-
-    async def accept(self, spec: SweepSpec) -> SweepRow:
-        """Accept a sweep, or join it, or continue one that was dismissed."""
-        running = len(self.work.runners)
-        if sweep_id(spec) not in self.work.runners and running >= self._settings.max_sweeps:
+    async def accept(self, asked: AskedSweep, owner: str) -> SweepRow:
+        """Accept an owner's sweep, or join it, or continue one that was dismissed."""
+        running, id = len(self.work.runners), id_of(asked.id, owner)
+        if id not in self.work.runners and running >= self._settings.max_sweeps:
             raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
-        return await self._accept(spec)
+        return await self._accept(asked, owner)
 
-    async def _accept(self, spec: SweepSpec) -> SweepRow:
+    async def _accept(self, asked: AskedSweep, owner: str) -> SweepRow:
         row = SweepRow(
-            id=sweep_id(spec), engine=ENGINE_NUMBER, name=spec.name,
+            id=id_of(asked.id, owner), belongs_to=owner, engine=ENGINE_NUMBER, name=asked.name,
             created=datetime.now(UTC), state="accepted",
-            spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
-            axes=[axis.pointer for axis in spec.axes],
+            spec=asked.text.encode(), size=asked.size, quantities=[], axes=asked.axes,
             **dict.fromkeys(STATUSES, 0),
         )  # fmt: skip
         row = await self.store.accept(row)
@@ -263,11 +256,11 @@ class Sweeps:
         """
         await self.store.end(row.sequence, "dismissed")
         try:
-            spec = SweepSpec.model_validate_json(row.spec)
+            spec = await spec_of(row)
         except ValidationError:
             log.warning("the spec of a sweep that an earlier engine began cannot be read")
             return
-        await self._accept(spec)
+        await self._accept(asked_sweep(spec), row.belongs_to)
 
     def progress(self, name: str) -> Progress | None:
         """The progress of a sweep that this process runs."""
@@ -281,7 +274,7 @@ class Sweeps:
         if runner is not None:
             await runner.stop()
             await asyncio.wait({runner.task})
-        return None if ended is None else await self.store.find(row.id)
+        return None if ended is None else await self.store.find(row.id, None)
 
     async def close(self) -> None:
         """Stop everything; it is continued at the next start."""

@@ -31,7 +31,7 @@ if __name__ == "__main__":
     gc.enable()
     configure_logs("error")
     settings = Settings()
-    server = uvicorn.Server(server_config(create_app(settings, fake_core.engine)))
+    server = uvicorn.Server(server_config(create_app(settings, fake_core.engine), settings))
     server.run([listening_socket(settings)])
 """
 

@@ -21,7 +21,14 @@ from tests.lazy import LazyModule
 from tests.service.killing import ROOT, Process, answering
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.sweeps.test_kills import until
-from tests.service.topology import COMPOSE, DOCKERFILE, SECRET, SERVICES, Topology
+from tests.service.topology import (
+    COMPOSE,
+    DOCKERFILE,
+    SECRET,
+    SERVICES,
+    Topology,
+    without_variables,
+)
 
 psycopg = LazyModule("psycopg")
 
@@ -36,10 +43,14 @@ def test_every_variable_is_a_setting() -> None:
     }  # fmt: skip
     assert used | set(re.findall(r"CAMWRIGHT_\w+(?==)", DOCKERFILE)) <= known
     assert {"CAMWRIGHT_DATABASE_URL", "CAMWRIGHT_SCHEDULER"} <= used
-    api = {key.removeprefix("CAMWRIGHT_").lower(): SECRET.sub(PASSWORD, value)
+    api = {key.removeprefix("CAMWRIGHT_").lower(): without_variables(value)
            for key, value in SERVICES["api"]["environment"].items()
            if key.startswith("CAMWRIGHT_")}  # fmt: skip
     settings = Settings.model_validate(api)
+    # Without keys as long as this machine alone reaches it, and said so.
+    (port,) = SERVICES["api"]["ports"]
+    assert without_variables(port) == "127.0.0.1:8000:8000"
+    assert (settings.access, settings.reaches_others) == ("open-to-anyone", True)
     database = SERVICES["database"]["environment"]
     assert settings.database.username == database["POSTGRES_USER"]
     assert settings.database.database == database["POSTGRES_DB"]

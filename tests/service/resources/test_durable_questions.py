@@ -15,6 +15,7 @@ from service.resources import jobs as jobs_module
 from service.resources.jobs import Jobs, Questions, questions
 from service.resources.records import DESIGNS, RESOURCES
 from service.storage.store import Store
+from service.storage.tables import LOCAL, AnswerRow
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.observe import Metrics
 from service.workers.tasks import Answer
@@ -55,11 +56,20 @@ class Service:
             )  # fmt: skip
         self.designs = self._jobs[DESIGNS.path]
 
+    async def accept(self, spec: Any) -> AnswerRow:
+        """As when the local owner asks."""
+        await self.designs.answers.claim(DESIGNS.id_of(spec), LOCAL)
+        return await self.designs.accept(spec)
+
+    async def answer(self, spec: Any, known: AnswerRow | None) -> AnswerRow:
+        """As when the local owner waits for it."""
+        return await self.designs.answer(spec, known, LOCAL)
+
     async def ends(self, id: str, *states: str) -> Any:
         """The row of a design, once it is in one of these states."""
         async with asyncio.timeout(60.0):
             while True:
-                row = await self.designs.answers.find(id)
+                row = await self.designs.answers.find(id, LOCAL)
                 if row is not None and row.state in states:
                     return row
                 await asyncio.sleep(0.01)
@@ -114,7 +124,7 @@ def test_who_did_nothing_wrong_is_tried_again_unseen(
 ) -> None:
     async def story() -> None:
         one = Service(tmp_path, store, raising(*errors))
-        row = await one.designs.accept(question())
+        row = await one.accept(question())
         row = await one.ends(row.id, "done", "failed")
         assert (row.state, row.owner, row.leased_until) == ("done", None, None)
         assert one.engine.begun == begun
@@ -130,7 +140,7 @@ def test_what_kills_its_workers_is_given_up_and_can_be_asked_again(
     async def story() -> None:
         spec = question()
         one = Service(tmp_path, store, raising(LOST, LOST, then=forever))
-        id = (await one.designs.accept(spec)).id
+        id = (await one.accept(spec)).id
         while one.engine.begun < 3:  # noqa: ASYNC110 (a counter, of an engine made up)
             await asyncio.sleep(0.01)
         await one.accepted.close()
@@ -139,7 +149,7 @@ def test_what_kills_its_workers_is_given_up_and_can_be_asked_again(
         failed = await other.ends(id, "failed", "done")
         assert (failed.state, failed.strikes, other.engine.begun) == ("failed", 3, 1)
         assert "taken 3 worker processes" in failed.problem["detail"]
-        assert (await other.designs.accept(spec)).state == "accepted"
+        assert (await other.accept(spec)).state == "accepted"
         assert (await other.ends(id, "failed", "done")).state == "done"
         await other.accepted.close()
 
@@ -150,13 +160,13 @@ def test_one_that_fails_again_while_somebody_waits_says_so(tmp_path: Path, store
     async def story() -> None:
         spec, wrong = question(), InputError("/lift", 1, "is too much", "Take less.")
         one = Service(tmp_path, store, raising(LOST, LOST, LOST, wrong))
-        row = await one.designs.accept(spec)
+        row = await one.accept(spec)
         row = await one.ends(row.id, "failed")
         with pytest.raises(InputError):
-            await one.designs.answer(spec, row)
+            await one.answer(spec, row)
         assert (await one.ends(row.id, "failed")).problem["status"] == 422
-        assert (await one.designs.answer(spec, row)).state == "done"
-        assert await one.designs.answers.find(row.id) is not None
+        assert (await one.answer(spec, row)).state == "done"
+        assert await one.designs.answers.find(row.id, LOCAL) is not None
 
     asyncio.run(story())
 
@@ -177,7 +187,7 @@ def test_what_is_at_hand_waits_for_the_store(
             return await write(*given)
 
         monkeypatch.setattr(one.designs.answers, name, unreliable)
-        row = await one.designs.accept(question())
+        row = await one.accept(question())
         ended = await one.ends(row.id, "done", "failed")
         assert ended.state == ("failed" if name == "fail" else "done")
         assert len(tries) == 4
@@ -191,10 +201,10 @@ def test_another_process_goes_on_where_the_lease_has_ended(tmp_path: Path, store
     async def story() -> None:
         spec = question()
         first, second = Service(tmp_path, store, forever), Service(tmp_path, store, raising())
-        id = (await first.designs.accept(spec)).id
+        id = (await first.accept(spec)).id
         await second.accepted.resume()
-        asked = asyncio.create_task(second.designs.answer(spec, await second.ends(id, "accepted")))
-        waiting = asyncio.create_task(first.designs.answer(spec, await first.ends(id, "accepted")))
+        asked = asyncio.create_task(second.answer(spec, await second.ends(id, "accepted")))
+        waiting = asyncio.create_task(first.answer(spec, await first.ends(id, "accepted")))
         await asyncio.sleep(0.1)
         assert (second.engine.begun, asked.done()) == (0, False)  # it waits for the first
         first.accepted.leases.lease_s = -1.0
@@ -216,20 +226,20 @@ def test_one_that_is_deleted_elsewhere_stops_and_does_not_come_back(
         go_on, spec = asyncio.Event(), question()
         first = Service(tmp_path, store, go_on.wait)  # type: ignore[arg-type]
         second = Service(tmp_path, store, forever)
-        id = (await first.designs.accept(spec)).id
-        waiting = asyncio.create_task(first.designs.answer(spec, await first.ends(id, "accepted")))
+        id = (await first.accept(spec)).id
+        waiting = asyncio.create_task(first.answer(spec, await first.ends(id, "accepted")))
         await asyncio.sleep(0.0)
-        assert await second.designs.dismiss(id)
+        assert await second.designs.dismiss(id, LOCAL)
         go_on.set()  # finished before it has looked at its lease
         with pytest.raises(ServiceError, match="deleted"):
             await waiting
-        assert await first.designs.answers.find(id) is None
+        assert await first.designs.answers.find(id, LOCAL) is None
         # and where it has looked
         go_on.clear()
         await first.accepted.resume()
-        await first.designs.accept(spec)
+        await first.accept(spec)
         (attempt,) = first.accepted.runners.values()
-        assert await second.designs.dismiss(id)
+        assert await second.designs.dismiss(id, LOCAL)
         await asyncio.wait({attempt.task}, timeout=60.0)
         assert attempt.task.cancelled()
         await first.accepted.close()
@@ -242,7 +252,7 @@ def test_a_lease_is_renewed_while_work_goes_on(tmp_path: Path, store: Store) -> 
         first = Service(tmp_path, store, forever, lease_s=0.5)
         second = Service(tmp_path, store, forever, lease_s=0.5)
         await first.accepted.resume()
-        id = (await first.designs.accept(question())).id
+        id = (await first.accept(question())).id
         row = await first.ends(id, "accepted")
         await asyncio.sleep(0.8)
         assert not await second.accepted.leases.take(row.sequence)

@@ -16,8 +16,9 @@ from sqlalchemy.exc import OperationalError
 
 from service import work as work_module
 from service.storage.store import Store
-from service.storage.tables import SweepRow
+from service.storage.tables import LOCAL, SweepRow
 from service.sweeps import sweeps as sweeps_module
+from service.sweeps.asked import asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import LeaseLost, design_of_item
 from service.sweeps.sweeps import Progress, Sweeps
@@ -78,13 +79,13 @@ def run(
 
     async def whole() -> tuple[SweepRow, dict[int, int], set[int]]:
         sweeps = Sweeps(engine, store, settings)  # type: ignore[arg-type]
-        row = await sweeps.accept(spec)
+        row = await sweeps.accept(asked_sweep(spec), LOCAL)
         if started is not None:
             await started(sweeps)
         for runner in list(sweeps.work.runners.values()):
             await asyncio.wait_for(runner.task, 60.0)
         await sweeps.close()
-        found = await sweeps.store.find(row.id)
+        found = await sweeps.store.find(row.id, None)
         assert found is not None
         number = row.sequence
         return found, await sweeps.store.strikes(number), await sweeps.store.done_numbers(number)
@@ -234,7 +235,7 @@ def test_a_sweep_whose_process_has_died_is_continued(
     async def work() -> SweepRow | None:
         first = Sweeps(engine, store, settings)  # type: ignore[arg-type]
         monkeypatch.setattr(first.work, "start", lambda row: asyncio.sleep(0))
-        row = await first.accept(spec)
+        row = await first.accept(asked_sweep(spec), LOCAL)
         first.store.lease_s = 0.4
         assert await first.store.take(row.sequence)
         second = Sweeps(engine, store, settings)  # type: ignore[arg-type]
@@ -243,7 +244,7 @@ def test_a_sweep_whose_process_has_died_is_continued(
         found = None
         for _ in range(500):
             await asyncio.sleep(0.02)
-            found = await second.store.find(row.id)
+            found = await second.store.find(row.id, None)
             if found is not None and found.state == "successful":
                 break
         await second.close()
@@ -396,7 +397,7 @@ def test_an_item_s_etag_is_its_body_s(tmp_path: Path) -> None:
         assert await one.take(row.sequence)
         done = ItemAnswer(3, "feasible", design_id="d", design=zlib.compress(body))
         await one.record(row.sequence, [(done, [])])
-        found = await store.do(lambda session: design_of_item(session, "d"))
+        found = await store.do(lambda session: design_of_item(session, "d", None))
         assert found is not None
         assert found.etag == hashlib.sha256(body).hexdigest()[:32]
 

@@ -12,7 +12,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.contract.examples import examples
-from service.wire.body import validate
+from service.wire.validation import validate
 from service.wire.errors import ServiceError
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
