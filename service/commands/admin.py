@@ -19,11 +19,19 @@ DatabaseUrl = Annotated[
         help="The database; left out, that of CAMWRIGHT_DATABASE_URL, or sqlite:///camwright.db.",
     ),
 ]
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    help="Back the database up, restore, verify or prune it. Services may run on meanwhile.",
-)
+ADMIN = """The database: backed up, restored, verified and pruned.
+
+Services may run on meanwhile; what is restored into is empty. The database is that of
+CAMWRIGHT_DATABASE_URL or --database-url, as of `camwright serve`.
+
+  camwright admin backup kept.db
+  camwright admin restore kept.db --database-url postgresql+psycopg://user:secret@db/cams
+  camwright admin verify --database-url sqlite:///kept.db
+  camwright admin prune --older-than-days 365 --dry-run
+
+Exit codes: 0 done; 1 a setting makes no sense; 2 the database or the file cannot be used; 3 the
+database is damaged."""
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 
 
 def _settings(database_url: str | None) -> Settings:

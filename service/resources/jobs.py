@@ -30,14 +30,16 @@ log = logging.getLogger("camwright.questions")
 
 
 class Attempt:
-    """The work on one question, in ``task``; ``keeping``: its answer is being kept.
+    """The work on one question, in ``task``.
 
+    ``keeping``: its answer, or why there is none, is being kept. ``failed``: there is none, and who
+    asks again begins another attempt.
     ``budget_s`` is the time that the core may take for it.
     """
 
     sequence: int
     task: asyncio.Task[Any]
-    keeping = False
+    keeping = failed = False
 
     def __init__(self, budget_s: float) -> None:
         self.budget_s, self._began = budget_s, time.monotonic()
@@ -131,8 +133,6 @@ class Jobs:
         not kept: whoever asks is still there, and asks again.
         """
         id, row = self.resource.id_of(spec), known
-        if row is not None and row.state == "failed":
-            await self._kept(id)
         while True:
             if row is not None and row.state == "accepted":
                 await self._accepted.start(row)
@@ -173,7 +173,6 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
-            await self._kept(row.id)
             attempt = self._attempt(row.id, kept_question(row.name, row.spec))
             attempt.sequence = row.sequence
             return attempt
@@ -183,26 +182,22 @@ class Jobs:
             await self.answers.fail(row.id, problem_of(error))
         return None
 
-    async def _kept(self, id: str) -> None:
-        """Wait until nothing is kept any more of an attempt that has ended."""
-        attempt = self._attempts.get(id)
-        if attempt is not None and attempt.keeping:
-            await asyncio.wait({attempt.task})
-
     def _attempt(self, id: str, spec: Any) -> Attempt:
         attempt = self._attempts.get(id)
-        if attempt is None:
+        if attempt is None or attempt.failed:
             attempt = self._attempts[id] = Attempt(
                 self._settings.budget_s(getattr(spec, "time_budget_s", None))
             )
             attempt.task = asyncio.create_task(self._run(attempt, id, spec))
-            attempt.task.add_done_callback(lambda task: self._remove(id, task))
+            begun = attempt
+            begun.task.add_done_callback(lambda _: self._remove(id, begun))
         return attempt
 
-    def _remove(self, id: str, task: asyncio.Task[AnswerRow]) -> None:
-        del self._attempts[id]
-        if not task.cancelled():
-            task.exception()  # retrieved, so that asyncio does not log it
+    def _remove(self, id: str, ended: Attempt) -> None:
+        if self._attempts.get(id) is ended:
+            del self._attempts[id]
+        if not ended.task.cancelled():
+            ended.task.exception()  # retrieved, so that asyncio does not log it
 
     async def dismiss(self, id: str, owner: str) -> bool:
         """Stop and delete what an owner holds; whether there was one.
@@ -234,7 +229,7 @@ class Jobs:
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
-            attempt.keeping = True
+            attempt.keeping = attempt.failed = True
             await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)

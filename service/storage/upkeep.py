@@ -26,10 +26,11 @@ from service.storage.tables import (
     LeasedRow,
     StrikeRow,
     SweepRow,
-)
+)  # fmt: skip
 
 ROWS = 200  # that are held, or deleted in a transaction, at once: some MB at most
 FREE = {"leased_by": None, "leased_until": None}  # of a row in a copy: nobody works on it there
+TABLES = Base.metadata.sorted_tables
 LEASED = {
     mapper.local_table for mapper in Base.registry.mappers if issubclass(mapper.class_, LeasedRow)
 }
@@ -37,7 +38,7 @@ OVER = ("done", "failed", "superseded")  # states of questions that nobody works
 
 
 class NotEmpty(Exception):
-    """The database that is to be restored into holds answers or sweeps."""
+    """The database that is to be restored into holds rows already."""
 
 
 def back_up(settings: Settings, file: Path) -> dict[str, int]:
@@ -83,7 +84,7 @@ def _copy(source: Settings, target: Settings) -> dict[str, int]:
     there, here = Store(source), Store(target)
     try:
         with snapshot(there.engine) as reading, here.engine.begin() as writing:
-            if any(writing.scalar(select(func.count()).select_from(each)) for each in LEASED):
+            if any(writing.scalar(select(func.count()).select_from(each)) for each in TABLES):
                 raise NotEmpty
             return copy_rows(reading, writing)
     finally:
@@ -103,7 +104,7 @@ def snapshot(engine: Engine) -> Connection:
 def copy_rows(source: Connection, target: Connection) -> dict[str, int]:
     """Copy the rows of all tables; how many of each."""
     counts = {}
-    for table in Base.metadata.sorted_tables:
+    for table in TABLES:
         counts[table.name] = 0
         query = select(table).order_by(*table.primary_key)
         found = source.execution_options(yield_per=ROWS).execute(query)

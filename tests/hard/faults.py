@@ -242,7 +242,7 @@ class Services:
 
     def __init__(self, folder: Path, store: Store, draw: random.Random) -> None:
         self.ports = [free_port() for _ in range(store.services)]
-        self._draw = draw
+        self._draw, self.stopped = draw, threading.Event()
         more = {"CAMWRIGHT_DATABASE_URL": store.url, "CAMWRIGHT_LEASE_S": str(LEASE_S),
                 "FAKE_CORE_LOG": str(folder / "log")}  # fmt: skip
         self.all: list[Process] = []
@@ -250,6 +250,19 @@ class Services:
             own = folder / f"service {number}"
             own.mkdir()
             self.all.append(service(own, port, **more))
+
+    def supervise(self) -> None:
+        """Start again whatever has ended, as Docker and systemd do."""
+        while not self.stopped.wait(1.0):
+            for each in self.all:
+                if each.running.poll() is not None:
+                    each.start()
+
+    def wait(self) -> None:
+        """Until all of them answer."""
+        for port in self.ports:
+            with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
+                answering(client)
 
     def faults(self) -> dict[str, Callable[[], None]]:
         """What may happen to them."""
@@ -260,10 +273,7 @@ class Services:
         }  # fmt: skip
 
     def _kill(self) -> None:
-        chosen = self._draw.choice(self.all)
-        chosen.kill()
-        time.sleep(self._draw.uniform(0.0, 1.0))
-        chosen.start()
+        self._draw.choice(self.all).kill()
 
     def _kill_worker(self) -> None:
         workers = children(self._draw.choice(self.all).running.pid)
@@ -357,9 +367,11 @@ def main() -> int:
         services = Services(folder, store, draw)
         for each in services.all:
             stack.callback(each.stop)
-        for port in services.ports:
-            with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
-                answering(client)
+        services.wait()
+        supervisor = threading.Thread(daemon=True, target=services.supervise)
+        supervisor.start()
+        stack.callback(supervisor.join)
+        stack.callback(services.stopped.set)
         asking = Asking(services.ports, draw)
         posting = [
             threading.Thread(
@@ -379,6 +391,8 @@ def main() -> int:
             if number % len(faults) == 0:
                 order = draw.sample(sorted(faults), len(faults))
             name = order[number % len(faults)]
+            if name not in store.faults():  # these may meet a service that starts
+                services.wait()
             faults[name]()
             done[name] += 1
         for each in posting:

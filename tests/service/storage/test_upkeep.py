@@ -18,7 +18,6 @@ from typer.testing import CliRunner, Result
 from service.cli import app
 from service.storage import upkeep
 from service.storage.store import Answers, Store
-from service.storage.tables import LOCAL
 from service.sweeps.store import SweepStore
 from service.sweeps.tasks import ItemAnswer
 from tests.service.conftest import settings_for
@@ -42,7 +41,7 @@ def used(tmp_path: Path) -> str:
         etag = hashlib.sha256(BODY).hexdigest()[:32]
         await answers.finish(row("done", state="done", body=BODY, etag=etag), accepted=False)
         await answers.accept(row("waiting", leased_by="a process"))
-        await store.body_of_key(LOCAL, "key", "hash")
+        await store.body_of_key("ada", "key", "hash")
         sweep = await sweeps.accept(a_sweep(size=2))
         assert await sweeps.take(sweep.sequence)
         done = [(ItemAnswer(n, "optimal", design=zlib.compress(b"{}")), [1.5]) for n in (0, 1)]
