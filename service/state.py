@@ -32,7 +32,7 @@ class State:
     jobs: Mapping[str, Jobs]  # by the resource's path
 
 
-def _state(request: Request) -> State:
+async def _state(request: Request) -> State:  # a plain function would be sent to a thread
     return cast(State, request.app.state.parts)
 
 
