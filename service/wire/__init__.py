@@ -1,6 +1,7 @@
 """What all requests and responses share.
 
-In come the bytes of a request, over a `connection` with limits, in `places` that clients hold.
+In come the bytes of a request, over a `connection` with limits, in `places` that clients hold;
+`access` says who asks, and by which name the service is asked.
 `body` limits their size and has them read where it holds up nobody; `validation` reads them
 strictly as a model. What is wrong with them is a list of violations (where, which value, which
 rule, what to write), which the core finds (`synthesis.errors`) and `violations` puts on the wire.
