@@ -12,30 +12,44 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 
 from service import pages
-from service.contract.documentation import OPENAPI_URL, TITLE, describe
-from service.resources.jobs import Jobs
+from service.contract.documentation import TITLE, describe
+from service.resources.jobs import Jobs, Questions, questions
+from service.resources.quotas import UsedQuotas
 from service.resources.records import PROOFS, RESOURCES
 from service.routes import catalogue, designs, operation, proofs, resource_routes, sweeps
 from service.settings import Settings
 from service.state import State
+from service.storage.keys import ApiKeys
 from service.storage.store import Store
+from service.storage.tables import LOCAL
 from service.sweeps.sweeps import Sweeps
 from service.wire import problem
-from service.wire.conditional import Ranges, TagEncodings
+from service.wire.access import Caller, Guard
+from service.wire.conditional import Heads, Ranges, TagEncodings
+from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
+from service.wire.places import Places
 from service.workers.engine import Engine, running_engine
+from service.workers.readers import Readers
 
 EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, proofs, catalogue, operation)
 GZIP_LEVEL = 4  # of 9: a third of the time of the highest for a twentieth more bytes
 EXPOSED = (
-    "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "Retry-After",
-    "X-Request-ID",
+    "Accept-Ranges", "Content-Location", "Content-Range", "ETag", "Location", "RateLimit",
+    "RateLimit-Policy", "Retry-After", "X-Request-ID",
 )  # fmt: skip
 
 
-def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> FastAPI:
-    """The application; ``engine_of`` makes the engine that runs its tasks."""
+def create_app(
+    settings: Settings, engine_of: EngineOf = running_engine, *, keys_needed: bool = False
+) -> FastAPI:
+    """The application.
+
+    Args:
+        engine_of: makes the engine that runs its tasks. keys_needed: whether those without a key
+            are refused; else all they ask belongs to one local owner.
+    """
     metrics = Metrics()
 
     @asynccontextmanager
@@ -43,24 +57,31 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
         store = Store(settings)
         async with engine_of(settings) as engine:
             all_sweeps = Sweeps(engine, store, settings)
-            jobs = {
-                path: Jobs(resource, engine, store, metrics, settings)
-                for path, resource in {**RESOURCES, PROOFS.path: PROOFS}.items()
-            }
-            app.state.parts = State(settings, metrics, engine, store, all_sweeps, jobs)
-            working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]
-            for work in working:
+            jobs: dict[str, Jobs] = {}
+            accepted = questions(store, settings, jobs)
+            for path, resource in {**RESOURCES, PROOFS.path: PROOFS}.items():
+                jobs[path] = Jobs(resource, engine, store, metrics, settings, accepted)
+            readers = Readers(settings)
+            most, each = settings.max_streams, settings.max_streams_per_client
+            streams = Places("streams of events", ProblemType.BUSY, most, each)
+            app.state.parts = State(
+                settings, metrics, engine, store, all_sweeps, readers, streams, jobs,
+                ApiKeys(store, settings), UsedQuotas(store),
+            )  # fmt: skip
+            for work in (all_sweeps, accepted):
                 await work.resume()
             yield
             engine.closing = True
-            for work in working:
-                await work.close()
+            working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
+            for one in working:
+                await one.close()
+            readers.close()
         store.dispose()
 
     app = FastAPI(
         title=TITLE,
         lifespan=lifespan,
-        openapi_url=OPENAPI_URL,
+        openapi_url=None,  # as a page, with a tag
         docs_url=None,
         redoc_url=None,
         swagger_ui_oauth2_redirect_url=None,
@@ -74,9 +95,16 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
     pages.install(app)
     problem.install(app)
     # Middleware, from the innermost to the outermost.
+    app.add_middleware(Heads)
     app.add_middleware(GZipMiddleware, minimum_size=1000, compresslevel=GZIP_LEVEL)
     app.add_middleware(TagEncodings)
     app.add_middleware(Ranges)
+    app.add_middleware(
+        Guard,
+        hosts=settings.hosts,
+        caller_of=lambda key: app.state.parts.keys.caller(key),
+        without_key=None if keys_needed else Caller(LOCAL, operator=True),
+    )
     if settings.cors_origins:
         app.add_middleware(
             CORSMiddleware,

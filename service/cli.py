@@ -7,17 +7,21 @@ core and the service when they run.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from inspect import cleandoc
+from inspect import cleandoc, signature
 from typing import Annotated, Any
 
 import typer
 
 from service.commands import questions
+from service.commands.admin import ADMIN
+from service.commands.admin import app as admin
 from service.commands.examples import examples
 from service.commands.export import export
+from service.commands.keys import KEYS
+from service.commands.keys import app as keys
 from service.commands.serve import serve
 from service.commands.sweep import sweep
-from service.commands.terminal import say
+from service.commands.terminal import say, with_key
 
 ROOT = """Cam design by optimisation, with proofs: as a service, or one question at a time.
 
@@ -44,7 +48,8 @@ broken, a certificate is contradicted, items failed); 130 stopped by Ctrl-C. Of 
 on standard input: 2 where one is 2, else 3 where one is 3.
 
 Environment: CAMWRIGHT_URL is a service that design, analyse, cam-set, read-back, spatial, respond,
-linkage and sweep ask instead of computing here; CAMWRIGHT_TIME_BUDGET_S is the time in seconds
+linkage and sweep ask instead of computing here, CAMWRIGHT_KEY is their key to it, where it asks
+for one (`camwright keys --help`); CAMWRIGHT_TIME_BUDGET_S is the time in seconds
 that one question may take here."""
 COMMANDS: Mapping[str, Callable[..., Any]] = {
     "design": questions.design,
@@ -78,7 +83,14 @@ def help_text(text: str) -> str:
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
 HELP = {name: help_text(command.__doc__ or "") for name, command in COMMANDS.items()}
 for name, command in COMMANDS.items():
-    app.command(name, help=HELP[name], short_help=HELP[name].partition("\n")[0])(command)
+    offered = with_key(command) if "url" in signature(command).parameters else command
+    app.command(name, help=HELP[name], short_help=HELP[name].partition("\n")[0])(offered)
+for name, group, text in (("keys", keys, KEYS), ("admin", admin, ADMIN)):
+    HELP[name] = help_text(text)
+    app.add_typer(group, name=name, help=HELP[name], short_help=HELP[name].partition("\n")[0])
+    for each in group.registered_commands:
+        each.help = help_text(getattr(each.callback, "__doc__", None) or "")
+        each.short_help = each.help.partition("\n")[0]
 
 
 def _version(wanted: bool) -> None:

@@ -7,7 +7,9 @@ source file, become plain text.
 
 from __future__ import annotations
 
+import asyncio
 import html
+import json
 import re
 from functools import lru_cache
 from importlib.metadata import distribution
@@ -18,10 +20,13 @@ from urllib.parse import urlsplit
 
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
 from fastapi.openapi.docs import get_redoc_html
-from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
 from service.contract.documentation import OPENAPI_URL, TITLE
+from service.state import Parts
+from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
+from service.wire.conditional import not_modified, tag_of
 
 if TYPE_CHECKING:
     from markdown_it.token import Token
@@ -62,6 +67,32 @@ def _html(*names: str) -> str:
     return (HERE / "studio" / Path(*names)).with_suffix(".html").read_text("utf-8")
 
 
+@router.post(SESSION)
+async def keep_key(request: Request, parts: Parts) -> Response:
+    """Let a browser keep the key that it sends in Authorization as a cookie, until it is closed.
+
+    What it loads by itself, such as pictures, downloads and events, has no other way to bring one.
+    No script can read the cookie, and no request that another site has caused brings it along.
+    """
+    key = key_of(request.headers) if "authorization" in request.headers else ""
+    try:
+        caller = await parts.keys.caller(key or "")
+    except KeyRefused as error:
+        raise refusal(f"The key {error}.", ', error="invalid_token"') from None
+    answer = JSONResponse({"owner": caller.owner}, headers={"Cache-Control": "no-store"})
+    secure = request.url.scheme == "https"
+    answer.set_cookie(COOKIE, key or "", httponly=True, samesite="strict", secure=secure)
+    return answer
+
+
+@router.delete(SESSION, status_code=204)
+async def forget_key() -> Response:
+    """Let the browser forget the key."""
+    answer = Response(status_code=204)
+    answer.delete_cookie(COOKIE, httponly=True, samesite="strict")
+    return answer
+
+
 @router.get("/docs")
 async def show_swagger() -> Response:
     """Swagger UI."""
@@ -80,6 +111,22 @@ async def show_redoc() -> Response:
         with_google_fonts=False,
     )
     return HTMLResponse(bytes(page.body), headers={"Content-Security-Policy": REDOC_POLICY})
+
+
+@router.get(OPENAPI_URL)
+async def show_contract(request: Request) -> Response:
+    """The OpenAPI document; made in a thread, for it takes a second."""
+    body, tag = await asyncio.to_thread(_contract, request.app)
+    return not_modified(request, tag) or Response(
+        body, 200, {"ETag": f'"{tag}"'}, "application/json"
+    )
+
+
+@lru_cache(maxsize=1)
+def _contract(app: FastAPI) -> tuple[bytes, str]:
+    """The document and its tag, made once."""
+    text = json.dumps(app.openapi(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode(), tag_of(text)
 
 
 @router.get("/guide")

@@ -9,6 +9,8 @@ import logging
 import socket
 import sys
 import time
+from functools import partial
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -18,20 +20,27 @@ from service.app import create_app
 from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from service.state import State
+from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
 from service.storage.store import Store
+from service.wire.access import audit
+from service.wire.connection import Connection
+from service.wire.errors import ProblemType
 from service.wire.observe import configure_logs
+from service.wire.places import Places
 from synthesis.spec.design_spec import DesignSpec
 
+OTHER_FILES = 256  # open besides connections: of the store, of workers, of libraries
 SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
 
 
 def serve(settings: Settings, listener: socket.socket) -> None:
     """Run until Ctrl-C or a signal; one sentence and exit 1 where the database cannot be used."""
     configure_logs(settings.log_level)
-    check_database(settings)
-    app = create_app(settings)
-    config = server_config(app)
+    audit.setLevel(logging.INFO)  # who did what is told at any level
+    app = create_app(settings, keys_needed=keys_needed(settings))
+    allow_files(settings)
+    config = server_config(app, settings)
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     sys.stdout.write("Camwright is starting its workers ...\n")
     sys.stdout.flush()
@@ -42,10 +51,16 @@ def serve(settings: Settings, listener: socket.socket) -> None:
         _Server(config, app, f"http://{host}:{listener.getsockname()[1]}").run([listener])
 
 
-def server_config(app: FastAPI) -> uvicorn.Config:
+def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """Settings of uvicorn; at shutdown it does not wait for those who watch a sweep."""
+    most, each = settings.max_connections, settings.max_connections_per_client
+    places = Places("connections", ProblemType.TOO_MANY_CONNECTIONS, most, each)
+    connection: Any = partial(Connection, settings=settings, places=places)
     return uvicorn.Config(
         app,
+        http=connection,
+        ws="none",
+        timeout_keep_alive=settings.keep_alive_s,
         log_config=None,
         access_log=False,
         server_header=False,
@@ -53,14 +68,57 @@ def server_config(app: FastAPI) -> uvicorn.Config:
     )
 
 
-def check_database(settings: Settings) -> None:
-    """Open the database and close it again; one sentence and exit 1 where that cannot be."""
+def allow_files(settings: Settings) -> None:
+    """Allow this process a file for every connection, and some for all else."""
     try:
-        Store(settings).dispose()
+        import resource
+    except ImportError:  # Windows has no such limit
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = settings.max_connections + OTHER_FILES
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        if most < wanted:
+            sys.exit(
+                f"CAMWRIGHT_MAX_CONNECTIONS is {settings.max_connections}, and this process may "
+                f"open {hard} files: at most {max(0, hard - OTHER_FILES)} connections fit. Set "
+                "it lower, or raise the limit (ulimit -Hn)."
+            )
+
+
+def open_database(settings: Settings) -> Store:
+    """The store; one sentence and exit 1 where it cannot be used."""
+    try:
+        return Store(settings)
     except (SQLAlchemyError, OSError, ImportError, ForeignDatabase) as error:
         reason = str(getattr(error, "orig", error)).partition("\n")[0]
         address = settings.database.render_as_string(hide_password=True)
         sys.exit(f"The database {address} cannot be used: {reason}. See CAMWRIGHT_DATABASE_URL.")
+
+
+def keys_needed(settings: Settings) -> bool:
+    """Whether those without a key are refused: as the settings say; else where there are keys.
+
+    One sentence and exit 1 where the database cannot be used, and where other machines reach the
+    service, and neither a key nor a setting says who may use it.
+    """
+    store = open_database(settings)
+    try:
+        keys = asyncio.run(ApiKeys(store, settings).all())
+    finally:
+        store.dispose()
+    if settings.access == "open-to-anyone":
+        return False
+    if settings.reaches_others and not any(map(is_valid, keys)):
+        where = ", ".join((settings.host, *settings.allowed_hosts))
+        sys.exit(
+            f"Other machines may reach the service ({where}), and it has no valid key. Make one: "
+            "camwright keys create NAME, with the same CAMWRIGHT_DATABASE_URL. Or say that it is "
+            "to be open: with CAMWRIGHT_ACCESS=open-to-anyone whoever reaches it may read, delete "
+            "and compute."
+        )
+    return settings.access == "keys" or settings.reaches_others or bool(keys)
 
 
 class _Server(uvicorn.Server):

@@ -65,7 +65,7 @@ class Client:
     """The calls of `AsyncClient`, blocking. They run in an event loop in a thread of its own.
 
     Args:
-        url, retries, timeout_s, more: as of `AsyncClient`.
+        url, retries, timeout_s, key, more: as of `AsyncClient`.
     """
 
     def __init__(
@@ -74,9 +74,10 @@ class Client:
         *,
         retries: Retries = Retries(),  # noqa: B008 (frozen)
         timeout_s: float = SILENCE_S,
+        key: str | None = None,
         **more: Any,
     ) -> None:
-        self._client = AsyncClient(url, retries=retries, timeout_s=timeout_s, **more)
+        self._client = AsyncClient(url, retries=retries, timeout_s=timeout_s, key=key, **more)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()

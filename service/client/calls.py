@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import uuid
 from collections.abc import AsyncGenerator, Callable, Coroutine, Mapping, Sequence
 from contextlib import aclosing
@@ -18,6 +19,7 @@ from service.client.exchange import Exchange, ProgressCallback, Request, Retries
 
 Json = dict[str, Any]
 Spec = Mapping[str, Any] | Any  # a body, or a model of pydantic that has its fields
+KEY = "CAMWRIGHT_KEY"  # the variable with the key, where none is given
 ADDRESS = "http://127.0.0.1:8000"
 SILENCE_S = 60.0  # without a byte, after which a connection counts as lost
 POLL_S = 1.0  # between requests for an answer under way, where the service names no time
@@ -54,6 +56,7 @@ class AsyncClient:
 
     Args:
         url: address of the service. retries: how often and how long to try.
+        key: to the service, where it asks for one; None: that of CAMWRIGHT_KEY, "": none.
         timeout_s: without a byte, after which the connection counts as lost.
         more: for httpx2.AsyncClient, such as ``headers``, ``verify`` or ``proxy``.
     """
@@ -64,9 +67,13 @@ class AsyncClient:
         *,
         retries: Retries = Retries(),  # noqa: B008 (frozen)
         timeout_s: float = SILENCE_S,
+        key: str | None = None,
         **more: Any,
     ) -> None:
         http = httpx2.AsyncClient(base_url=url, timeout=timeout_s, **more)
+        key = os.environ.get(KEY) if key is None else key
+        if key:
+            http.headers["Authorization"] = f"Bearer {key}"
         self._exchange = Exchange(http, retries)
 
     async def __aenter__(self) -> Self:

@@ -27,9 +27,9 @@ from service.commands.stream import documents
 from service.commands.terminal import STREAM, Units, complain, save, say, stop
 from service.contract.examples import example_path
 from service.settings import settings_from
-from service.wire.body import Model, parse_json, validate
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import problem_document, problem_of
+from service.wire.validation import Model, parse_json, validate
 from synthesis.design.design import Design
 from synthesis.errors import CamwrightError, TimeBudgetExceeded
 from synthesis.exporters.exporter import compact_json

@@ -83,13 +83,13 @@ def own_service(folder: Path) -> Iterator[str]:
     import uvicorn
 
     from service.app import create_app
-    from service.server import check_database, server_config
+    from service.server import open_database, server_config
     from service.wire.observe import configure_logs
 
     configure_logs("error")
-    check_database(settings)
+    open_database(settings).dispose()
     app, listener = create_app(settings), listening_socket(settings)
-    server = uvicorn.Server(server_config(app))
+    server = uvicorn.Server(server_config(app, settings))
     running = threading.Thread(target=lambda: asyncio.run(server.serve([listener])))
     running.start()
     try:

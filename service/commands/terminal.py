@@ -6,10 +6,13 @@ what is as light as this one; `answering` has what takes longer to import.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import os
+from collections.abc import Callable, Collection, Mapping
 from enum import StrEnum
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -68,6 +71,33 @@ Url = Annotated[
         help="Service to ask, such as http://127.0.0.1:8000. Left out, it is computed here.",
     ),
 ]  # fmt: skip
+
+KEY = "CAMWRIGHT_KEY"  # as the client reads it
+GivenKey = Annotated[
+    str | None,
+    typer.Option(
+        "--key", envvar=KEY, metavar="KEY", show_default=False,
+        help="Key to the service of --url. Others on this machine may see options: rather set the "
+        "variable.",
+    ),
+]  # fmt: skip
+
+
+def with_key(command: Callable[..., Any]) -> Callable[..., Any]:
+    """A command that asks a service, with an option for the key to it, which the client reads."""
+
+    @wraps(command)
+    def keyed(*, key: str | None = None, **options: Any) -> None:
+        if key is not None:
+            os.environ[KEY] = key
+        command(**options)
+
+    known = signature(command, eval_str=True)
+    given = Parameter("key", Parameter.KEYWORD_ONLY, default=None, annotation=GivenKey)
+    keyed.__signature__ = known.replace(  # type: ignore[attr-defined]
+        parameters=[*known.parameters.values(), given]
+    )
+    return keyed
 
 
 def say(text: str) -> None:

@@ -40,8 +40,9 @@ TAGS = {
 # Statuses of several types of problems.
 SEVERAL = {
     404: "Not found",
-    409: "Conflict with the current state: not finished, no cam, or deleted meanwhile",
+    409: "Not finished, no cam, or deleted meanwhile",
     422: "The request is invalid",
+    429: "Busy, or a quota is used up",
     500: "Internal error",
     503: "Temporarily unavailable: try again",
 }
@@ -108,6 +109,7 @@ def _header(description: str) -> Json:
     return {"description": description, "schema": {"type": "string"}}
 
 
+KEY_SCHEME = {"type": "http", "scheme": "bearer"}
 FILE_TAG = _header(
     "Strong: the same tag, the same bytes. Sent back in `If-None-Match`, the answer is 304 without "
     "a body while that is so."
@@ -150,7 +152,8 @@ def describe(app: FastAPI) -> Json:
         own = {model.__name__: unnamed["$defs"][model.__name__] for model in UNNAMED}
         schemas = {**unnamed["$defs"], **document["components"]["schemas"], **own}
         document["components"]["schemas"] = schemas
-        document["security"] = []  # nobody signs in
+        document["components"]["securitySchemes"] = {"key": KEY_SCHEME}
+        document["security"] = [{}, {"key": []}]  # where the service listens on the loopback: none
         _tidy(document)
         share(document)
         app.openapi_schema = document

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import logging
+import time
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
@@ -11,55 +14,102 @@ from pydantic import ValidationError
 
 from service.resources.resource import Resource
 from service.settings import Settings
-from service.storage.store import Answers, Store
+from service.storage.leases import Leases
+from service.storage.store import Answers, LeaseLost, Store
 from service.storage.tables import AnswerRow
-from service.wire.errors import ProblemType, ServiceError
+from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
+from service.wire.validation import kept_question
+from service.work import POLL_S, RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine
+from service.workers.tasks import Answer
 from synthesis.design.identity import ENGINE_NUMBER
+
+log = logging.getLogger("camwright.questions")
+
+
+class Attempt:
+    """The work on one question, in ``task``.
+
+    ``keeping``: its answer, or why there is none, is being kept. ``failed``: there is none, and who
+    asks again begins another attempt.
+    ``budget_s`` is the time that the core may take for it.
+    """
+
+    sequence: int
+    task: asyncio.Task[Any]
+    keeping = failed = False
+
+    def __init__(self, budget_s: float) -> None:
+        self.budget_s, self._began = budget_s, time.monotonic()
+
+    @property
+    def seconds(self) -> float:
+        """Time that the core may have taken for it so far, as it may have waited before [s]."""
+        return min(time.monotonic() - self._began, self.budget_s)
+
+    async def stop(self) -> None:
+        """End it, unless it has ended but for the keeping: the store sees who may."""
+        if not self.keeping:
+            self.task.cancel()
+
+
+Questions = Work[AnswerRow, Attempt]  # of all resources
+
+
+def questions(store: Store, settings: Settings, jobs: Mapping[str, Jobs]) -> Questions:
+    """The accepted questions that this process works on; ``jobs`` of each resource, by path."""
+    leases = Leases(AnswerRow, ("accepted",), store, settings.lease_s)
+    return Work(leases, lambda row: jobs[row.kind].begin(row))
 
 
 class Jobs:
     """What this process works on of one resource, by id; and the answers that are kept of it."""
 
     def __init__(
-        self, resource: Resource, engine: Engine, store: Store, metrics: Metrics, settings: Settings
+        self,
+        resource: Resource,
+        engine: Engine,
+        store: Store,
+        metrics: Metrics,
+        settings: Settings,
+        accepted: Questions,
     ) -> None:
         self.resource, self.engine = resource, engine
         self.answers = Answers(resource.path, store, resource.elsewhere)
-        self._metrics, self._settings = metrics, settings
-        self._tasks: dict[str, asyncio.Task[AnswerRow]] = {}
+        self._metrics, self._settings, self._accepted = metrics, settings, accepted
+        self._attempts: dict[str, Attempt] = {}
 
-    async def find(self, id: str) -> AnswerRow:
-        """The answer with this id, by this engine.
+    async def find(self, id: str, owner: str | None) -> AnswerRow:
+        """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id)
+        row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
             return row
         try:
-            spec = self.resource.spec.model_validate_json(row.spec)
+            spec = await asyncio.to_thread(self.resource.spec.model_validate_json, row.spec)
         except ValidationError:
             raise self.resource.unknown(
                 f"{self.resource.noun.capitalize()} {id} was made by an earlier engine, and this "
                 f"one cannot read its spec. POST it to {self.resource.path} in today's form, as "
                 "in /docs."
             ) from None
-        current = await self.answers.find(self.resource.id_of(spec))
+        current = await self.answers.find(self.resource.id_of(spec), owner)
         if current is None:
             current = await self._accept(spec)
-        await self.answers.supersede(id)
+        await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str) -> tuple[AnswerRow, bytes]:
+    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
         """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id)
+        row = await self.find(id, owner)
         if row.state != "done" or row.body is None:
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
@@ -76,77 +126,141 @@ class Jobs:
             "POST the spec again to make it anew."
         )
 
-    def start(self, spec: Any) -> asyncio.Task[AnswerRow]:
-        """Work on a question, or join the work on it; the task ends when the answer is kept."""
-        id = self.resource.id_of(spec)
-        if id not in self._tasks:
-            self.engine.admit()
-        return self._task(id, spec)
+    async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:
+        """Work on a question, or wait for whoever does: its answer, or that it failed.
+
+        ``known`` is its row in the store, which is not done. A question that nobody has accepted is
+        not kept: whoever asks is still there, and asks again.
+        """
+        id, row = self.resource.id_of(spec), known
+        while True:
+            if row is not None and row.state == "accepted":
+                await self._accepted.start(row)
+            attempt = self._attempts.get(id)
+            if attempt is not None or row is None or row.state != "accepted":
+                if attempt is None:
+                    self.engine.admit()
+                attempt = self._attempt(id, spec)
+                try:
+                    return await asyncio.shield(attempt.task)
+                except asyncio.CancelledError:
+                    if not attempt.task.cancelled():
+                        raise  # who asks has gone; the work goes on
+                except LeaseLost:
+                    pass  # as when it is stopped: see who has it
+            else:  # another process works on it
+                await asyncio.sleep(POLL_S)
+            row = await self.answers.find(id, owner)
+            if row is None and not await self.answers.is_held(id, owner):
+                raise ProblemType.DISMISSED(
+                    "The question was deleted while it was being worked on."
+                )
+            if row is not None and row.state in ("done", "failed"):
+                return row
 
     async def accept(self, spec: Any) -> AnswerRow:
         """Note a question as accepted, so that it outlives this process, and start it."""
-        if self.resource.id_of(spec) not in self._tasks:
+        if self.resource.id_of(spec) not in self._attempts:
             self.engine.admit()
         return await self._accept(spec)
 
     async def _accept(self, spec: Any) -> AnswerRow:
-        id = self.resource.id_of(spec)
-        row = await self.answers.put(self._row(id, spec, "accepted"))
-        if row.state != "done":
-            self._task(id, spec)
+        row = await self.answers.accept(self._row(self.resource.id_of(spec), spec, "accepted"))
+        if row.state == "accepted":
+            await self._accepted.start(row)
         return row
 
-    async def resume(self) -> None:
-        """Start again what a process before this one had accepted and not finished."""
-        for row in await self.answers.unfinished():
-            if row.engine >= ENGINE_NUMBER:
-                self._task(row.id, self.resource.spec.model_validate_json(row.spec))
-                continue
-            try:
-                await self.find(row.id)
-            except ServiceError as error:
-                await self.answers.fail(row.id, problem_of(error))
+    async def begin(self, row: AnswerRow) -> Attempt | None:
+        """Work on an accepted question, whose lease this process has."""
+        if row.engine >= ENGINE_NUMBER:
+            attempt = self._attempt(row.id, kept_question(row.name, row.spec))
+            attempt.sequence = row.sequence
+            return attempt
+        try:
+            await self.find(row.id, None)
+        except ServiceError as error:
+            await self.answers.fail(row.id, problem_of(error))
+        return None
 
-    def _task(self, id: str, spec: Any) -> asyncio.Task[AnswerRow]:
-        task = self._tasks.get(id)
-        if task is None:
-            task = self._tasks[id] = asyncio.create_task(self._run(id, spec))
-            task.add_done_callback(lambda done: self._remove(id, done))
-        return task
+    def _attempt(self, id: str, spec: Any) -> Attempt:
+        attempt = self._attempts.get(id)
+        if attempt is None or attempt.failed:
+            attempt = self._attempts[id] = Attempt(
+                self._settings.budget_s(getattr(spec, "time_budget_s", None))
+            )
+            attempt.task = asyncio.create_task(self._run(attempt, id, spec))
+            begun = attempt
+            begun.task.add_done_callback(lambda _: self._remove(id, begun))
+        return attempt
 
-    def _remove(self, id: str, task: asyncio.Task[AnswerRow]) -> None:
-        del self._tasks[id]
-        if not task.cancelled():
-            task.exception()  # retrieved, so that asyncio does not log it
+    def _remove(self, id: str, ended: Attempt) -> None:
+        if self._attempts.get(id) is ended:
+            del self._attempts[id]
+        if not ended.task.cancelled():
+            ended.task.exception()  # retrieved, so that asyncio does not log it
 
-    async def dismiss(self, id: str) -> bool:
-        """Stop and delete one; whether there was one."""
-        task = self._tasks.get(id)
-        if task is not None:
-            task.cancel()
-        return await self.answers.remove(id) or task is not None
+    async def dismiss(self, id: str, owner: str) -> bool:
+        """Stop and delete what an owner holds; whether there was one.
+
+        What others hold too stays for them as it is.
+        """
+        attempt = self._attempts.get(id)
+        seconds = 0.0 if attempt is None else attempt.seconds
+        held, by_others, kept = await self.answers.release(id, owner, seconds)
+        if held and not by_others and attempt is not None:
+            attempt.task.cancel()
+            await asyncio.wait({attempt.task})
+            await self.answers.remove(id)  # what it may have kept meanwhile
+        return held and (kept or attempt is not None)
 
     async def close(self) -> None:
         """Stop everything; what was accepted is resumed at the next start."""
-        tasks = list(self._tasks.values())
+        tasks = [attempt.task for attempt in self._attempts.values()]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run(self, id: str, spec: Any) -> AnswerRow:
+    async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
         row = self._row(id, spec, "done")
         try:
-            budget = self._settings.budget_s(getattr(spec, "time_budget_s", None))
-            answer = await self.engine.solve(row.spec, budget, self.resource.task)
+            answer = await self._solve(row, attempt.budget_s)
         except Exception as error:
             problem = problem_of(error)
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
-            await self.answers.fail(id, problem)
+            if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
+                log.error("unexpected", exc_info=error)
+            attempt.keeping = attempt.failed = True
+            await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
-        return await self.answers.put(row)
+        attempt.keeping = True
+        accepted = id in self._accepted.runners
+        return await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
+
+    async def _solve(self, row: AnswerRow, budget: float) -> Answer:
+        """Have a worker answer; again, until it has killed too many of them."""
+        strikes = 0
+        while True:
+            try:
+                return await self.engine.solve(row.spec, budget, self.resource.task)
+            except ServiceError as error:
+                if error.problem is ProblemType.ENGINE_UNREACHABLE:
+                    if row.id not in self._accepted.runners:
+                        raise  # who asks is told to come back
+                    await asyncio.sleep(RETRY_S)
+                    continue
+                if error.problem is not ProblemType.WORKER_LOST:
+                    raise
+                kept = await retry_transaction(lambda: self.answers.add_strike(row.id))
+                strikes = max(strikes + 1, kept)
+                if strikes >= STRIKES:
+                    raise ProblemType.WORKER_LOST(
+                        f"It has taken {strikes} worker processes with it, and is not tried again "
+                        f"by itself. The last time: {error.detail}",
+                        error.headers,
+                    ) from None
 
     def _row(self, id: str, spec: Any, state: str) -> AnswerRow:
         return AnswerRow(
@@ -159,15 +273,3 @@ class Jobs:
             spec=spec.model_dump_json().encode(),
             summary={},
         )
-
-
-async def result_of(task: asyncio.Task[AnswerRow]) -> AnswerRow:
-    """The row that a task ends with; the task continues if the caller is cancelled."""
-    try:
-        return await asyncio.shield(task)
-    except asyncio.CancelledError:
-        if task.cancelled():
-            raise ProblemType.DISMISSED(
-                "The question was deleted while it was being worked on."
-            ) from None
-        raise

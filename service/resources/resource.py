@@ -13,9 +13,10 @@ from pydantic import BaseModel, Field, create_model
 from service.storage.store import Lookup
 from service.storage.tables import AnswerRow, in_utc
 from service.wire.errors import ProblemType
+from service.wire.validation import Question
 from service.workers.tasks import Task, links_to
 from synthesis.design.design import Status
-from synthesis.design.identity import question_id
+from synthesis.design.identity import identity
 from synthesis.exporters import FileContent
 from synthesis.exporters.exporter import FileFormat
 
@@ -106,9 +107,9 @@ class Resource:
     noun_in_id: bool = True
     own_delete: bool = False
 
-    def id_of(self, spec: BaseModel) -> str:
+    def id_of(self, spec: BaseModel | Question) -> str:
         """The id of a question."""
-        return question_id(spec, self.noun) if self.noun_in_id else question_id(spec)
+        return identity(*([self.noun] if self.noun_in_id else []), spec.model_dump_json())
 
     def at(self, id: str) -> str:
         """Address of one of them."""

@@ -43,7 +43,7 @@ async def get_design_sensitivities(
     larger and smaller. Where the two sides differ, both are given; what is not confirmed is listed
     as such, and what was not reached in time.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "sensitivities")
     return not_modified(request, tag) or Response(
         await _sensitivities(parts, design), 200, {"ETag": f'"{tag}"'}, "application/json"
@@ -52,7 +52,8 @@ async def get_design_sensitivities(
 
 async def _sensitivities(parts: State, design: bytes) -> bytes:
     budget_s = parts.settings.time_budget_s
-    return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
+    async with parts.quotas.core(parts.caller, budget_s):
+        return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
 
 
 @router.get(
@@ -67,7 +68,7 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
 
     Needs the optional part `exact` on the workers; without it the answer is 501.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     if not json.loads(design)["motion"]:
         raise ProblemType.NOTHING_FITS(NO_CAM)
     tag = tag_of(row.etag or "", "confirmation", "json", "")
@@ -92,12 +93,13 @@ async def delete_design(design_id: str, parts: Parts) -> None:
     own.
     """
     jobs = parts.jobs[DESIGNS.path]
-    row = await jobs.answers.find(design_id)
-    if await jobs.dismiss(design_id):
+    row = await jobs.answers.find(design_id, parts.owner)
+    if await jobs.dismiss(design_id, parts.owner):
         if row is not None and row.body is not None:
-            await parts.jobs[PROOFS.path].dismiss(PROOFS.id_of(proof_asked(row, row.body)))
+            proof = PROOFS.id_of(proof_asked(row, row.body))
+            await parts.jobs[PROOFS.path].dismiss(proof, parts.owner)
         return
-    holder = await parts.sweeps.store.holder(design_id)
+    holder = await parts.sweeps.store.holder(design_id, parts.owner)
     if holder is None:
         raise jobs.unknown(design_id)
     sweep, number = holder
@@ -116,7 +118,7 @@ async def _get_report(
         bool, Query(description="Say what each limit costs too: a few solves more.")
     ] = False,
 ) -> Response:
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     costs = None
     if sensitivities:
         costs = Sensitivities.model_validate_json(await _sensitivities(parts, design))

@@ -12,7 +12,6 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import file_response
-from service.resources.jobs import result_of
 from service.resources.records import DESIGNS, PROOFS, proof_asked
 from service.resources.resource import Accepted
 from service.routes.resource_routes import (
@@ -57,22 +56,19 @@ async def get_proof_json(
     proof design.json --checker check.py` writes. The page `proof` of the documentation has the
     format and the theorems. Takes as long as the design, once; it is kept.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id)
+    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "proof.json")
     known = not_modified(request, tag)
     if known is not None:
         return known
-    if "respond-async" in prefer.lower():
-        jobs, asked = parts.jobs[PROOFS.path], proof_asked(row, design)
-        kept = await jobs.answers.find(PROOFS.id_of(asked))
-        if kept is not None and kept.problem is not None and kept.state == "failed":
-            return problem_response(request, kept.problem)
-        if kept is None or kept.state != "done":
-            return _accepted(request, row, await jobs.accept(asked))
+    kept = await _proof(request, parts, row, design, wait="respond-async" not in prefer.lower())
+    if kept.state == "accepted":
+        return _accepted(request, row, kept)
+    if kept.problem is not None and kept.state == "failed":
+        return problem_response(request, kept.problem)
     name = name_of_file(DESIGNS, row, "proof.json")
     headers = download_headers(row.name, name, JSON_FILE) | {"ETag": f'"{tag}"'}
-    proof = await _proof(request, parts, row, design)
-    return Response(proof, headers=headers | IN_PARTS, media_type=JSON_FILE)
+    return Response(kept.body, headers=headers | IN_PARTS, media_type=JSON_FILE)
 
 
 def _accepted(request: Request, row: AnswerRow, kept: AnswerRow) -> Response:
@@ -83,15 +79,21 @@ def _accepted(request: Request, row: AnswerRow, kept: AnswerRow) -> Response:
     return Response(body, 202, headers, JSON_FILE)
 
 
-async def _proof(request: Request, parts: State, row: AnswerRow, design: bytes) -> bytes:
-    """The proof file of a finished design, made once."""
+async def _proof(
+    request: Request, parts: State, row: AnswerRow, design: bytes, *, wait: bool = True
+) -> AnswerRow:
+    """The proof file of a finished design, made once; accepted alone where nobody waits for it."""
     jobs, asked = parts.jobs[PROOFS.path], proof_asked(row, design)
-    kept = await jobs.answers.find(PROOFS.id_of(asked))
-    if kept is None or kept.state != "done":
-        kept = await with_words_for_files(
-            request, parts.settings.budget_s(None), result_of(jobs.start(asked))
-        )
-    return kept.body or b""
+    id = PROOFS.id_of(asked)
+    kept = await jobs.answers.claim(id, parts.owner)
+    if kept is not None and kept.state == "done":
+        return kept
+    async with parts.quotas.room(parts.caller, id):
+        if not wait:
+            return await jobs.accept(asked)
+        budget_s = parts.settings.budget_s(None)
+        answer = jobs.answer(asked, kept, parts.owner)
+        return await with_words_for_files(request, budget_s, answer)
 
 
 @router.get(
@@ -126,7 +128,10 @@ async def get_sweep_proofs_zip(
     designs = parts.jobs[DESIGNS.path]
     files = []
     for number, row in rows.items():
-        of, design = await designs.find_done(row.design_id or "")
-        files.append((f"item-{number}.proof.json", await _proof(request, parts, of, design)))
+        of, design = await designs.find_done(row.design_id or "", parts.owner)
+        kept = await _proof(request, parts, of, design)
+        if kept.problem is not None and kept.state == "failed":
+            return problem_response(request, kept.problem)
+        files.append((f"item-{number}.proof.json", kept.body or b""))
     headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}
     return Response(archive(files), headers=headers | IN_PARTS, media_type=MEDIA_TYPE)

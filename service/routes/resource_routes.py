@@ -5,12 +5,13 @@
 import asyncio
 import hashlib
 import re
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from functools import partial
 from inspect import cleandoc
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi.responses import StreamingResponse
 
 from service.contract.documentation import (
     UNDER_WAY_HEADERS,
@@ -19,12 +20,11 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.resources.jobs import result_of
 from service.resources.resource import Accepted, Resource, ResourceFile, page_of
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.body import read_body
-from service.wire.conditional import IN_PARTS, not_modified, tag_of
+from service.wire.conditional import IN_PARTS, not_modified, only_head, tag_of
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import problem_response
 from synthesis.design.design import WITHOUT_CAM
@@ -45,6 +45,7 @@ PAGE_POLICY = (
     "frame-ancestors 'self'; sandbox allow-scripts"
 )
 POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
+LATER = 500  # HTTP statuses from here on: the same question may be answered another time
 WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
 BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
@@ -89,14 +90,19 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         request: Request, parts: Parts, prefer: Prefer = "", idempotency_key: Key = None
     ) -> Response:
         jobs = parts.jobs[resource.path]
-        spec, body = await read_body(request, resource.spec, parts.settings.max_body_bytes)
+        most = parts.settings.max_body_bytes
+        spec, body = await read_body(request, parts.readers.run, resource.spec, most)
         await check_key(parts, idempotency_key, body)
-        row = await jobs.answers.find(resource.id_of(spec))
+        id = resource.id_of(spec)
+        row = await jobs.answers.claim(id, parts.owner)
         if row is None or row.state != "done":
-            if "respond-async" in prefer.lower():
-                return _accepted(resource, await jobs.accept(spec), applied=True)
-            row = await result_of(jobs.start(spec))
-        return _done(resource, row)
+            async with parts.quotas.room(parts.caller, id):
+                if "respond-async" in prefer.lower():
+                    accepted = await jobs.accept(spec)
+                    accepted.created = row.created if row else accepted.created  # for this owner
+                    return _accepted(resource, accepted, applied=True)
+                row = await jobs.answer(spec, row, parts.owner)
+        return ended(request, resource, row)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -124,7 +130,9 @@ def _add_list(router: APIRouter, resource: Resource) -> None:
         status: Annotated[kind, only] = None,
     ) -> Any:
         answers = parts.jobs[resource.path].answers
-        rows, following = await newest(answers, limit, cursor, status if filters else None)
+        rows, following = await newest(
+            answers, parts.owner, limit, cursor, status if filters else None
+        )
         items = [{**resource.fields_of(row), "status": row.status, **row.summary} for row in rows]
         return page_of(resource.summary).model_validate({"items": items, "next": following})
 
@@ -148,12 +156,10 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         parts: Parts,
         if_none_match: KnownTag = None,
     ) -> Response:
-        row = await parts.jobs[resource.path].find(id)
+        row = await parts.jobs[resource.path].find(id, parts.owner)
         if row.state == "accepted":
             return _accepted(resource, row)
-        if row.problem is not None and row.state == "failed":
-            return problem_response(request, row.problem)
-        return not_modified(request, row.etag or "") or _done(resource, row)
+        return not_modified(request, row.etag or "") or ended(request, resource, row)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -166,7 +172,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
 def _add_delete(router: APIRouter, resource: Resource) -> None:
     async def handler(id: Annotated[str, Path(alias=resource.id_name)], parts: Parts) -> None:
         jobs = parts.jobs[resource.path]
-        if not await jobs.dismiss(id):
+        if not await jobs.dismiss(id, parts.owner):
             raise jobs.unknown(id)
 
     router.add_api_route(
@@ -188,7 +194,7 @@ async def check_key(parts: State, key: str | None, body: bytes) -> None:
     if not key.isprintable():
         raise ProblemType.INVALID_PARAMETER("Idempotency-Key: use printable characters only.")
     body_hash = hashlib.sha256(body).hexdigest()
-    if await parts.store.body_of_key(key, body_hash) != body_hash:
+    if await parts.store.body_of_key(parts.owner, key, body_hash) != body_hash:
         raise ProblemType.IDEMPOTENCY_KEY_REUSED(
             f"Idempotency-Key {key!r} came with another body before. Use a new key for a new body."
         )
@@ -204,15 +210,22 @@ def position_of(cursor: str) -> int:
 
 
 async def newest(
-    kept: Any, limit: int, cursor: str | None, state: str | None
+    kept: Any, owner: str, limit: int, cursor: str | None, state: str | None
 ) -> tuple[Sequence[Any], str | None]:
-    """Rows of a page and the cursor of the next one; ``kept`` has the rows."""
+    """An owner's rows of a page and the cursor of the next one; ``kept`` has the rows."""
     before = None if cursor is None else position_of(cursor)
-    rows = await kept.page(before, limit + 1, state)
+    rows = await kept.page(before, limit + 1, state, owner)
     return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
 
 
-def _done(resource: Resource, row: AnswerRow) -> Response:
+def ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
+    """The answer, or the problem document of a question that has failed."""
+    if row.problem is not None and row.state == "failed":
+        problem, again = row.problem, f"POST it to {resource.path} to have it tried again."
+        if problem["status"] < LATER:  # the question itself is at fault
+            return problem_response(request, problem)
+        problem = {**problem, "detail": f"{problem['detail']} The question has failed: {again}"}
+        return problem_response(request, problem)
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
     return Response(row.body, 200, headers, "application/json")
 
@@ -243,7 +256,7 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
     ) -> Response:
         options = file.format.options(**dict(query))
-        row, body = await parts.jobs[resource.path].find_done(id)
+        row, body = await parts.jobs[resource.path].find_done(id, parts.owner)
         return await send_file(request, parts, resource, file, row, body, options)
 
     add_file_route(router, resource, file, handler, file.format.in_worker)
@@ -288,27 +301,36 @@ async def send_file(
     known = not_modified(request, tag)
     if known is not None:
         return known
+    name = name_of_file(resource, row, file.ending or file.path)
+    headers = download_headers(row.name, name, file.format.media_type)
+    headers |= {"ETag": f'"{tag}"', **IN_PARTS}
+    media_type = file.format.media_type
+    # Where there is a cam there is a file. What only that itself tells, as its length, is left out.
+    if only_head(request) and row.status not in WITHOUT_CAM:
+        return StreamingResponse(nothing(), 200, headers, media_type)
     make = partial(file.write, file.format, body, options)
     content: FileContent = await (
         in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
     )
-    name = name_of_file(resource, row, file.ending or file.path)
-    metadata = {f"Camwright-{key}": value for key, value in content.metadata.items()}
-    return Response(
-        content.data,
-        headers={
-            "ETag": f'"{tag}"', **IN_PARTS,
-            **download_headers(row.name, name, file.format.media_type), **metadata,
-        },
-        media_type=file.format.media_type,
-    )  # fmt: skip
+    headers |= {f"Camwright-{key}": value for key, value in content.metadata.items()}
+    return Response(content.data, 200, headers, media_type)
+
+
+async def nothing() -> AsyncIterator[bytes]:
+    """No bytes."""
+    yield b""
 
 
 async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     """Have a worker make what a path leads to, if there is room: it takes long or much memory."""
     parts.engine.admit()
     budget_s = parts.settings.budget_s(None)
-    return await with_words_for_files(request, budget_s, parts.engine.run(work, budget_s=budget_s))
+
+    async def making() -> T:
+        async with parts.quotas.core(parts.caller, budget_s):
+            return await parts.engine.run(work, budget_s=budget_s)
+
+    return await with_words_for_files(request, budget_s, making())
 
 
 def name_of_file(resource: Resource, row: AnswerRow, name: str) -> str:

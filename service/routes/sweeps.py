@@ -31,17 +31,18 @@ from service.routes.resource_routes import (
     newest,
     position_of,
 )
-from service.state import Parts, State
+from service.state import Parts, State, hold_stream
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
+from service.sweeps.asked import read_sweep
 from service.sweeps.store import UNDER_WAY
-from service.wire.body import read_body
+from service.sweeps.sweeps import id_of, spec_of
+from service.wire.body import receive_body
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff, trade_off
 from synthesis.exporters.drawing.raster import rasterise
 from synthesis.exporters.options import Colours, PixelColours, PixelWidth
-from synthesis.studies.sweeps import SweepSpec
 
 router = APIRouter(prefix="/v1/sweeps", tags=["sweeps"])
 MAX_FRONT = 2000  # items of a front in one answer: about 1 MB
@@ -51,7 +52,7 @@ QUANTITIES = 8  # that one front may be of
 
 async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     """The sweep with this id."""
-    row = await parts.sweeps.store.find(sweep_id)
+    row = await parts.sweeps.store.find(sweep_id, parts.owner)
     if row is None:
         raise ProblemType.UNKNOWN_SWEEP(
             f"There is no sweep {sweep_id[:64]!r}. GET /v1/sweeps lists those there are; POST the "
@@ -60,7 +61,7 @@ async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     return row
 
 
-def _last_event(
+async def _last_event(
     last_event_id: Annotated[
         str | None, Header(description="Id of the last event received; the stream continues there.")
     ] = None,
@@ -84,21 +85,20 @@ After = Annotated[int, Depends(_last_event)]
     openapi_extra=spec_body("sweeps", "SweepSpec"),
     summary="Start a sweep",
 )  # fmt: skip
-async def create_sweep(
-    request: Request, response: Response, parts: Parts, idempotency_key: Key = None
-) -> views.Sweep:
+async def create_sweep(request: Request, parts: Parts, idempotency_key: Key = None) -> Response:
     """Many designs out of one: the base with other values in some of its fields.
 
     The same spec gives the same sweep: a second request joins it, or continues it where it was
     dismissed. Every finished item is stored before it is counted, and a restart of the service, of
     the scheduler or of a worker loses none.
     """
-    spec, body = await read_body(request, SweepSpec, parts.settings.max_body_bytes)
-    parts.sweeps.check(spec)
+    body = await receive_body(request, parts.settings.max_body_bytes)
+    asked = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
     await check_key(parts, idempotency_key, body)
-    row = await parts.sweeps.accept(spec)
-    response.headers.update({"Location": views.sweep_path(row.id), "Retry-After": "1"})
-    return views.sweep_of(row, parts.sweeps)
+    async with parts.quotas.room(parts.caller, id_of(asked.id, parts.owner)):
+        row = await parts.sweeps.accept(asked, parts.owner)
+    headers = {"Location": views.sweep_path(row.id), "Retry-After": "1"}
+    return Response(views.sweep_of(row, parts.sweeps), 202, headers, "application/json")
 
 
 @router.get("", summary="List sweeps", responses=problems(422))
@@ -111,15 +111,15 @@ async def list_sweeps(
     ] = None,
 ) -> views.SweepPage:
     """The newest first."""
-    rows, following = await newest(parts.sweeps.store, limit, cursor, state)
+    rows, following = await newest(parts.sweeps.store, parts.owner, limit, cursor, state)
     items = [views.summary_of(row, parts.sweeps) for row in rows]
     return views.SweepPage(items=items, next=following)
 
 
-@router.get("/{sweep_id}", summary="A sweep", responses=problems(404))
-async def get_sweep(row: RequestedSweep, parts: Parts) -> views.Sweep:
+@router.get("/{sweep_id}", response_model=views.Sweep, summary="A sweep", responses=problems(404))
+async def get_sweep(row: RequestedSweep, parts: Parts) -> Response:
     """State, progress, counts, rate and time left; the spec; links."""
-    return views.sweep_of(row, parts.sweeps)
+    return Response(views.sweep_of(row, parts.sweeps), media_type="application/json")
 
 
 @router.delete(
@@ -145,11 +145,9 @@ async def delete_sweep(
     """A running one is stopped within a second, its items are kept; a finished one is deleted."""
     stopped = await parts.sweeps.dismiss(row)
     if stopped is None and not discard:
-        stopped = await parts.sweeps.store.find(row.id)
+        stopped = await parts.sweeps.store.find(row.id, parts.owner)
     if stopped is not None:
-        return Response(
-            views.sweep_of(stopped, parts.sweeps).model_dump_json(), 200, None, "application/json"
-        )
+        return Response(views.sweep_of(stopped, parts.sweeps), media_type="application/json")
     await parts.sweeps.store.delete(row.sequence)
     return Response(status_code=204)
 
@@ -157,7 +155,8 @@ async def delete_sweep(
 @router.get(
     "/{sweep_id}/events",
     response_class=EventSourceResponse,
-    responses={**problems(404, 422)},
+    dependencies=[Depends(hold_stream)],
+    responses={**problems(404, 422, 429)},
     summary="Watch a sweep",
 )
 async def watch_sweep(
@@ -231,11 +230,12 @@ def _add_table(
 
     async def handler(request: Request, sweep: RequestedSweep, parts: Parts) -> Response:
         def body() -> AsyncIterator[bytes]:
-            return write(views.Columns(sweep), parts.sweeps.store.pages(sweep.sequence))
+            return write(views.Columns(sweep, axes), parts.sweeps.store.pages(sweep.sequence))
 
         tag = _tag(request, sweep, extension)
         if isinstance(tag, Response):
             return tag
+        axes = (await spec_of(sweep)).axes
         headers = download_headers(sweep.name, f"items.{extension}", media_type) | tag
         if tag:
             headers |= IN_PARTS
@@ -275,7 +275,7 @@ FrontTolerance = Annotated[
 ]
 
 
-def _axes(
+async def _axes(
     minimise: Annotated[
         list[str],
         Query(max_length=QUANTITIES, description="Quantity to minimise; may be repeated."),

@@ -1,16 +1,28 @@
-"""The tables of the database; a row is a question, a sweep, an item of one, or a key."""
+"""The tables of the database: questions, who has asked them, sweeps with their items, keys."""
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, DateTime, Float, Index, Integer, LargeBinary, String
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Boolean,
+    DateTime,
+    Float,
+    Index,
+    Integer,
+    LargeBinary,
+    String,
+)
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 # SQLite numbers rows by itself only where the type is called INTEGER.
 ROW_NUMBER = BigInteger().with_variant(Integer, "sqlite")
 TIME = DateTime(timezone=True)
+LOCAL = "local"  # the owner of what is asked without a key
+NAME = String(64)  # of an owner
 
 
 class Base(DeclarativeBase):
@@ -30,7 +42,19 @@ class StoredRow(Base):
     spec: Mapped[bytes] = mapped_column(LargeBinary)
 
 
-class AnswerRow(StoredRow):
+class LeasedRow(StoredRow):
+    """What a process works on: ``leased_by`` is that process, ``leased_until`` [s since 1970] how
+    long it may.
+    """
+
+    __abstract__ = True
+
+    state: Mapped[str] = mapped_column(String(16), index=True)
+    leased_by: Mapped[str | None] = mapped_column(String(64))
+    leased_until: Mapped[float | None] = mapped_column(Float)
+
+
+class AnswerRow(LeasedRow):
     """One question with its answer.
 
     Attributes:
@@ -39,41 +63,92 @@ class AnswerRow(StoredRow):
             this one has accepted the question.
         status: what came out; None until it is done. spec: the question. body: the answer.
         summary: what lists show of it. problem: the problem document, where it failed.
+        strikes: workers that it has killed.
     """
 
     __tablename__ = "answers"
     __table_args__ = (Index("ix_answers_kind", "kind", "sequence"),)
 
     kind: Mapped[str] = mapped_column(String(64))
-    state: Mapped[str] = mapped_column(String(16), index=True)
     status: Mapped[str | None] = mapped_column(String(16))
     body: Mapped[bytes | None] = mapped_column(LargeBinary)
     etag: Mapped[str | None] = mapped_column(String(64))
     summary: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    strikes: Mapped[int] = mapped_column(Integer, default=0, server_default="0")
+
+
+class HoldingRow(Base):
+    """That an owner has asked a question: only those who have may read, list and delete its answer.
+
+    Several owners may hold one answer. ``created`` and ``sequence`` are when this one asked, so
+    that he sees nothing of the others. ``kind`` is that of the answer; a holding may be there
+    before its answer.
+    """
+
+    __tablename__ = "holdings"
+    __table_args__ = (
+        Index("ix_holdings_owner", "owner", "id", unique=True),
+        Index("ix_holdings_kind", "owner", "kind", "sequence"),
+    )
+
+    sequence: Mapped[int] = mapped_column(ROW_NUMBER, primary_key=True)
+    owner: Mapped[str] = mapped_column(NAME)
+    id: Mapped[str] = mapped_column(String(64), index=True)
+    kind: Mapped[str] = mapped_column(String(64))
+    created: Mapped[datetime] = mapped_column(TIME)
+
+
+class ApiKeyRow(Base):
+    """A key to the service; of the key itself only the hash is kept.
+
+    Attributes:
+        id: public, in lists and logs. expires, revoked: from when on it is refused; None: never.
+        operator: whether it may read /metrics, which counts the work of all owners.
+        quotas: fields of ``Quotas`` that differ from the settings.
+    """
+
+    __tablename__ = "api_keys"
+
+    id: Mapped[str] = mapped_column(String(16), primary_key=True)
+    hash: Mapped[str] = mapped_column(String(64), unique=True)
+    owner: Mapped[str] = mapped_column(NAME, index=True)
+    name: Mapped[str] = mapped_column(String(200))
+    created: Mapped[datetime] = mapped_column(TIME)
+    expires: Mapped[datetime | None] = mapped_column(TIME)
+    revoked: Mapped[datetime | None] = mapped_column(TIME)
+    operator: Mapped[bool] = mapped_column(Boolean)
+    quotas: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+class UsageRow(Base):
+    """Time in the core that an owner has used on a day, by UTC."""
+
+    __tablename__ = "usage"
+
+    owner: Mapped[str] = mapped_column(NAME, primary_key=True)
+    day: Mapped[str] = mapped_column(String(10), primary_key=True)
+    core_seconds: Mapped[float] = mapped_column(Float)
 
 
 class KeyRow(Base):
-    """An Idempotency-Key, and which body it came with."""
+    """An Idempotency-Key of an owner, and which body it came with."""
 
     __tablename__ = "idempotency_keys"
 
+    owner: Mapped[str] = mapped_column(NAME, primary_key=True)
     key: Mapped[str] = mapped_column(String(255), primary_key=True)
     body_hash: Mapped[str] = mapped_column(String(64))
     created: Mapped[datetime] = mapped_column(TIME, index=True)
 
 
-class SweepRow(StoredRow):
-    """One sweep, with how many of its items came out how.
-
-    ``owner`` is the process that works on it, ``leased_until`` [s since 1970] how long it may.
-    """
+class SweepRow(LeasedRow):
+    """One sweep, with how many of its items came out how; ``belongs_to``: who has asked for it."""
 
     __tablename__ = "sweeps"
 
     started: Mapped[datetime | None] = mapped_column(TIME)
     finished: Mapped[datetime | None] = mapped_column(TIME)
-    state: Mapped[str] = mapped_column(String(16), index=True)
     size: Mapped[int] = mapped_column(Integer)
     axes: Mapped[list[str]] = mapped_column(JSON)
     quantities: Mapped[list[str]] = mapped_column(JSON)
@@ -82,8 +157,7 @@ class SweepRow(StoredRow):
     unsolved: Mapped[int] = mapped_column(Integer, default=0)
     infeasible: Mapped[int] = mapped_column(Integer, default=0)
     failed: Mapped[int] = mapped_column(Integer, default=0)
-    owner: Mapped[str | None] = mapped_column(String(64))
-    leased_until: Mapped[float | None] = mapped_column(Float)
+    belongs_to: Mapped[str] = mapped_column(NAME, index=True, server_default=LOCAL)
 
     @property
     def done(self) -> int:

@@ -1,5 +1,7 @@
 // Calls to the service. Every call is noted, so that it can be copied as curl.
 
+import { askForKey, hasKey } from "./key.js";
+
 /** A problem document (RFC 9457) as an exception. */
 export class Problem extends Error {
   constructor(document) {
@@ -26,7 +28,7 @@ export class Api extends EventTarget {
 
   /** Notes a call that the browser makes by itself: a download, a stream of events. */
   note(method, path, body, status = "", ms = null) {
-    this.calls.unshift({ method, path, body, status, ms });
+    this.calls.unshift({ method, path, body, status, ms, keyed: hasKey() });
     this.calls.length = Math.min(this.calls.length, 40);
     this.dispatchEvent(new Event("call"));
   }
@@ -44,17 +46,19 @@ export class Api extends EventTarget {
     const text = await answer.text();
     if (!silent) this.note(method, path, body, answer.status, performance.now() - begin);
     const found = text ? JSON.parse(text) : null;
+    if (answer.status === 401 && (await askForKey())) return this.#send(method, path, body, { signal, silent });
     if (!answer.ok) throw new Problem(found);
     return found;
   }
 }
 
 /** The same call from a shell. */
-export function curl({ method, path, body }) {
+export function curl({ method, path, body, keyed }) {
   const quoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
   const words = ["curl -s"];
   if (method !== "GET" && !(method === "POST" && body !== undefined)) words.push(`-X ${method}`);
   words.push(quoted(location.origin + path));
+  if (keyed) words.push('-H "Authorization: Bearer $CAMWRIGHT_KEY"');
   if (body !== undefined) {
     words.push("-H 'Content-Type: application/json'", `-d ${quoted(JSON.stringify(body))}`);
   }

@@ -9,7 +9,6 @@ from collections.abc import Collection, Mapping, Sequence
 CHUNK_S = 0.4  # work in a chunk [s]: long compared with sending it, short compared with a second
 MAX_CHUNK = 50  # items: what is lost with a worker is done again
 CHAIN = 8  # items of a sweep with warm starts that begin where the one before has ended
-STRIKES = 3  # workers that an item may kill, the last two while alone in its chunk
 
 
 class Chunks:

@@ -1,26 +1,22 @@
 """Sweeps and their finished items in the store. What has no row has still to be done.
 
-Several services may share a database, and one at a time works on a sweep: it holds a lease on the
-sweep's row, and renews it. When the lease has run out, the process is taken for dead, and another
-one takes the sweep. If it was only slow, it finds its lease gone, and writes nothing more.
+A process that has lost its lease on a sweep writes nothing more.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import uuid
 import zlib
 from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Float, delete, insert, or_, select, update
-from sqlalchemy.ext.compiler import compiles
+from sqlalchemy import ColumnElement, delete, insert, select, update
 from sqlalchemy.orm import Session, defer
-from sqlalchemy.sql.functions import FunctionElement
 
-from service.storage.store import Store, find_or_add, select_newest
+from service.storage.leases import Leases
+from service.storage.store import LeaseLost, Store, charge, find_or_add, select_newest
 from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 
@@ -32,39 +28,11 @@ WITHOUT_SPEC = defer(SweepRow.spec)
 WITHOUT_DESIGN = defer(ItemRow.design)
 
 
-class LeaseLost(Exception):
-    """Another process works on the sweep now, or it was dismissed or deleted."""
-
-
-class _Now(FunctionElement[float]):
-    """Seconds since 1970 by the database's clock, the only one that all processes share."""
-
-    type = Float()
-    inherit_cache = True
-    name = "seconds_now"
-
-
-@compiles(_Now, "postgresql")
-def _in_postgresql(*_: Any, **__: Any) -> str:
-    return "cast(extract(epoch from clock_timestamp()) as double precision)"
-
-
-@compiles(_Now, "sqlite")
-def _in_sqlite(*_: Any, **__: Any) -> str:
-    return "(julianday('now') - 2440587.5) * 86400.0"
-
-
-UNOWNED = or_(SweepRow.owner.is_(None), SweepRow.leased_until < _Now())
-
-
-class SweepStore:
-    """Every method is one transaction of the store's.
-
-    ``owner`` names this process in leases; ``lease_s`` is how long one lasts unless renewed [s].
-    """
+class SweepStore(Leases[SweepRow]):
+    """The sweeps, and this process's leases on them; every method is one transaction."""
 
     def __init__(self, store: Store, lease_s: float) -> None:
-        self._do, self.lease_s, self.owner = store.do, lease_s, uuid.uuid4().hex
+        super().__init__(SweepRow, UNDER_WAY, store, lease_s)
 
     async def accept(self, row: SweepRow) -> SweepRow:
         """Keep a sweep; where there is one with its id, that one, which continues if dismissed."""
@@ -77,40 +45,17 @@ class SweepStore:
 
         return await self._do(work)
 
-    async def find(self, name: str) -> SweepRow | None:
-        """The sweep with this id."""
-        return await self._do(lambda s: s.scalar(select(SweepRow).filter_by(id=name)))
+    async def find(self, name: str, owner: str | None) -> SweepRow | None:
+        """The sweep with this id, if it belongs to the owner (None: in any case)."""
+        query = select(SweepRow).where(SweepRow.id == name, *_belonging_to(owner))
+        return await self._do(lambda s: s.scalar(query))
 
-    async def take(self, sweep: int) -> bool:
-        """Take the lease of a running sweep that no living process holds; whether it was got."""
-        free = or_(SweepRow.owner == self.owner, UNOWNED)
-        return await self._lease(sweep, free, owner=self.owner)
-
-    async def renew(self, sweep: int) -> bool:
-        """Renew the lease; False where the sweep has ended or another process holds it."""
-        return await self._lease(sweep, SweepRow.owner == self.owner)
-
-    async def _lease(self, sweep: int, free: ColumnElement[bool], **values: Any) -> bool:
-        change = update(SweepRow).where(
-            SweepRow.sequence == sweep, SweepRow.state.in_(UNDER_WAY), free
-        )
-        change = change.values(leased_until=_Now() + self.lease_s, **values)
-        change = change.returning(SweepRow.sequence)
-        return await self._do(lambda session: session.scalar(change)) is not None
-
-    async def release(self, sweep: int) -> None:
-        """Give the lease back."""
-        own = update(SweepRow).filter_by(sequence=sweep, owner=self.owner)
-        await self._do(lambda session: session.execute(own.values(owner=None, leased_until=None)))
-
-    async def unowned(self) -> Sequence[SweepRow]:
-        """Running sweeps that no living process works on."""
-        query = select(SweepRow).where(SweepRow.state.in_(UNDER_WAY), UNOWNED)
-        return await self._do(lambda s: s.scalars(query.order_by(SweepRow.sequence)).all())
-
-    async def page(self, before: int | None, size: int, state: str | None) -> Sequence[SweepRow]:
-        """Sweeps from the newest on, without their specs."""
-        query = select_newest(SweepRow, before, size, state=state).options(WITHOUT_SPEC)
+    async def page(
+        self, before: int | None, size: int, state: str | None, owner: str
+    ) -> Sequence[SweepRow]:
+        """An owner's sweeps from the newest on, without their specs."""
+        query = select_newest(SweepRow, before, size, state=state, belongs_to=owner)
+        query = query.options(WITHOUT_SPEC)
         return await self._do(lambda session: session.scalars(query).all())
 
     async def done_numbers(self, sweep: int) -> set[int]:
@@ -151,7 +96,7 @@ class SweepStore:
 
         def work(session: Session) -> SweepRow:
             whole = session.get(SweepRow, sweep, options=[WITHOUT_SPEC], with_for_update=True)
-            if whole is None or whole.owner != self.owner:
+            if whole is None or whole.leased_by != self.process:
                 raise LeaseLost
             finished = select(ItemRow.number).where(
                 ItemRow.sweep == sweep, ItemRow.number.in_(list(rows))
@@ -160,6 +105,7 @@ class SweepStore:
             new = [row for number, row in rows.items() if number not in known]
             if new:
                 session.execute(insert(ItemRow), new)
+                charge(session, whole.belongs_to, sum(row["seconds"] for row in new))
             for status in STATUSES:
                 more = sum(row["status"] == status for row in new)
                 setattr(whole, status, getattr(whole, status) + more)
@@ -183,8 +129,8 @@ class SweepStore:
             if whole is None or whole.state not in UNDER_WAY:
                 return None
             whole.state, whole.finished = state, datetime.now(UTC)
-            if whole.owner != self.owner:
-                whole.owner = whole.leased_until = None
+            if whole.leased_by != self.process:
+                whole.leased_by = whole.leased_until = None
             return whole
 
         return await self._do(work)
@@ -225,21 +171,30 @@ class SweepStore:
         query = select(ItemRow).filter_by(sweep=sweep, number=number)
         return await self._do(lambda session: session.scalar(query))
 
-    async def holder(self, design_id: str) -> tuple[str, int] | None:
-        """The sweep that has this design, and as which item; None where no sweep has."""
+    async def holder(self, design_id: str, owner: str) -> tuple[str, int] | None:
+        """The owner's sweep that has this design, and as which item; None where none of his has."""
         query = select(SweepRow.id, ItemRow.number).where(
-            ItemRow.sweep == SweepRow.sequence, ItemRow.design_id == design_id
-        )
+            ItemRow.sweep == SweepRow.sequence, ItemRow.design_id == design_id,
+            *_belonging_to(owner),
+        )  # fmt: skip
         row = await self._do(lambda session: session.execute(query).first())
         return None if row is None else (row[0], row[1])
 
 
-def design_of_item(session: Session, id: str) -> AnswerRow | None:
-    """The design with this id as an answer of its own, where it came out of a sweep."""
+def _belonging_to(owner: str | None) -> tuple[ColumnElement[bool], ...]:
+    """That a sweep is this owner's; nothing for the service itself."""
+    return () if owner is None else (SweepRow.belongs_to == owner,)
+
+
+def design_of_item(session: Session, id: str, owner: str | None) -> AnswerRow | None:
+    """The design with this id as an answer of its own, where it came out of a sweep of the owner's.
+
+    None of ``owner``: of any.
+    """
     row = session.execute(
         select(ItemRow, SweepRow.engine)
         .join(SweepRow, ItemRow.sweep == SweepRow.sequence)
-        .where(ItemRow.design_id == id)
+        .where(ItemRow.design_id == id, *_belonging_to(owner))
         .limit(1)
     ).first()
     if row is None:

@@ -7,39 +7,45 @@ stored, until no item is left.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections import deque
-from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import ValidationError
-from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import DBAPIError
 
 from service.settings import Settings
-from service.storage.store import Store
-from service.storage.tables import SweepRow
-from service.sweeps.chunks import CHAIN, STRIKES, Chunks
-from service.sweeps.store import STATUSES, LeaseLost, SweepStore
-from service.sweeps.tasks import SLICE_S, ItemAnswer, item_spec, solve_items
+from service.storage.store import LeaseLost, Store
+from service.storage.tables import LOCAL, SweepRow
+from service.sweeps.asked import AskedSweep, asked_sweep
+from service.sweeps.chunks import CHAIN, Chunks
+from service.sweeps.store import STATUSES, SweepStore
+from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
+from service.work import RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine, new_task_name
-from synthesis.design.identity import ENGINE_NUMBER
+from synthesis.design.identity import ENGINE_NUMBER, identity
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
-from synthesis.studies.sweeps.spec import sweep_id
 
 log = logging.getLogger("camwright.sweeps")
-STORE_LOST = (InterfaceError, OperationalError)  # the database cannot be reached
-POLL_S = 1.0  # between looks at sweeps that no process, or another one, works on
-SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
-RETRY_S = 0.5  # after the engine or the store could not be reached
-RENEWAL_S = 0.5  # at most, between renewals: a sweep stopped elsewhere is noticed by then
 WINDOW = 32  # commits over which the rate is taken
-T = TypeVar("T")
+
+
+async def spec_of(row: SweepRow) -> SweepSpec:
+    """The spec of a sweep, read in a thread: it may be long."""
+
+    def read() -> SweepSpec:
+        spec = SweepSpec.model_validate_json(row.spec)
+        spec.item_values(0)  # the values of a Latin hypercube are drawn here, not in the event loop
+        return spec
+
+    return await asyncio.to_thread(read)
 
 
 @dataclass(eq=False)
@@ -71,67 +77,52 @@ class Progress:
 class SweepRunner:
     """Runs a sweep whose lease this process holds, in ``task``."""
 
-    task: asyncio.Task[None]
+    _spec: SweepSpec
+    _spec_for_workers: bytes
+    _budget_s: float
 
     def __init__(
         self, row: SweepRow, engine: Engine, store: SweepStore, settings: Settings
     ) -> None:
-        self._row, self._engine, self._store = row, engine, store
-        self._spec = SweepSpec.model_validate_json(row.spec)
-        self._budget_s = settings.budget_s(self._spec.base.time_budget_s)
-        self._spec_for_workers = self._spec.without_values().model_dump_json().encode()
+        self._row, self._engine, self._store, self._settings = row, engine, store, settings
         self._writing = asyncio.Lock()
         self._stopping = False
         self._running: dict[asyncio.Task[None], str] = {}  # chunks at the workers, with their names
         self._warm_starts: dict[int, Any] = {}  # for items that were not begun
         self.progress = Progress()
+        self.sequence = row.sequence
+        self.task: asyncio.Task[Any] = asyncio.create_task(self._run())
 
-    async def run(self) -> None:
-        """Run until every item is finished, or the sweep is stopped, or the lease is lost.
-
-        The lease is released at the end.
-        """
+    async def _run(self) -> None:
+        """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
-        renewal = asyncio.create_task(self._renew_lease())
         try:
-            done = await self._store.done_numbers(number)
-            strikes = await self._store.strikes(number)
+            self._spec = await spec_of(self._row)
+            self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)
+            self._spec_for_workers = self._spec.without_values().model_dump_json().encode()
+            done = await retry_transaction(lambda: self._store.done_numbers(number))
+            strikes = await retry_transaction(lambda: self._store.strikes(number))
             chain = CHAIN if self._spec.warm_start else 1
             chunks = Chunks(self._row.size, done, self._engine.slots, strikes, chain)
-            await self._store.start(number)
+            await retry_transaction(lambda: self._store.start(number))
             self.progress.update(len(done))
             del done
             await self._run_chunks(chunks)
-            row = await self._store.find(self._row.id)
+            row = await retry_transaction(lambda: self._store.find(self._row.id, None))
             if row is not None and not self._stopping:
                 state = "failed" if row.failed == row.size else "successful"
-                await self._store.end(number, state)
+                await retry_transaction(lambda: self._store.end(number, state))
         except LeaseLost:
             log.info("another process has the sweep now")
         except Exception:
             log.exception("a sweep has failed")
-            await self._store.end(number, "failed")
+            await retry_transaction(lambda: self._store.end(number, "failed"))
         finally:
-            renewal.cancel()
             for chunk in self._running:
                 chunk.cancel()
             self.progress.notify()
-            try:
+            with contextlib.suppress(DBAPIError):  # then the lease will expire
                 await self._store.release(number)
-            except STORE_LOST:
-                log.warning("the store cannot be reached; the lease will expire")
-
-    async def _renew_lease(self) -> None:
-        """Renew the lease until it is lost: the sweep was dismissed, or another process has it."""
-        while True:
-            await asyncio.sleep(min(RENEWAL_S, 0.25 * self._store.lease_s))
-            try:
-                held = await self._store.renew(self._row.sequence)
-            except STORE_LOST:
-                continue  # no other process can take it either
-            if not held:
-                await self.stop()
-                return
 
     async def stop(self) -> None:
         """Send no more chunks, and cancel those at the workers: their finished items are kept."""
@@ -181,7 +172,7 @@ class SweepRunner:
             # is sent again alone, until one has failed alone too often and is given up.
             suspects = chunks.unfinished(numbers)
             strikes = chunks.add_strikes(suspects)
-            await self._write(lambda: self._store.keep_strikes(self._row.sequence, strikes))
+            await retry_transaction(lambda: self._store.keep_strikes(self._row.sequence, strikes))
             if max(strikes.values()) < STRIKES:
                 for number in suspects:
                     chunks.put_back([number])
@@ -206,21 +197,17 @@ class SweepRunner:
         if not new:
             return
         async with self._writing:  # items become visible in the order of their sequence numbers
-            row = await self._write(lambda: self._store.record(self._row.sequence, new))
+            row = await retry_transaction(lambda: self._store.record(self._row.sequence, new))
             self.progress.update(row.done)
 
-    async def _write(self, write: Callable[[], Awaitable[T]]) -> T:
-        """Write to the store, again until it can be reached; a write that has begun is not lost."""
-        while True:
-            writing = asyncio.ensure_future(write())
-            try:
-                return await asyncio.shield(writing)
-            except asyncio.CancelledError:
-                await asyncio.wait({writing})
-                raise
-            except STORE_LOST:
-                log.exception("the store cannot be reached; finished items wait for it")
-                await asyncio.sleep(RETRY_S)
+
+def id_of(question: str, owner: str) -> str:
+    """The id of an owner's sweep, by that of its question.
+
+    Every owner has a sweep of his own, though another may have asked the same: what one stops or
+    deletes, the other goes on with.
+    """
+    return question if owner == LOCAL else identity(owner, question)
 
 
 class Sweeps:
@@ -228,80 +215,39 @@ class Sweeps:
 
     def __init__(self, engine: Engine, store: Store, settings: Settings) -> None:
         self.engine, self._settings = engine, settings
-        self.store = SweepStore(store, settings.sweep_lease_s)
-        self._polling: asyncio.Task[None] | None = None
-        self._runners: dict[str, SweepRunner] = {}
+        self.store = SweepStore(store, settings.lease_s)
+        self.work: Work[SweepRow, SweepRunner] = Work(self.store, self._begin)
 
-    def check(self, spec: SweepSpec) -> None:
-        """Refuse a sweep that is too large, or of which no item seems to be valid.
-
-        Invalid items fail one by one when their turn comes: a corner of a grid may be out of reach.
-        Where none of some that lie far apart is valid, the sweep is refused.
-        """
-        most = self._settings.max_sweep_items
-        if spec.size > most:
-            rule = f"makes {spec.size} items; this server takes {most} in a sweep"
-            remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
-            wrong = {"pointer": "/axes", "value": spec.size, "rule": rule, "remedy": remedy}
-            raise ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[wrong])
-        step = (spec.size - 1) / (SAMPLED - 1)
-        sample = dict.fromkeys(round(i * step) for i in range(SAMPLED))
-        first: ServiceError | None = None
-        for number in sample:
-            try:
-                item_spec(spec, spec.item_values(number))
-            except ServiceError as error:
-                first = first or error
-            else:
-                return
-        assert first is not None
-        violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
-        raise ProblemType.INVALID_REQUEST(
-            f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
-            f"{first.detail}", violations=violations,
-        )  # fmt: skip
-
-    async def accept(self, spec: SweepSpec) -> SweepRow:
-        """Accept a sweep, or join it, or continue one that was dismissed."""
-        running = len(self._runners)
-        if sweep_id(spec) not in self._runners and running >= self._settings.max_sweeps:
+    async def accept(self, asked: AskedSweep, owner: str) -> SweepRow:
+        """Accept an owner's sweep, or join it, or continue one that was dismissed."""
+        running, id = len(self.work.runners), id_of(asked.id, owner)
+        if id not in self.work.runners and running >= self._settings.max_sweeps:
             raise ProblemType.BUSY(
                 f"{running} sweeps are running already. Try again when one has ended, or stop one.",
                 {"Retry-After": "10"},
             )
-        return await self._accept(spec)
+        return await self._accept(asked, owner)
 
-    async def _accept(self, spec: SweepSpec) -> SweepRow:
+    async def _accept(self, asked: AskedSweep, owner: str) -> SweepRow:
         row = SweepRow(
-            id=sweep_id(spec), engine=ENGINE_NUMBER, name=spec.name,
+            id=id_of(asked.id, owner), belongs_to=owner, engine=ENGINE_NUMBER, name=asked.name,
             created=datetime.now(UTC), state="accepted",
-            spec=spec.model_dump_json().encode(), size=spec.size, quantities=[],
-            axes=[axis.pointer for axis in spec.axes],
+            spec=asked.text.encode(), size=asked.size, quantities=[], axes=asked.axes,
             **dict.fromkeys(STATUSES, 0),
         )  # fmt: skip
         row = await self.store.accept(row)
-        await self._start(row)
+        await self.work.start(row)
         return row
 
     async def resume(self) -> None:
         """Continue sweeps that no process works on: now, and whenever another process has died."""
-        await self._continue_unowned()
-        self._polling = asyncio.create_task(self._poll())
+        await self.work.resume()
 
-    async def _poll(self) -> None:
-        while True:
-            await asyncio.sleep(min(POLL_S, 0.5 * self._settings.sweep_lease_s))
-            try:
-                await self._continue_unowned()
-            except STORE_LOST:
-                log.warning("the store cannot be reached")
-
-    async def _continue_unowned(self) -> None:
-        for row in await self.store.unowned():
-            if row.engine < ENGINE_NUMBER:
-                await self._renew(row)
-            else:
-                await self._start(row)
+    async def _begin(self, row: SweepRow) -> SweepRunner | None:
+        if row.engine < ENGINE_NUMBER:
+            await self._renew(row)
+            return None
+        return SweepRunner(row, self.engine, self.store, self._settings)
 
     async def _renew(self, row: SweepRow) -> None:
         """End a sweep that an earlier engine began, and begin its question anew.
@@ -310,40 +256,26 @@ class Sweeps:
         """
         await self.store.end(row.sequence, "dismissed")
         try:
-            spec = SweepSpec.model_validate_json(row.spec)
+            spec = await spec_of(row)
         except ValidationError:
             log.warning("the spec of a sweep that an earlier engine began cannot be read")
             return
-        await self._accept(spec)
-
-    async def _start(self, row: SweepRow) -> None:
-        if row.id in self._runners or not await self.store.take(row.sequence):
-            return
-        if row.id in self._runners:  # started meanwhile
-            return
-        runner = SweepRunner(row, self.engine, self.store, self._settings)
-        self._runners[row.id] = runner
-        runner.task = asyncio.create_task(runner.run())
-        runner.task.add_done_callback(lambda _: self._runners.pop(row.id))
+        await self._accept(asked_sweep(spec), row.belongs_to)
 
     def progress(self, name: str) -> Progress | None:
         """The progress of a sweep that this process runs."""
-        runner = self._runners.get(name)
+        runner = self.work.runners.get(name)
         return None if runner is None else runner.progress
 
     async def dismiss(self, row: SweepRow) -> SweepRow | None:
         """Stop a running sweep and keep what is done; None where it had ended already."""
-        runner = self._runners.get(row.id)
+        runner = self.work.runners.get(row.id)
         ended = await self.store.end(row.sequence, "dismissed")
         if runner is not None:
             await runner.stop()
             await asyncio.wait({runner.task})
-        return None if ended is None else await self.store.find(row.id)
+        return None if ended is None else await self.store.find(row.id, None)
 
     async def close(self) -> None:
         """Stop everything; it is continued at the next start."""
-        tasks = [runner.task for runner in self._runners.values()]
-        tasks += [] if self._polling is None else [self._polling]
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await self.work.close()

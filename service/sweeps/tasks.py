@@ -121,7 +121,7 @@ def _answer(
 
 def item_spec(sweep: SweepSpec, values: list[JsonValue]) -> DesignSpec:
     """The spec of an item. Raises ServiceError where the values of its axes are not valid."""
-    from service.wire.body import validate
+    from service.wire.validation import validate
 
     return validate(_body(sweep, values), DesignSpec)
 

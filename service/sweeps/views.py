@@ -22,14 +22,16 @@ from pydantic import BaseModel, Field, JsonValue
 
 from service.storage.tables import ItemRow, SweepRow, in_utc
 from service.sweeps.store import PAGE, STATUSES, UNDER_WAY, SweepStore
-from service.sweeps.sweeps import POLL_S, Sweeps
+from service.sweeps.sweeps import Sweeps, spec_of
 from service.wire.errors import ProblemType
+from service.work import POLL_S
 from service.workers.tasks import links_to
 from synthesis.design.warnings import Severity
 from synthesis.errors import ExtraMissing
 from synthesis.exporters.diagrams.tradeoff import Aim, TradeOff
 from synthesis.studies.sweeps import SweepSpec
 from synthesis.studies.sweeps.pareto import distinct_front, non_dominated
+from synthesis.studies.sweeps.spec import SweepAxis
 
 SweepState = Literal["accepted", "running", "successful", "failed", "dismissed"]
 ItemStatus = Literal["optimal", "feasible", "unsolved", "infeasible", "failed"]
@@ -168,10 +170,10 @@ def summary_of(row: SweepRow, sweeps: Sweeps) -> SweepSummary:
     )
 
 
-def sweep_of(row: SweepRow, sweeps: Sweeps) -> Sweep:
-    """A sweep with its spec."""
-    spec = SweepSpec.model_validate_json(row.spec)
-    return Sweep(**dict(summary_of(row, sweeps)), spec=spec)
+def sweep_of(row: SweepRow, sweeps: Sweeps) -> bytes:
+    """A sweep with its spec, as ``Sweep`` in JSON; the spec is as it was stored."""
+    summary = summary_of(row, sweeps).model_dump_json().encode()
+    return summary.removesuffix(b"}") + b',"spec":' + row.spec + b"}"
 
 
 def item_of(sweep: SweepRow, row: ItemRow) -> SweepItem:
@@ -196,7 +198,7 @@ async def events(
         progress = sweeps.progress(row.id)
         # Taken before the sweep is read, so that no change after that is missed.
         change = progress.next_change if progress else asyncio.Event()
-        now = await sweeps.store.find(row.id)
+        now = await sweeps.store.find(row.id, row.belongs_to)
         if now is None:
             return
         while items and (
@@ -219,8 +221,7 @@ async def events(
 class Columns:
     """The columns of a table: the axes by their pointers, the quantities by their names."""
 
-    def __init__(self, sweep: SweepRow) -> None:
-        axes = SweepSpec.model_validate_json(sweep.spec).axes
+    def __init__(self, sweep: SweepRow, axes: Sequence[SweepAxis]) -> None:
         self._quantities = sweep.quantities
         self._numeric = [axis.numeric for axis in axes]
         self.kinds: list[tuple[str, str]] = [
@@ -297,12 +298,12 @@ class Traded:
     tolerance: float | None
 
 
-def objective_of(sweep: SweepRow) -> tuple[str, float]:
+async def objective_of(sweep: SweepRow) -> tuple[str, float]:
     """The quantity that items have a proven gap in, and the tolerance of the sweep.
 
     "" where an axis replaces the objective: then items have gaps in several quantities.
     """
-    spec = SweepSpec.model_validate_json(sweep.spec)
+    spec = await spec_of(sweep)
     if any(axis.pointer.startswith("/objective") for axis in spec.axes):
         return "", 0.0
     machine = spec.base.machine()
@@ -317,7 +318,7 @@ async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) ->
     axes, tolerance = traded.aims, traded.tolerance
     _check(sweep, [axis.quantity for axis in axes])
     signs = np.array([-1.0 if axis.maximise else 1.0 for axis in axes])
-    objective, allowed = objective_of(sweep) if tolerance is None else ("", 0.0)
+    objective, allowed = await objective_of(sweep) if tolerance is None else ("", 0.0)
     proven = [axis.quantity == objective and not axis.maximise for axis in axes]
     numbers: list[int] = []
     values: list[list[float]] = []

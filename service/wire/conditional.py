@@ -59,6 +59,42 @@ class TagEncodings:
         await self._app(scope, receive, tagged)
 
 
+class _HeadSent(Exception):
+    """Passes through the application from ``send`` to ``Heads``: nothing more is wanted of it."""
+
+
+class Heads:
+    """Middleware that answers HEAD as GET, without a body.
+
+    The application ends as soon as it has said how its answer begins: a stream is not begun.
+    Handlers that would work for long look at ``only_head`` and answer sooner.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope.get("method") != "HEAD":
+            await self._app(scope, receive, send)
+            return
+
+        async def send_head(message: Message) -> None:
+            await send(message)
+            await send({"type": "http.response.body"})
+            raise _HeadSent
+
+        asked = {**scope, "method": "GET", "only_head": True}
+        try:
+            await self._app(asked, receive, send_head)
+        except* _HeadSent:  # in a group, where a stream has tasks of its own
+            pass
+
+
+def only_head(request: Request) -> bool:
+    """Whether only the head of the answer is wanted."""
+    return bool(request.scope.get("only_head"))
+
+
 class _BeyondEnd(Exception):
     """Passes through the application from ``send`` to ``Ranges``; holds the size of the file."""
 

@@ -13,6 +13,7 @@ from functools import partial
 from fastapi import Request
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.problem import error_response
@@ -20,8 +21,18 @@ from service.wire.problem import error_response
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
+CLIENT_GONE = 499  # in logs and metrics, as of proxies: there is no such answer
 # Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
 SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
+# Of every response that says nothing else: it is what it says it is, no page elsewhere may show or
+# load it, opened by itself it loads and runs nothing, and where it leads is not told whence.
+SECURITY = {
+    "X-Content-Type-Options": "nosniff",
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; "
+    "frame-ancestors 'self'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+}
 log = logging.getLogger("camwright.request")
 
 
@@ -102,11 +113,14 @@ class Observe:
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
                 headers["X-Request-ID"] = scope["request_id"]
-                headers["X-Content-Type-Options"] = "nosniff"
+                for name, value in SECURITY.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         try:
             await self._app(scope, receive, send_with_headers)
+        except ClientDisconnect:  # in the middle of its body: nobody waits for an answer
+            status = status or CLIENT_GONE
         except Exception as error:
             if status:
                 raise  # the response has begun
@@ -124,5 +138,7 @@ class Observe:
                 "ms": round(1e3 * seconds, 1),
                 "request_id": scope["request_id"],
             }
+            if (caller := scope.get("caller")) is not None and caller.key is not None:
+                fields |= {"owner": caller.owner, "key": caller.key}
             level = logging.DEBUG if route in QUIET else logging.INFO
             log.log(level, "request", extra={"fields": fields})

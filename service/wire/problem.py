@@ -123,7 +123,7 @@ async def _http(request: Request, error: Exception) -> Response:
             for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
             for scope in [{**request.scope, "method": method}]
             if any(each.matches(scope)[0] == Match.FULL for each in request.app.router.routes)
-        )
+        ).replace("GET", "GET, HEAD")
         headers, hint = {"Allow": allowed}, f"It has {allowed}."
     elif kind is ProblemType.NOT_FOUND:
         hint = _paths_beside(request) or hint

@@ -13,8 +13,7 @@ from multiprocessing import forkserver
 
 FORKED = sys.platform == "linux"
 METHOD = "forkserver" if FORKED else "spawn"
-# As Dask sets them for its workers, which is too late once NumPy is loaded: the fork would lose a
-# thread of BLAS.
+# Set before NumPy is loaded: a fork would lose a second thread of BLAS.
 ENVIRONMENT = {
     "MALLOC_TRIM_THRESHOLD_": "65536",
     "MKL_NUM_THREADS": "1",

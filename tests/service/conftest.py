@@ -6,7 +6,9 @@ import asyncio
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import pytest
@@ -28,7 +30,7 @@ class Running:
         self.app = create_app(settings, running_engine if real else fake_core.engine)
         self._socket = listening_socket(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
-        self.server = uvicorn.Server(server_config(self.app))
+        self.server = uvicorn.Server(server_config(self.app, settings))
         # The server ends a connection on which nothing is asked for a while: each has its own.
         anew = httpx2.Limits(max_keepalive_connections=0)
         self.client = httpx2.Client(base_url=self.url, timeout=180.0, limits=anew)
@@ -43,6 +45,12 @@ class Running:
             assert self._thread.is_alive(), "the service did not start"
             self._thread.join(0.02)
         return self
+
+    def new_key(self, owner: str, **more: Any) -> str:
+        """The text of a new key of an owner; in a thread: some tests have an event loop."""
+        made = self.app.state.parts.keys.create(f"of {owner}", owner, **more)
+        with ThreadPoolExecutor(1) as thread:
+            return str(thread.submit(asyncio.run, made).result()[1])
 
     def __exit__(self, *_: object) -> None:
         self.client.close()

@@ -31,7 +31,7 @@ if __name__ == "__main__":
     gc.enable()
     configure_logs("error")
     settings = Settings()
-    server = uvicorn.Server(server_config(create_app(settings, fake_core.engine)))
+    server = uvicorn.Server(server_config(create_app(settings, fake_core.engine), settings))
     server.run([listening_socket(settings)])
 """
 
@@ -78,7 +78,7 @@ def service(folder: Path, port: int, **more: str) -> Process:
         "CAMWRIGHT_PORT": str(port),
         "CAMWRIGHT_DATABASE_URL": f"sqlite:///{folder}/designs.db",
         "CAMWRIGHT_WORKERS": "2",
-        "CAMWRIGHT_SWEEP_LEASE_S": "1.5",
+        "CAMWRIGHT_LEASE_S": "1.5",
         **more,
     }
     return Process(str(script), **environment)

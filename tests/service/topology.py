@@ -20,6 +20,9 @@ COMPOSE: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text
 SERVICES: dict[str, Any] = COMPOSE["services"]
 DOCKERFILE = (ROOT / "Dockerfile").read_text(encoding="utf-8")
 SECRET = re.compile(r"\$\{POSTGRES_PASSWORD:\?[^}]*\}")
+UNSET = re.compile(
+    r"\$\{\w+:-([^${}]*)\}"
+)  # a variable, and what stands for it where it is not set
 
 
 def image_command() -> list[str]:
@@ -34,6 +37,14 @@ def image_check() -> list[str]:
     (found,) = re.findall(r"^HEALTHCHECK .*\\\n +CMD (\[.*\])$", DOCKERFILE, re.M)
     check: list[str] = json.loads(found)
     return check
+
+
+def without_variables(words: str) -> str:
+    """What Compose makes of words where only the password is set."""
+    words, found = SECRET.sub(PASSWORD, words), 1
+    while found:  # from the innermost on
+        words, found = UNSET.subn(r"\1", words)
+    return words
 
 
 class Topology:
@@ -52,12 +63,13 @@ class Topology:
             "--port=8786": f"--port={self._scheduler}",
             "0.0.0.0": "127.0.0.1",
             "=/tmp": f"={self._folder}",
+            "/var/lib/camwright": str(self._folder),
             "127.0.0.1:8787": f"127.0.0.1:{self._health['scheduler']}",
             "127.0.0.1:8788": f"127.0.0.1:{self._health[service]}" if "worker" in service else "",
         }
         for there, here in replaced.items():
             words = words.replace(there, here)
-        return SECRET.sub(PASSWORD, words)
+        return without_variables(words)
 
     def started(self, service: str, name: str = "") -> Process:
         """A process of this service; of workers each has a name of its own."""

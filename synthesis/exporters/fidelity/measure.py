@@ -8,19 +8,7 @@ derivatives through them, with the length of the chords as its parameter (Creo n
     not-a-knot   the third derivative is continuous across the second and the last but one point
     natural      the curve is straight at its ends: wrong, unless the cam is
 
-At each sample Q of such a curve, with unit tangent T and curvature κ, the follower touches it. From
-these alone follow, one after the other, in the frame of a ccw cam:
-
-    cam angle θ and displacement s    the follower's point, turned into the cam, lies on the curve
-    velocity s'                       its path on the cam runs along T
-    acceleration s''                  and has the curvature κ
-
-which is exact: no difference is taken of positions. A roller's centre runs along p = Q + g n, g the
-gap between the curves, n the normal to the left of T, and p has the curvature κ / (1 + g κ). Where
-1 + g κ is not positive the roller does not fit the hollow, knocks from one side of it to the other,
-and the acceleration is infinite. Under a flat face θ, s and s' follow from point and normal
-together, and the radius of curvature gives s''. The cam's own formulas are used in one direction
-only, from motion to path (``position``).
+The motion of a follower on such a curve: `motion`.
 """
 
 from __future__ import annotations
@@ -29,132 +17,25 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from synthesis.catalogue.followers.base import flat_face
+from synthesis.exporters.fidelity.motion import CurveSamples, FollowerMotion, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import Written, in_degrees
 from synthesis.numerics.geometry.plane import to_cam
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
-MAX_ITERATIONS = 12  # of Newton's method, from the neighbourhood of the answer
-TOLERANCE = 1e-12  # of its last step, relative to the cam's size
-STEP = 1e-6  # of its difference quotients, relative to the cam's size
-
-
-class CurveSamples(NamedTuple):
-    """A curve in the frame of a ccw cam, in the order of rising cam angle, clockwise; (n,) each.
-
-    x, y: points [mm]. tx, ty: unit tangents. curvature: convex positive [1/mm].
-    """
-
-    x: Array
-    y: Array
-    tx: Array
-    ty: Array
-    curvature: Array
-
-
-class FollowerMotion(NamedTuple):
-    """The follower's motion, sample by sample: cam angle [rad], s, s', s'' [mm, per radian], (n,).
-
-    s'' is infinite where the roller does not reach the curve.
-    """
-
-    theta: Array
-    s: Array
-    v: Array
-    a: Array
-
-
-def follower_motion(cam: Cam, curve: CurveSamples, near: Array) -> FollowerMotion:
-    """The motion on a curve that nearly is the cam's; ``near``: (n,) cam angles nearby [rad]."""
-    gap = cam.gap
-    shrunk = 1.0 + gap * curve.curvature
-    with np.errstate(divide="ignore", invalid="ignore"):
-        curvature = np.where(shrunk > 0.0, curve.curvature / shrunk, np.nan)
-    x, y = curve.x - gap * curve.ty, curve.y + gap * curve.tx
-    path = CurveSamples(x, y, curve.tx, curve.ty, curvature)
-    with_face = flat_face(cam.follower) is not None
-    return (_face_motion if with_face else _roller_motion)(cam, path, near)
-
-
-def _point(cam: Cam, s: Any, v: Any, a: Any) -> Any:
-    """The traced point, its first and second derivative at motions s, s', s'' with s''' = 0."""
-    zero = 0.0 * s
-    return cam.flank.trace.position((s, v + zero, a + zero, zero), cam.size)
-
-
-def _roller_motion(cam: Cam, path: CurveSamples, near: Array) -> FollowerMotion:
-    theta, s = near, cam.motion.derivatives(near, 0)[0]
-    # Newton's method in θ and s: R(−θ) of the path's point is the traced point p(s)
-    for _ in range(MAX_ITERATIONS):
-        x, y = to_cam(-theta, path.x, path.y)
-        (px, py), (ax, ay), *_ = _point(cam, s, 1.0, 0.0)
-        bx, by = py, -px  # J p
-        det = bx * ay - by * ax
-        rx, ry = x - px, y - py
-        turn = (rx * ay - ry * ax) / det
-        theta, s = theta + turn, s + (bx * ry - by * rx) / det
-        if np.max(np.abs(turn)) < TOLERANCE:
-            break
-    tx, ty = to_cam(-theta, path.tx, path.ty)
-    (px, py), (ax, ay), *_ = _point(cam, s, 1.0, 0.0)
-    v = -(py * ty + px * tx) / (ax * ty - ay * tx)
-    # The path's curvature is linear in s'': its values at 0 and 1 give the s'' of any other.
-    at = []
-    for a in (0.0, 1.0):
-        (px, py), (dx, dy), (ax, ay), *_ = _point(cam, s, v, a)
-        tx, ty = dx + py, dy - px
-        sx, sy = ax + dy + ty, ay - dx - tx
-        at.append((ty * sx - tx * sy) / np.hypot(tx, ty) ** 3)
-    a = (path.curvature - at[0]) / (at[1] - at[0])
-    return FollowerMotion(theta, s, v, np.where(np.isnan(path.curvature), np.inf, a))
-
-
-def _face_motion(cam: Cam, path: CurveSamples, near: Array) -> FollowerMotion:
-    trace, z = cam.flank.trace, cam.size
-    size = float(np.max(np.hypot(path.x, path.y)))
-    motion = np.stack([near, *cam.motion.derivatives(near, 1)])
-
-    def residual(motion: Array) -> Array:
-        """(3, n) how far contact and normal lie from the curve's, all as the machine sees it."""
-        theta, s, v = motion
-        (px, py), *_ = _point(cam, s, v, 0.0)
-        nx, ny = trace.normal((path.tx, path.ty), (s, v, 0.0 * s, 0.0 * s), z)
-        (x, y), (tx, ty) = to_cam(-theta, path.x, path.y), to_cam(-theta, path.tx, path.ty)
-        return np.stack([px - x, py - y, size * (nx * tx + ny * ty)])
-
-    # Newton's method in θ, s and s', its Jacobian by difference quotients
-    scales = np.array([1.0, size, size])
-    steps = STEP * np.diag(scales)[:, :, None]
-    for _ in range(MAX_ITERATIONS):
-        at = residual(motion)
-        jacobian = np.stack([residual(motion + step) - at for step in steps], axis=1)
-        solved = np.linalg.solve(np.moveaxis(jacobian, -1, 0), at.T[:, :, None])[:, :, 0].T
-        turn = scales[:, None] * STEP * solved
-        motion = motion - turn
-        if np.max(np.abs(turn) / scales[:, None]) < TOLERANCE:
-            break
-    theta, s, v = motion
-    (tx, ty), zero = to_cam(-theta, path.tx, path.ty), 0.0 * s
-    face = flat_face(trace)
-    assert face is not None
-    # The contact runs along the curve at the rate of its normal over κ, which is linear in s''.
-    wx, wy = face.face_normal_rate((s, v, zero, zero), z)
-    along = []
-    for a in (0.0, 1.0):
-        (px, py), (dx, dy), *_ = _point(cam, s, v, a)
-        along.append((dx + py) * tx + (dy - px) * ty)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.where(path.curvature > 0.0, (wx * tx + wy * ty) / path.curvature, np.inf)
-    return FollowerMotion(theta, s, v, (rate - along[0]) / (along[1] - along[0]))
-
-
 ReaderName = Literal["polyline", "periodic", "not-a-knot", "natural"]
 CUBIC: tuple[ReaderName, ...] = ("periodic", "not-a-knot", "natural")
 BETWEEN = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.8, 1.0])  # of each interval, where it is measured
+# Intervals from an end beyond which no end condition is seen: it changes the second derivatives by
+# half as much at each further point, or by less, whatever their distances (the system for them is
+# diagonally dominant by two), so that by then it is lost in rounding.
+ENDS = 50
+FEW = ENDS * len(BETWEEN)  # probes there
 NEWTON_STEPS = 2  # from the same fraction of an interval to the foot of the normal
 CORNER = (0.0, 0.5, 1.0)  # fractions of the rotation of the normal at a corner
 SHARP = 1e12  # curvature of a corner [1/mm]
@@ -248,11 +129,24 @@ def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> lis
     theta, points = _clockwise(cam, written, turn_deg)
     probes = _between(theta)
     true = _true(cam, probes)
-    curves = [(reader, Interpolant.through(points, overlap, reader)) for reader in CUBIC]
-    return [
+    closed = Interpolant.through(points, overlap, "periodic")
+    all_probes = np.arange(len(probes))
+    errors = _errors(cam, closed, all_probes, probes, true)
+    found = [
         _polyline(cam, Interpolant.through(points, 0, "polyline"), theta, probes, true),
-        *(_smooth(cam, reader, curve, probes, true) for reader, curve in curves),
+        _smooth("periodic", closed, errors, probes),
     ]
+    for reader in CUBIC[1:]:
+        curve = Interpolant.through(points, overlap, reader)
+        # Away from its ends it is the closed curve: see ENDS. It may begin at another point.
+        ends = np.union1d(all_probes[:FEW], all_probes[-FEW:])
+        places = (ends + curve.first * len(BETWEEN)) % len(probes)
+        samples = CurveSamples(*(each[places] for each in true))
+        own = Errors(*(each.copy() for each in errors))
+        for kept, new in zip(own, _errors(cam, curve, ends, probes[places], samples), strict=True):
+            kept[places] = new
+        found.append(_smooth(reader, curve, own, probes))
+    return found
 
 
 def polyline_form(cam: Cam, written: Written, turn_deg: float) -> float:
@@ -260,7 +154,7 @@ def polyline_form(cam: Cam, written: Written, turn_deg: float) -> float:
     theta, points = _clockwise(cam, written, turn_deg)
     probes = _between(theta)
     curve = Interpolant.through(points, 0, "polyline")
-    return _form(curve, curve.probes, probes, _true(cam, probes)).value
+    return Deviation.of(_form(curve, curve.probes, _true(cam, probes)), probes).value
 
 
 def _between(theta: Array) -> Array:
@@ -287,42 +181,67 @@ def _true(cam: Cam, theta: Array) -> CurveSamples:
     return CurveSamples(mirror * x, y, at.normal_y, -mirror * at.normal_x, at.curvature)
 
 
-def _smooth(
-    cam: Cam, reader: ReaderName, curve: Interpolant, probes: Array, true: CurveSamples
-) -> Fidelity:
-    """Of a spline: its tangents and curvatures give the follower's motion on it."""
-    shift = -curve.first * len(BETWEEN)
-    near, parameter = np.roll(probes, shift), curve.probes
+class Errors(NamedTuple):
+    """Errors at probes of a curve, (n,) each, and the cam angles of the follower there [rad]."""
+
+    form: Array
+    velocity: Array
+    acceleration: Array
+    theta: Array
+
+
+def _errors(
+    cam: Cam, curve: Interpolant, part: NDArray[np.intp], near: Array, true: CurveSamples
+) -> Errors:
+    """Of a spline, at some of its probes: tangents and curvatures give the motion on it.
+
+    Args:
+        part: (k,) which probes. near, true: cam angles [rad] and the true curve there, (k,) each.
+    """
+    parameter = curve.probes[part]
     (x, y), (dx, dy), (sx, sy) = (curve(parameter, order) for order in range(3))
     speed = np.hypot(dx, dy)
     curvature = (dy * sx - dx * sy) / speed**3
     samples = CurveSamples(x, y, dx / speed, dy / speed, curvature)
-    rolled = CurveSamples(*np.roll(true, shift, axis=1))
-    form = _form(curve, parameter, near, rolled)
+    form = _form(curve, parameter, true, [(x, y), (dx, dy)])
+    return Errors(form, *_motion(cam, follower_motion(cam, samples, near)))
+
+
+def _smooth(reader: ReaderName, curve: Interpolant, errors: Errors, probes: Array) -> Fidelity:
+    """The greatest errors of a spline."""
     (ax, bx), (ay, by) = curve(curve.knots[[0, -1]], 1)
     corner = float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))
-    return Fidelity(reader, form, *_motion(cam, follower_motion(cam, samples, near)), corner)
+    form = Deviation.of(errors.form, probes)
+    velocity = Deviation.of(errors.velocity, errors.theta)
+    acceleration = Deviation.of(errors.acceleration, errors.theta)
+    return Fidelity(reader, form, velocity, acceleration, corner)
 
 
-def _form(curve: Interpolant, parameter: Array, theta: Array, true: CurveSamples) -> Deviation:
-    """Distances along the true normals: Newton's method finds where these meet the curve."""
-    for _ in range(NEWTON_STEPS):
-        (x, y), (dx, dy) = curve(parameter), curve(parameter, 1)
+def _form(curve: Interpolant, parameter: Array, true: CurveSamples, jet: Any = None) -> Array:
+    """Distances along the true normals: Newton's method finds where these meet the curve.
+
+    ``jet``: points and derivatives at the parameters, where they are known.
+    """
+    for step in range(NEWTON_STEPS):
+        known = jet if step == 0 else None
+        (x, y), (dx, dy) = known or (curve(parameter), curve(parameter, 1))
         ahead = (x - true.x) * true.tx + (y - true.y) * true.ty
         parameter = parameter - ahead / (dx * true.tx + dy * true.ty)
     x, y = curve(parameter)
-    return Deviation.of((y - true.y) * true.tx - (x - true.x) * true.ty, theta)
+    return np.asarray((y - true.y) * true.tx - (x - true.x) * true.ty)
 
 
-def _motion(cam: Cam, on_curve: FollowerMotion) -> tuple[Deviation, Deviation]:
-    """Errors of velocity and acceleration; where the true velocity jumps the latter is infinite."""
+def _motion(cam: Cam, on_curve: FollowerMotion) -> tuple[Array, Array, Array]:
+    """Errors of velocity and acceleration, and the cam angles where they are.
+
+    Where the true velocity jumps the latter is infinite.
+    """
     theta = on_curve.theta
     true = cam.motion.derivatives(theta % FULL_TURN, 2)
     jumps = len(cam.joints.breaking(1)) > 0
     with np.errstate(invalid="ignore"):
         error = np.where(np.isfinite(on_curve.a), np.abs(on_curve.a - true[2]), np.inf)
-    acceleration = Deviation.of(np.full_like(error, np.inf) if jumps else error, theta)
-    return Deviation.of(on_curve.v - true[1], theta), acceleration
+    return on_curve.v - true[1], np.full_like(error, np.inf) if jumps else error, theta
 
 
 def _polyline(
@@ -332,7 +251,7 @@ def _polyline(
 
     In a corner that does not stand out, as under a flat face and of a path, the velocity jumps.
     """
-    form = _form(curve, curve.probes, probes, true)
+    form = Deviation.of(_form(curve, curve.probes, true), probes)
     points, step = curve(curve.knots[:-1]), np.diff(curve(curve.knots), axis=1)
     after = np.append(theta[1:], theta[0] + FULL_TURN)
     direction = step / np.hypot(*step)
@@ -353,7 +272,8 @@ def _polyline(
         np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)
     )
     samples = CurveSamples(x, y, tx, ty, curvature)
-    velocity, acceleration = _motion(cam, follower_motion(cam, samples, near))
+    *errors, at = _motion(cam, follower_motion(cam, samples, near))
+    velocity, acceleration = (Deviation.of(each, at) for each in errors)
     if not rounds:
         acceleration = Deviation(float("inf"), velocity.angle_deg)
     return Fidelity("polyline", form, velocity, acceleration)

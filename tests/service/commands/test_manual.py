@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer.core
 import typer.main
 from typer.testing import CliRunner
 
@@ -39,7 +40,10 @@ def test_examples_are_real(text: str) -> None:
     found = shown(text)
     assert found
     for name, *words in found:
-        options = {one for param in COMMANDS[name].params for one in param.opts}
+        command = COMMANDS[name]
+        if isinstance(command, typer.core.TyperGroup):
+            command = command.commands[words.pop(0)]
+        options = {one for param in command.params for one in param.opts}
         for word in words:
             assert not word.startswith("--") or word in options, (name, word)
             if word.startswith("openapi/"):

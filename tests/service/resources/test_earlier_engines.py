@@ -40,6 +40,7 @@ def made_by_an_earlier_engine(folder: Path, id: str, old: str, table: str = "ans
     """An earlier engine had another number, so the same question had another id."""
     engine = ENGINE_NUMBER - 1
     change(folder, f"UPDATE {table} SET id = '{old}', engine = {engine} WHERE id = '{id}'")
+    change(folder, f"UPDATE holdings SET id = '{old}' WHERE id = '{id}'")
 
 
 def wait_for(client: httpx2.Client, path: str) -> httpx2.Response:

@@ -29,7 +29,7 @@ from tests.service.sweeps.test_sweeps import counted, items_at, over, posted, sw
 psycopg = LazyModule("psycopg")
 
 ITEMS = 160
-LEASE_S = 4.0  # renewed every half second: long enough for an owner on a busy machine
+LEASE_S = 4.0  # renewed every half second: long enough for a process on a busy machine
 
 
 def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
@@ -39,20 +39,20 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
         one, other = SweepStore(store, 60.0), SweepStore(store, 60.0)
         row = await one.accept(a_sweep())
         number = row.sequence
-        assert [each.id for each in await one.unowned()] == [row.id]
+        assert [each.id for each in await one.unleased()] == [row.id]
         assert await one.take(number)
         assert not await other.take(number)
-        assert await other.unowned() == []
+        assert await other.unleased() == []
         assert (await one.record(number, [an_item(0)])).done == 1
         one.lease_s = -1.0  # has run out as soon as it is renewed
-        assert await one.renew(number)
+        assert number in await one.renew()
         assert await other.take(number)
-        assert not await one.renew(number)
-        assert await one.unowned() == []
+        assert number not in await one.renew()
+        assert await one.unleased() == []
         with pytest.raises(LeaseLost):
             await one.record(number, [an_item(1)])
         await one.release(number)  # not its own to give
-        assert await other.renew(number)
+        assert number in await other.renew()
         assert (await other.record(number, [an_item(0), an_item(1)])).done == 2
         await one.end(number, "dismissed")  # by whoever does not work on it
         with pytest.raises(LeaseLost):
@@ -81,8 +81,8 @@ def an_item(number: int) -> Done:
     return ItemAnswer(number, "optimal"), []
 
 
-def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> None:
-    """The owner stands still for longer than its lease, and wakes; the next one is killed."""
+def test_every_item_once_while_processes_die_and_stand_still(tmp_path: Path) -> None:
+    """The one with the lease stands still for longer than that, and wakes; the next is killed."""
     log, ports, gate = tmp_path / "log", (free_port(), free_port()), Gate(tmp_path / "gate")
     names = [*(f"sleep 0.05{' ' * i}" for i in range(ITEMS - 40)), *gate.names(40)]
     with postgres("camwright", "camwright") as database:
@@ -90,7 +90,7 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
         services = [
             service(
                 folder, port, FAKE_CORE_LOG=str(log), CAMWRIGHT_WORKERS="1",
-                CAMWRIGHT_SWEEP_LEASE_S=str(LEASE_S),
+                CAMWRIGHT_LEASE_S=str(LEASE_S),
                 CAMWRIGHT_DATABASE_URL=f"postgresql+psycopg://{address}",
             )
             for folder, port in zip(folders(tmp_path), ports, strict=True)
@@ -127,14 +127,14 @@ def test_every_item_once_while_owners_die_and_stand_still(tmp_path: Path) -> Non
     lost, twice = set(range(ITEMS)) - set(rows), len(rows) - len(set(rows))
     begun = len(log.read_text().splitlines())
     print(f"items expected {ITEMS}, done {len(rows)}, lost {len(lost)}, duplicated {twice}")
-    print(f"begun {begun}: {begun - ITEMS} more than once, as their owner was lost with them")
+    print(f"begun {begun}: {begun - ITEMS} more than once, as their process was lost with them")
     assert sorted(rows) == sorted(listed) == list(range(ITEMS))
     assert begun - ITEMS <= 60
 
 
 def leaves_in_order(process: Process, client: httpx2.Client, database: Any) -> None:
     """SIGTERM while somebody watches a sweep: the stream ends, the lease is given back."""
-    question = "select state, owner is null from sweeps order by sequence desc limit 1"
+    question = "select state, leased_by is null from sweeps order by sequence desc limit 1"
     where = posted(client, sweep_of([f"look 600{' ' * i}" for i in range(3)]))
     with client.stream("GET", f"{where}/events") as watched:
         assert next(watched.iter_lines())

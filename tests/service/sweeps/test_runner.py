@@ -14,9 +14,11 @@ from typing import Any
 import pytest
 from sqlalchemy.exc import OperationalError
 
+from service import work as work_module
 from service.storage.store import Store
-from service.storage.tables import SweepRow
+from service.storage.tables import LOCAL, SweepRow
 from service.sweeps import sweeps as sweeps_module
+from service.sweeps.asked import asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import LeaseLost, design_of_item
 from service.sweeps.sweeps import Progress, Sweeps
@@ -77,13 +79,13 @@ def run(
 
     async def whole() -> tuple[SweepRow, dict[int, int], set[int]]:
         sweeps = Sweeps(engine, store, settings)  # type: ignore[arg-type]
-        row = await sweeps.accept(spec)
+        row = await sweeps.accept(asked_sweep(spec), LOCAL)
         if started is not None:
             await started(sweeps)
-        for runner in list(sweeps._runners.values()):
+        for runner in list(sweeps.work.runners.values()):
             await asyncio.wait_for(runner.task, 60.0)
         await sweeps.close()
-        found = await sweeps.store.find(row.id)
+        found = await sweeps.store.find(row.id, None)
         assert found is not None
         number = row.sequence
         return found, await sweeps.store.strikes(number), await sweeps.store.done_numbers(number)
@@ -98,13 +100,14 @@ def run(
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps_module, "RETRY_S", 0.01)
-    monkeypatch.setattr(sweeps_module, "RENEWAL_S", 0.01)
+    monkeypatch.setattr(work_module, "RETRY_S", 0.01)
+    monkeypatch.setattr(work_module, "RENEWAL_S", 0.01)
 
 
 def test_every_item_is_solved_once_and_the_lease_is_given_back(tmp_path: Path) -> None:
     row, engine, strikes, done = run(tmp_path, solved)
     assert (row.state, row.optimal, row.done, strikes) == ("successful", 23, 23, {})
-    assert (row.owner, row.leased_until) == (None, None)
+    assert (row.leased_by, row.leased_until) == (None, None)
     assert row.started is not None
     assert done == set(range(23))
     assert Counter(n for sent in engine.sent for n in sent) == Counter(range(23))
@@ -160,7 +163,7 @@ def test_a_fault_of_the_engine_ends_the_sweep_as_failed(tmp_path: Path) -> None:
         raise RuntimeError
 
     row, *_ = run(tmp_path, broken)
-    assert (row.state, row.done, row.owner) == ("failed", 0, None)
+    assert (row.state, row.done, row.leased_by) == ("failed", 0, None)
 
 
 def test_a_store_that_cannot_be_reached_is_written_to_again(
@@ -205,7 +208,7 @@ def test_a_dismissed_sweep_stops_and_keeps_what_is_done(tmp_path: Path) -> None:
         return await solved(numbers)
 
     async def dismissed(sweeps: Sweeps) -> None:
-        (runner,) = sweeps._runners.values()
+        (runner,) = sweeps.work.runners.values()
         for _ in range(3):
             await asyncio.wait_for(runner.progress.next_change.wait(), 10.0)
         row = await sweeps.dismiss(runner._row)
@@ -224,15 +227,15 @@ def test_a_sweep_whose_process_has_died_is_continued(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Found under a lease that is still good: it is taken when that ends."""
-    monkeypatch.setattr(sweeps_module, "POLL_S", 0.02)
+    monkeypatch.setattr(work_module, "POLL_S", 0.02)
     settings = settings_for(tmp_path)
     store, engine = Store(settings), MadeUp(solved)
     spec = SweepSpec.model_validate(sweep_of(["a", "b", "c"]))
 
     async def work() -> SweepRow | None:
         first = Sweeps(engine, store, settings)  # type: ignore[arg-type]
-        monkeypatch.setattr(first, "_start", lambda row: asyncio.sleep(0))
-        row = await first.accept(spec)
+        monkeypatch.setattr(first.work, "start", lambda row: asyncio.sleep(0))
+        row = await first.accept(asked_sweep(spec), LOCAL)
         first.store.lease_s = 0.4
         assert await first.store.take(row.sequence)
         second = Sweeps(engine, store, settings)  # type: ignore[arg-type]
@@ -241,7 +244,7 @@ def test_a_sweep_whose_process_has_died_is_continued(
         found = None
         for _ in range(500):
             await asyncio.sleep(0.02)
-            found = await second.store.find(row.id)
+            found = await second.store.find(row.id, None)
             if found is not None and found.state == "successful":
                 break
         await second.close()
@@ -394,7 +397,7 @@ def test_an_item_s_etag_is_its_body_s(tmp_path: Path) -> None:
         assert await one.take(row.sequence)
         done = ItemAnswer(3, "feasible", design_id="d", design=zlib.compress(body))
         await one.record(row.sequence, [(done, [])])
-        found = await store.do(lambda session: design_of_item(session, "d"))
+        found = await store.do(lambda session: design_of_item(session, "d", None))
         assert found is not None
         assert found.etag == hashlib.sha256(body).hexdigest()[:32]
 

@@ -14,7 +14,7 @@ import pytest
 from sqlalchemy import select
 
 from service.storage.store import Answers, Store
-from service.storage.tables import ItemRow, StrikeRow, SweepRow
+from service.storage.tables import LOCAL, ItemRow, StrikeRow, SweepRow
 from service.sweeps import store as sweep_store
 from service.sweeps.store import LeaseLost, SweepStore, design_of_item
 from service.sweeps.tasks import ItemAnswer
@@ -45,26 +45,26 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
 ) -> None:
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         first, second = await one.accept(a_sweep("a")), await one.accept(a_sweep("b"))
-        assert [each.id for each in await one.unowned()] == ["a", "b"]
+        assert [each.id for each in await one.unleased()] == ["a", "b"]
         await one.start(first.sequence)
-        running = await one.find("a")
+        running = await one.find("a", None)
         assert running is not None
         assert (running.state, running.started is None) == ("running", False)
-        assert (await one.find("b")).state == "accepted"  # type: ignore[union-attr]
+        assert (await one.find("b", None)).state == "accepted"  # type: ignore[union-attr]
         for row, state in ((first, "successful"), (second, "dismissed")):
             assert await one.take(row.sequence)
             ended = await one.end(row.sequence, state)
             assert ended is not None
             assert (ended.state, ended.finished is None) == (state, False)
             assert await one.end(row.sequence, "failed") is None
-            assert not await one.renew(row.sequence)
+            assert row.sequence not in await one.renew()
             assert not await one.take(row.sequence)
-        assert await one.unowned() == []
+        assert await one.unleased() == []
         await one.start(first.sequence)
         assert (await one.accept(a_sweep("a"))).state == "successful"
         again = await one.accept(a_sweep("b"))
         assert (again.state, again.finished, again.sequence) == ("accepted", None, second.sequence)
-        assert await one.find("c") is None
+        assert await one.find("c", None) is None
         assert await one.end(99, "failed") is None
 
     on_store(tmp_path, work)
@@ -73,28 +73,28 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
 def test_a_lease_is_one_process_s_and_of_one_sweep(tmp_path: Path) -> None:
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         first, second = await one.accept(a_sweep("a")), await one.accept(a_sweep("b"))
-        assert not await one.renew(first.sequence)  # it has none yet
+        assert first.sequence not in await one.renew()  # it has none yet
         assert await one.take(first.sequence)
         assert await one.take(first.sequence)  # its own
-        assert [each.id for each in await other.unowned()] == ["b"]
+        assert [each.id for each in await other.unleased()] == ["b"]
         assert await other.take(second.sequence)
         await other.release(first.sequence)  # not its own
         assert not await other.take(first.sequence)
         await one.release(first.sequence)
-        assert [each.id for each in await one.unowned()] == ["a"]
-        released = await one.find("a")
+        assert [each.id for each in await one.unleased()] == ["a"]
+        released = await one.find("a", None)
         assert released is not None
-        assert (released.owner, released.leased_until) == (None, None)
-        assert await other.renew(second.sequence)
+        assert (released.leased_by, released.leased_until) == (None, None)
+        assert second.sequence in await other.renew()
         assert await other.take(first.sequence)
-        # ended by another process: the owner's lease is gone
+        # ended by another process: the lease is gone
         ended = await one.end(first.sequence, "dismissed")
         assert ended is not None
-        assert ended.owner is None
+        assert ended.leased_by is None
         assert ended.leased_until is None
         kept = await other.end(second.sequence, "failed")
         assert kept is not None
-        assert kept.owner == other.owner
+        assert kept.leased_by == other.process
 
     on_store(tmp_path, work)
 
@@ -117,7 +117,7 @@ def test_items_are_kept_once_and_counted(tmp_path: Path) -> None:
         counts = {name: getattr(whole, name) for name in sweep_store.STATUSES}
         assert counts == {"optimal": 2, "feasible": 1, "unsolved": 1, "infeasible": 1, "failed": 1}
         assert whole.done == 6
-        found = await one.find("a")
+        found = await one.find("a", None)
         assert found is not None
         assert (found.quantities, found.done) == (["mm", "deg", "n"], 6)
         assert await one.done_numbers(a) == {4, 2, 0, 5, 6, 8}
@@ -130,8 +130,8 @@ def test_items_are_kept_once_and_counted(tmp_path: Path) -> None:
         assert item is not None
         assert (item.status, item.axis_values, item.quantities) == ("optimal", [4], {"mm": 1.0})
         assert await one.item(a, 7) is None
-        assert await one.holder("d7") == ("b", 7)
-        assert await one.holder("d9") is None
+        assert await one.holder("d7", LOCAL) == ("b", 7)
+        assert await one.holder("d9", LOCAL) is None
         with pytest.raises(LeaseLost):
             await other.record(a, [answer(1, "optimal")])
         with pytest.raises(LeaseLost):
@@ -141,11 +141,11 @@ def test_items_are_kept_once_and_counted(tmp_path: Path) -> None:
         await one.keep_strikes(b, {4: 3})
         assert await one.strikes(a) == {4: 2, 5: 1}
         await one.delete(a)
-        assert await one.find("a") is None
+        assert await one.find("a", None) is None
         left = await store.do(lambda s: set(s.scalars(select(ItemRow.sweep))))
         struck = await store.do(lambda s: set(s.scalars(select(StrikeRow.sweep))))
         assert (left, struck) == ({b}, {b})
-        assert (await one.find("b")).done == 1  # type: ignore[union-attr]
+        assert (await one.find("b", None)).done == 1  # type: ignore[union-attr]
         assert await one.strikes(b) == {4: 3}
 
     on_store(tmp_path, work)
@@ -156,11 +156,11 @@ def test_pages_of_sweeps_and_of_items(tmp_path: Path, monkeypatch: pytest.Monkey
 
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         rows = [await one.accept(a_sweep(name)) for name in "abc"]
-        newest = await one.page(None, 2, None)
+        newest = await one.page(None, 2, None, LOCAL)
         assert [each.id for each in newest] == ["c", "b"]
-        assert [each.id for each in await one.page(newest[-1].sequence, 2, None)] == ["a"]
+        assert [each.id for each in await one.page(newest[-1].sequence, 2, None, LOCAL)] == ["a"]
         await one.start(rows[1].sequence)
-        assert [each.id for each in await one.page(None, 9, "running")] == ["b"]
+        assert [each.id for each in await one.page(None, 9, "running", LOCAL)] == ["b"]
         number = rows[0].sequence
         assert await one.take(number)
         order = [5, 0, 3, 1, 7, 2, 6, 4]
@@ -180,13 +180,14 @@ def test_an_item_s_design_is_an_answer_of_its_own(tmp_path: Path) -> None:
             done = ItemAnswer(3, "feasible", design_id=design_id, design=zlib.compress(body))
             await one.record(each.sequence, [(done, [])])
         answers = Answers("/v1/designs", store, design_of_item)
-        found = await answers.find("mine")
+        found = await answers.find("mine", LOCAL)
         assert found is not None
         assert (found.id, found.engine, found.name, found.state, found.status, found.body) == (
             "mine", 3, "n", "done", "feasible", body,
         )  # fmt: skip
         assert json.loads(found.spec) == {"speed_rpm": 7.0}
-        assert (await answers.find("other")).engine == 2  # type: ignore[union-attr]
-        assert await answers.find("neither") is None
+        assert (await answers.find("other", None)).engine == 2  # type: ignore[union-attr]
+        assert await answers.find("neither", None) is None
+        assert await answers.find("mine", "another owner") is None
 
     on_store(tmp_path, work)

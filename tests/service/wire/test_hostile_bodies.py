@@ -11,8 +11,8 @@ import httpx2
 import pytest
 
 from service.resources.records import RESOURCES
-from service.wire.body import MAX_ITEMISED, validate
 from service.wire.errors import ServiceError
+from service.wire.validation import MAX_ITEMISED, validate
 from synthesis.design.design import Design
 from synthesis.errors.schema import all_names
 from synthesis.errors.violations import MAX_LISTED

@@ -10,7 +10,9 @@ import httpx2
 import pytest
 
 from service.client import Refused
+from service.resources.quotas import UsedQuotas
 from service.routes.resource_routes import in_worker
+from service.state import NOBODY
 from service.wire.errors import ProblemType, ServiceError
 from synthesis.errors import TimeBudgetExceeded
 from tests.service.specs import spec
@@ -99,7 +101,10 @@ def test_a_file_that_is_not_made_says_where_to_get_it_later(
         raise raised
 
     engine = SimpleNamespace(admit=lambda: None, run=run)
-    parts: Any = SimpleNamespace(engine=engine, settings=SimpleNamespace(budget_s=lambda _: 30.0))
+    parts: Any = SimpleNamespace(
+        engine=engine, settings=SimpleNamespace(budget_s=lambda _: 30.0),
+        quotas=UsedQuotas(SimpleNamespace(do=None)), caller=NOBODY,  # type: ignore[arg-type]
+    )  # fmt: skip
     url = SimpleNamespace(path="/v1/designs/abc/solid.step", query="tolerance_um=1")
     request: Any = SimpleNamespace(url=url)
     with pytest.raises(ServiceError) as refused:

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from service.resources.records import RESOURCES
-from service.wire.body import validate
 from service.wire.errors import ServiceError
+from service.wire.validation import validate
 from synthesis.studies.sweeps.spec import SweepSpec
 from tests.service.wire.wrong_requests import BASES, REQUESTS, WrongRequest
 

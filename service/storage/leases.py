@@ -1,0 +1,87 @@
+"""Leases: which process works on a row.
+
+Several services may share a database, and one at a time works on a row: it holds a lease on it, and
+renews it. When the lease has run out, the process is taken for dead, and another one takes the row.
+If it was only slow, it finds its lease gone.
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+from typing import Any, Generic, TypeVar
+
+from sqlalchemy import Float, Select, or_, select, update
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.sql.functions import FunctionElement
+
+from service.storage.store import Store
+from service.storage.tables import LeasedRow
+
+Row = TypeVar("Row", bound=LeasedRow)
+
+
+class Now(FunctionElement[float]):
+    """Seconds since 1970 by the database's clock, the only one that all processes share."""
+
+    type = Float()
+    inherit_cache = True
+    name = "seconds_now"
+
+
+@compiles(Now, "postgresql")
+def _in_postgresql(*_: Any, **__: Any) -> str:
+    return "cast(extract(epoch from clock_timestamp()) as double precision)"
+
+
+@compiles(Now, "sqlite")
+def _in_sqlite(*_: Any, **__: Any) -> str:
+    return "(julianday('now') - 2440587.5) * 86400.0"
+
+
+class Leases(Generic[Row]):
+    """The leases of this process on rows of a table; every method is one transaction.
+
+    ``process`` names this one in them; ``lease_s`` is how long one lasts unless renewed [s].
+    Only rows in a state of ``under_way`` are worked on.
+    """
+
+    def __init__(
+        self, rows: type[Row], under_way: Sequence[str], store: Store, lease_s: float
+    ) -> None:
+        self._rows, self._do, self.lease_s = rows, store.do, lease_s
+        self.process = uuid.uuid4().hex
+        self._under_way = rows.state.in_(under_way)
+        self._unleased = or_(rows.leased_by.is_(None), rows.leased_until < Now())
+
+    async def take(self, sequence: int) -> bool:
+        """Take the lease of a row that no living process holds; whether it was got."""
+        change = update(self._rows).where(
+            self._rows.sequence == sequence,
+            self._under_way,
+            or_(self._rows.leased_by == self.process, self._unleased),
+        )
+        change = change.values(leased_by=self.process, leased_until=Now() + self.lease_s)
+        taken = change.returning(self._rows.sequence)
+        return await self._do(lambda session: session.scalar(taken)) is not None
+
+    async def renew(self) -> set[int]:
+        """Renew all leases; the rows that are still held. The others ended, or are another's."""
+        change = update(self._rows).where(self._rows.leased_by == self.process, self._under_way)
+        change = change.values(leased_until=Now() + self.lease_s)
+        held = change.returning(self._rows.sequence)
+        return await self._do(lambda session: set(session.scalars(held)))
+
+    async def release(self, sequence: int | None = None) -> None:
+        """Give the lease of a row back; without one, all."""
+        own = update(self._rows).where(self._rows.leased_by == self.process)
+        if sequence is not None:
+            own = own.where(self._rows.sequence == sequence)
+        change = own.values(leased_by=None, leased_until=None)
+        await self._do(lambda session: session.execute(change))
+
+    async def unleased(self) -> Sequence[Row]:
+        """Rows under way that no living process works on."""
+        query: Select[Row] = select(self._rows).where(self._under_way, self._unleased)
+        query = query.order_by(self._rows.sequence)
+        return await self._do(lambda session: session.scalars(query).all())

@@ -1,0 +1,60 @@
+"""A sweep as it was asked for: read and checked in a process that reads bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from service.sweeps.tasks import item_spec
+from service.wire.errors import ProblemType, ServiceError
+from service.wire.validation import validate
+from synthesis.studies.sweeps import SweepSpec
+from synthesis.studies.sweeps.spec import sweep_id
+
+SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
+
+
+@dataclass(frozen=True)
+class AskedSweep:
+    """What the store and lists need of a sweep's spec; ``text`` is the spec with all fields."""
+
+    id: str
+    name: str
+    size: int
+    axes: list[str]
+    text: str
+
+
+def asked_sweep(spec: SweepSpec) -> AskedSweep:
+    """The same of a spec that was read already."""
+    axes = [axis.pointer for axis in spec.axes]
+    return AskedSweep(sweep_id(spec), spec.name, spec.size, axes, spec.model_dump_json())
+
+
+def read_sweep(body: bytes, most: int) -> AskedSweep:
+    """Bytes as a sweep of at most so many items.
+
+    Invalid items fail one by one when their turn comes: a corner of a grid may be out of reach.
+    Where none of some that lie far apart is valid, the sweep is refused.
+    """
+    spec = validate(body, SweepSpec)
+    if spec.size > most:
+        rule = f"makes {spec.size} items; this server takes {most} in a sweep"
+        remedy = "Give fewer values, use a Latin hypercube, or split the sweep in parts."
+        wrong = {"pointer": "/axes", "value": spec.size, "rule": rule, "remedy": remedy}
+        raise ProblemType.INVALID_REQUEST(f"/axes: {rule}. {remedy}", violations=[wrong])
+    step = (spec.size - 1) / (SAMPLED - 1)
+    sample = dict.fromkeys(round(i * step) for i in range(SAMPLED))
+    first: ServiceError | None = None
+    for number in sample:
+        try:
+            item_spec(spec, spec.item_values(number))
+        except ServiceError as error:
+            first = first or error
+        else:
+            return asked_sweep(spec)
+    assert first is not None
+    violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
+    raise ProblemType.INVALID_REQUEST(
+        f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
+        f"{first.detail}", violations=violations,
+    )  # fmt: skip

@@ -1,0 +1,325 @@
+"""Worker processes of the service's own, each at one end of a pipe: none of them opens a port.
+
+A thread of the service sends a task and waits for its answer; the main thread of the worker runs
+it, and a second one there reads the pipe, for tasks and for what is to be cancelled. When the pipe
+ends the service has: so has the worker then. A worker that ends, for whatever reason, is replaced.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import traceback
+from collections.abc import AsyncIterator, Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
+from functools import partial
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Event, Lock, Thread
+from typing import Any, TypeVar
+
+import cloudpickle
+
+from service.wire.errors import ProblemType
+from service.workers import prefork
+from synthesis.numerics import clock
+
+log = logging.getLogger("camwright.engine")
+T = TypeVar("T")
+RETRY = {"Retry-After": "2"}  # [s]: by then a lost worker has been replaced
+ANEW_S = 1.0  # after a worker that ended before it was ready
+LOOK_S = 0.25  # between looks at how much memory the workers have
+MIB = 2**20
+TASK, CANCEL = b"+", b"-"  # what messages to a worker begin with
+UNKNOWN = 255  # what multiprocessing says where nobody saw how a process ended
+PROC = Path("/proc")
+CGROUP = Path("/sys/fs/cgroup/memory.max")  # what a container may have
+RESERVE = 0.95  # of the memory: the rest is for all else; the share that Dask's nannies leave too
+
+
+class Worker:
+    """A worker process, as the service sees it.
+
+    ``ended`` tells how it ended, in words; "" where that has nothing to do with its task.
+    """
+
+    def __init__(self, process: Any, connection: Connection) -> None:
+        self.process, self._connection, self._sending = process, connection, Lock()
+        self.ended: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self.reason: str | None = None  # why it was killed
+
+    def kill(self, reason: str = "") -> None:
+        """End it at once."""
+        self.reason = reason
+        # Not `process.kill`: where the process that forks has died, that takes this one for dead.
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self.process.pid, signal.SIGKILL if prefork.FORKED else signal.SIGTERM)
+
+    def send(self, message: bytes) -> bool:
+        """Send it a message; whether it was there."""
+        with self._sending:
+            try:
+                self._connection.send_bytes(message)
+            except OSError:
+                return False
+        return True
+
+    def exchange(self, message: bytes) -> bytes | None:
+        """In a thread: send a task and wait for the answer; None where it ended before it began."""
+        if not self.send(TASK + message):
+            return None
+        try:
+            self.receive()  # it has begun
+        except (EOFError, OSError):
+            return None
+        return self.receive()
+
+    def receive(self) -> bytes:
+        """In a thread: wait for what it says. EOFError or OSError where it ends before."""
+        return self._connection.recv_bytes()
+
+
+class LocalWorkers:
+    """A fixed number of worker processes, each replaced when it ends."""
+
+    def __init__(self, slots: int, prepare: Callable[[], None]) -> None:
+        self.slots, self._prepare = slots, prepare
+        self._method: Any = multiprocessing.get_context(prefork.METHOD)
+        self._ready: set[Worker] = set()
+        self._idle: asyncio.Queue[Worker] = asyncio.Queue()
+        self._busy: dict[str, Worker] = {}
+        self.all_ready = asyncio.Event()
+        # A thread waits for each worker to end, another for what it answers. One alone starts them
+        # and reads how they ended: multiprocessing looks at all its children at each start.
+        self._threads = ThreadPoolExecutor(2 * slots, "workers")
+        self._starting = ThreadPoolExecutor(1, "starting")
+        self._memory = memory_of_this_machine() * RESERVE / max(slots, os.cpu_count() or 1)
+
+    async def run(self, key: str, work: Callable[..., T], *arguments: Any) -> T:
+        message, loop = dumps((key, partial(work, *arguments))), asyncio.get_running_loop()
+        while True:
+            worker = await self._idle.get()
+            if worker.ended.done():
+                continue
+            self._busy[key] = worker
+            try:
+                reply = await loop.run_in_executor(self._threads, worker.exchange, message)
+            except (OSError, EOFError):
+                reply, reason = None, await worker.ended
+                if reason:
+                    raise ProblemType.WORKER_LOST(
+                        f"The process working on this design {reason}. Other work goes on. "
+                        "Try again, or ask for a simpler design.",
+                        RETRY,
+                    ) from None
+            finally:
+                del self._busy[key]
+            if reply is None:  # it had no part in that: another worker does it
+                continue
+            self._idle.put_nowait(worker)
+            succeeded, result = pickle.loads(reply)
+            if succeeded:
+                return result  # type: ignore[no-any-return]
+            raise result
+
+    async def has_begun(self, key: str) -> bool:
+        return key in self._busy
+
+    async def cancel(self, keys: Sequence[str]) -> None:
+        for key in keys:
+            worker = self._busy.get(key)
+            if worker is not None:
+                worker.send(CANCEL + key.encode())
+
+    async def stop(self, key: str) -> None:
+        worker = self._busy.get(key)
+        if worker is not None:
+            worker.kill("was stopped")
+            await worker.ended
+
+    async def count(self) -> int:
+        return len(self._ready)
+
+    async def keep(self) -> None:
+        """Have one worker, and another one whenever it has ended."""
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                worker = await self._started()
+            except (OSError, EOFError):  # what forks has died at it: the next start brings another
+                await asyncio.sleep(ANEW_S)
+                continue
+            ended = loop.run_in_executor(self._threads, wait, [worker.process.sentinel])
+            try:
+                if await self._answers(worker):
+                    self._ready.add(worker)
+                    if len(self._ready) == self.slots:
+                        self.all_ready.set()
+                    self._idle.put_nowait(worker)
+                await asyncio.shield(ended)
+            finally:
+                self._ready.discard(worker)
+                if not ended.done():
+                    worker.kill()
+                    await asyncio.wait({ended})
+                code = await loop.run_in_executor(self._starting, exit_code, worker.process)
+                if code == UNKNOWN:  # the process that forks has died, and this one may live
+                    worker.kill()
+                worker.ended.set_result(reason_of(code) if worker.reason is None else worker.reason)
+
+    async def _started(self) -> Worker:
+        ours, theirs = multiprocessing.Pipe()
+        process = self._method.Process(target=serve, args=(theirs, self._prepare), daemon=True)
+        loop = asyncio.get_running_loop()
+        await asyncio.shield(loop.run_in_executor(self._starting, process.start))
+        theirs.close()
+        return Worker(process, ours)
+
+    async def _answers(self, worker: Worker) -> bool:
+        """Whether a new worker becomes ready for work."""
+        loop = asyncio.get_running_loop()
+        try:
+            await loop.run_in_executor(self._threads, worker.receive)
+        except (OSError, EOFError):
+            log.error("a worker ended before it was ready")
+            await asyncio.sleep(ANEW_S)
+            return False
+        return True
+
+    async def limit_memory(self) -> None:
+        """Stop workers that take more than their share of the machine's memory, where it tells."""
+        while self._memory:
+            await asyncio.sleep(LOOK_S)
+            for worker in list(self._busy.values()):
+                if resident_bytes(worker.process.pid) > self._memory:
+                    most = f"{self._memory / MIB:.0f} MiB"
+                    worker.kill(f"needed more than {most} of memory and was stopped")
+
+    def close(self) -> None:
+        """Let the threads go: the workers have ended."""
+        for threads in (self._threads, self._starting):
+            threads.shutdown()
+
+
+@asynccontextmanager
+async def local_workers(slots: int, prepare: Callable[[], None]) -> AsyncIterator[LocalWorkers]:
+    """Worker processes for as long as they are wanted; they are all ready."""
+    prefork.start_fork_server()
+    workers = LocalWorkers(slots, prepare)
+    tasks = [asyncio.create_task(workers.keep()) for _ in range(slots)]
+    tasks.append(asyncio.create_task(workers.limit_memory()))
+    try:
+        await workers.all_ready.wait()
+        yield workers
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        workers.close()
+
+
+def dumps(value: Any) -> bytes:
+    """As pickle does; by value what has no name in a module, such as the writers of files."""
+    try:
+        return pickle.dumps(value)
+    except (AttributeError, TypeError, pickle.PicklingError):
+        return bytes(cloudpickle.dumps(value))
+
+
+def exit_code(process: Any) -> int:
+    """How a process has ended: its status, or minus the number of the signal."""
+    process.join()
+    return int(process.exitcode)
+
+
+def reason_of(code: int) -> str:
+    """How a process has ended, in words."""
+    if code >= 0:
+        return f"ended by itself with status {code}"
+    known = {each.value: f" ({each.name})" for each in signal.Signals}
+    return f"was ended by signal {-code}{known.get(-code, '')}, perhaps for lack of memory"
+
+
+def memory_of_this_machine() -> int:
+    """Memory [bytes] of the machine, or of the container; 0 where the system does not tell."""
+    if not PROC.exists():
+        return 0
+    whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    limit = CGROUP.read_text().strip() if CGROUP.exists() else "max"
+    return min(whole, int(limit)) if limit.isdecimal() else whole
+
+
+def resident_bytes(process: int) -> int:
+    """Memory that a process takes now; 0 where it has ended."""
+    try:
+        pages = (PROC / str(process) / "statm").read_text().split()[1]
+    except OSError:
+        return 0
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+
+# -- in the worker process ---------------------------------------------------------------------
+
+
+def serve(connection: Connection, prepare: Callable[[], None]) -> None:
+    """Run tasks from a pipe until it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, but the service stops it
+    tasks: SimpleQueue[tuple[str, Any]] = SimpleQueue()
+    events: dict[str, Event] = {}
+    Thread(target=_listen, args=(connection, tasks, events), daemon=True).start()
+    try:
+        prepare()
+    except Exception:  # the worker itself works; the first design will show what is wrong
+        log.exception("warm-up failed")
+    reply = b""  # it is ready
+    with contextlib.suppress(OSError):  # the service has ended
+        while True:
+            connection.send_bytes(reply)
+            key, work = tasks.get()
+            reply = _reply(key, work, events)
+            del work
+
+
+def _listen(connection: Connection, tasks: SimpleQueue[Any], events: dict[str, Event]) -> None:
+    """Put tasks into a queue and cancel them; at the end of the pipe the process ends."""
+    try:
+        while True:
+            message = connection.recv_bytes()
+            if message[:1] == TASK:
+                connection.send_bytes(b"")  # it begins; the main thread has nothing to send now
+                key, work = pickle.loads(message[1:])
+                events[key] = Event()
+                tasks.put((key, work))
+            elif (event := events.get(message[1:].decode())) is not None:
+                event.set()
+    except (EOFError, OSError):
+        os._exit(0)
+    except BaseException:  # a task that cannot be read: it is lost with its worker
+        traceback.print_exc(file=sys.stderr)
+        os._exit(1)
+
+
+def _reply(key: str, work: Callable[[], Any], events: dict[str, Event]) -> bytes:
+    """Run a task; whether it succeeded, and its result or the exception."""
+    try:
+        with clock.cancellation_scope(events[key]):
+            return dumps((True, work()))
+    except Exception as error:
+        error.add_note(traceback.format_exc())  # the traceback itself stays here
+        try:
+            reply = dumps((False, error))
+            pickle.loads(reply)
+        except Exception:
+            text = "".join(traceback.format_exception(error))
+            return dumps((False, RuntimeError(text)))
+        return reply
+    finally:
+        del events[key]

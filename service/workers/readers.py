@@ -1,0 +1,113 @@
+"""Processes that read long bodies, so that the event loop answers others meanwhile.
+
+A spec of many segments takes longer to check than to write: 1 MiB may take seconds. A thread would
+hold the interpreter's lock for most of that time; a process that takes too long can be killed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from threading import local
+from typing import Any, TypeVar
+
+from service.settings import Settings
+from service.wire.errors import ProblemType
+from service.workers import prefork
+
+T = TypeVar("T")
+AGAIN = {"Retry-After": "2"}  # [s]: by then others have been read
+
+
+class Readers:
+    """Some processes, each started when it is first needed, with a thread that waits for it."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._limit_s, self._most = settings.reading_s, settings.max_waiting
+        self._threads = ThreadPoolExecutor(settings.readers, "reader")
+        self._own = local()  # of each thread: its process and the pipe to it
+        self._processes: set[Any] = set()
+        self._under_way = 0
+
+    async def run(self, work: Callable[..., T], *arguments: Any) -> T:
+        """What a function makes of its arguments in another process; ServiceError on limits.
+
+        Args:
+            work: a function that a process can import.
+        """
+        if self._under_way >= self._most:
+            raise ProblemType.BUSY(
+                f"{self._under_way} long bodies are waiting to be read. Try again shortly.", AGAIN
+            )
+        self._under_way += 1
+        try:
+            loop = asyncio.get_running_loop()
+            succeeded, answer = await loop.run_in_executor(
+                self._threads, self._exchange, (work, arguments)
+            )
+        finally:
+            self._under_way -= 1
+        if not succeeded:
+            raise answer
+        made: T = answer
+        return made
+
+    def _exchange(self, message: Any) -> tuple[bool, Any]:
+        """Whether the process succeeded, and the value or the exception that came of it."""
+        if getattr(self._own, "child", None) is None:
+            self._own.child = self._start()
+        process, pipe = self._own.child
+        try:
+            pipe.send(message)
+            if pipe.poll(self._limit_s):
+                answer: tuple[bool, Any] = pipe.recv()
+                return answer
+            detail = (
+                f"The body takes longer than {self._limit_s:g} s to read, the limit of this "
+                "server. Send less at once: fewer segments, windows, cams or values."
+            )
+            failure = ProblemType.BODY_TOO_LARGE(detail)
+        except (EOFError, OSError):
+            failure = ProblemType.WORKER_LOST(
+                "The process that read the body died, perhaps for lack of memory. Send less at "
+                "once.", AGAIN,
+            )  # fmt: skip
+        self._own.child = None
+        process.kill()
+        process.join()
+        self._processes.discard(process)
+        return False, failure
+
+    def _start(self) -> tuple[Any, Any]:
+        prefork.start_fork_server()  # it runs already where workers are the service's own
+        context: Any = multiprocessing.get_context(prefork.METHOD)
+        pipe, far = context.Pipe()
+        process = context.Process(target=serve, args=(far,), name="reader", daemon=True)
+        process.start()
+        far.close()
+        self._processes.add(process)
+        pipe.recv()  # it is there: time counts from here on
+        return process, pipe
+
+    def close(self) -> None:
+        """End the processes; nobody waits for them any more."""
+        for process in list(self._processes):
+            process.kill()
+        self._threads.shutdown()
+
+
+def serve(pipe: Any) -> None:
+    """Say that it is there, and do what comes through a pipe, until its other end is closed."""
+    pipe.send(None)
+    while True:
+        try:
+            work, arguments = pipe.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = True, work(*arguments)
+        except Exception as error:  # it belongs to the caller
+            answer = False, error
+        pipe.send(answer)
