@@ -24,7 +24,8 @@ RUN pip install --no-deps . && pip check
 
 FROM python:3.11-slim
 
-RUN useradd --system --uid 10001 --home-dir /var/lib/camwright --create-home camwright
+RUN openssl version \
+ && useradd --system --uid 10001 --home-dir /var/lib/camwright --create-home camwright
 COPY --from=build /opt/venv /opt/venv
 
 ENV PATH=/opt/venv/bin:$PATH \

@@ -13,6 +13,8 @@ from typing import Annotated, Any
 import typer
 
 from service.commands import questions
+from service.commands.admin import ADMIN
+from service.commands.admin import app as admin
 from service.commands.examples import examples
 from service.commands.export import export
 from service.commands.keys import KEYS
@@ -83,11 +85,12 @@ HELP = {name: help_text(command.__doc__ or "") for name, command in COMMANDS.ite
 for name, command in COMMANDS.items():
     offered = with_key(command) if "url" in signature(command).parameters else command
     app.command(name, help=HELP[name], short_help=HELP[name].partition("\n")[0])(offered)
-HELP["keys"] = help_text(KEYS)
-app.add_typer(keys, name="keys", help=HELP["keys"], short_help="Keys to a service.")
-for each in keys.registered_commands:
-    each.help = help_text(getattr(each.callback, "__doc__", None) or "")
-    each.short_help = each.help.partition("\n")[0]
+for name, group, text in (("keys", keys, KEYS), ("admin", admin, ADMIN)):
+    HELP[name] = help_text(text)
+    app.add_typer(group, name=name, help=HELP[name], short_help=HELP[name].partition("\n")[0])
+    for each in group.registered_commands:
+        each.help = help_text(getattr(each.callback, "__doc__", None) or "")
+        each.short_help = each.help.partition("\n")[0]
 
 
 def _version(wanted: bool) -> None:

@@ -25,7 +25,7 @@ def serve(
     scheduler: Annotated[
         str | None,
         typer.Option(
-            metavar="ADDRESS", help="Dask scheduler to use; left out, workers of its own."
+            metavar="ADDRESS", help="Dask scheduler to use, over TLS; left out, workers of its own."
         ),
     ] = None,
 ) -> None:
@@ -39,7 +39,7 @@ def serve(
       camwright serve
       camwright serve --host 0.0.0.0 --port 8080
       camwright serve --database-url postgresql+psycopg://user:secret@db/cams
-      camwright serve --scheduler tcp://10.0.0.5:8786
+      camwright serve --scheduler tls://10.0.0.5:8786
 
     Exit codes: 0 stopped by Ctrl-C; 1 the port, the database or a setting cannot be used, and why.
     """

@@ -29,14 +29,16 @@ log = logging.getLogger("camwright.questions")
 
 
 class Attempt:
-    """The work on one question, in ``task``; ``keeping``: its answer is being kept.
+    """The work on one question, in ``task``.
 
+    ``keeping``: its answer, or why there is none, is being kept. ``failed``: there is none, and who
+    asks again begins another attempt.
     ``budget_s`` is the time that the core may take for it.
     """
 
     sequence: int
     task: asyncio.Task[Any]
-    keeping = False
+    keeping = failed = False
 
     def __init__(self, budget_s: float) -> None:
         self.budget_s, self._began = budget_s, time.monotonic()
@@ -181,18 +183,20 @@ class Jobs:
 
     def _attempt(self, id: str, spec: Any) -> Attempt:
         attempt = self._attempts.get(id)
-        if attempt is None:
+        if attempt is None or attempt.failed:
             attempt = self._attempts[id] = Attempt(
                 self._settings.budget_s(getattr(spec, "time_budget_s", None))
             )
             attempt.task = asyncio.create_task(self._run(attempt, id, spec))
-            attempt.task.add_done_callback(lambda task: self._remove(id, task))
+            begun = attempt
+            begun.task.add_done_callback(lambda _: self._remove(id, begun))
         return attempt
 
-    def _remove(self, id: str, task: asyncio.Task[AnswerRow]) -> None:
-        del self._attempts[id]
-        if not task.cancelled():
-            task.exception()  # retrieved, so that asyncio does not log it
+    def _remove(self, id: str, ended: Attempt) -> None:
+        if self._attempts.get(id) is ended:
+            del self._attempts[id]
+        if not ended.task.cancelled():
+            ended.task.exception()  # retrieved, so that asyncio does not log it
 
     async def dismiss(self, id: str, owner: str) -> bool:
         """Stop and delete what an owner holds; whether there was one.
@@ -227,7 +231,7 @@ class Jobs:
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
-            attempt.keeping = True
+            attempt.keeping = attempt.failed = True
             await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         self._metrics.solves.labels(answer.status).observe(answer.seconds)

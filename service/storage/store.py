@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from sqlalchemy import (
+    Engine,
     Select,
     create_engine,
     delete,
@@ -67,6 +68,11 @@ class Store:
         self._threads = ThreadPoolExecutor(threads, "store")
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         migrate(self._engine)
+
+    @property
+    def engine(self) -> Engine:
+        """What connections to the database are had from."""
+        return self._engine
 
     async def do(self, work: Callable[[Session], T]) -> T:
         """Run a function of a session as one transaction.

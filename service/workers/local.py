@@ -279,12 +279,13 @@ def serve(connection: Connection, prepare: Callable[[], None]) -> None:
         prepare()
     except Exception:  # the worker itself works; the first design will show what is wrong
         log.exception("warm-up failed")
-    connection.send_bytes(b"")
-    while True:
-        key, work = tasks.get()
-        reply = _reply(key, work, events)
-        del work
-        connection.send_bytes(reply)
+    reply = b""  # it is ready
+    with contextlib.suppress(OSError):  # the service has ended
+        while True:
+            connection.send_bytes(reply)
+            key, work = tasks.get()
+            reply = _reply(key, work, events)
+            del work
 
 
 def _listen(connection: Connection, tasks: SimpleQueue[Any], events: dict[str, Event]) -> None:

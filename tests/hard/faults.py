@@ -147,13 +147,24 @@ class Postgres(Store):
         os.kill(first, signal.SIGKILL)
         while any(Path(f"/proc/{each}/exe").exists() for each in forked):
             time.sleep(0.1)
-        if self._again is not None:
-            self._again.wait()
-        (where / "data" / "postmaster.pid").unlink(missing_ok=True)
-        user = account if os.geteuid() == 0 else None
-        self._again = subprocess.Popen(
-            command, user=user, cwd=where, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
+        with contextlib.suppress(ChildProcessError):  # one that nobody waited for counts as alive
+            os.waitpid(first, 0)
+        # Until it takes connections: it ends at once where a process of the old one still lives.
+        while self._again is None or self._again.poll() is not None or not self._there():
+            if self._again is None or self._again.poll() is not None:
+                user = account if os.geteuid() == 0 else None
+                self._again = subprocess.Popen(
+                    command, user=user, cwd=where, stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )  # fmt: skip
+            time.sleep(0.3)
+
+    def _there(self) -> bool:
+        try:
+            psycopg.connect(f"postgresql://{self._address}").close()
+        except psycopg.OperationalError:
+            return False
+        return True
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
         with psycopg.connect(f"postgresql://{self._address}") as connection:
@@ -231,7 +242,7 @@ class Services:
 
     def __init__(self, folder: Path, store: Store, draw: random.Random) -> None:
         self.ports = [free_port() for _ in range(store.services)]
-        self._draw = draw
+        self._draw, self.stopped = draw, threading.Event()
         more = {"CAMWRIGHT_DATABASE_URL": store.url, "CAMWRIGHT_LEASE_S": str(LEASE_S),
                 "FAKE_CORE_LOG": str(folder / "log")}  # fmt: skip
         self.all: list[Process] = []
@@ -239,6 +250,19 @@ class Services:
             own = folder / f"service {number}"
             own.mkdir()
             self.all.append(service(own, port, **more))
+
+    def supervise(self) -> None:
+        """Start again whatever has ended, as Docker and systemd do."""
+        while not self.stopped.wait(1.0):
+            for each in self.all:
+                if each.running.poll() is not None:
+                    each.start()
+
+    def wait(self) -> None:
+        """Until all of them answer."""
+        for port in self.ports:
+            with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
+                answering(client)
 
     def faults(self) -> dict[str, Callable[[], None]]:
         """What may happen to them."""
@@ -249,10 +273,7 @@ class Services:
         }  # fmt: skip
 
     def _kill(self) -> None:
-        chosen = self._draw.choice(self.all)
-        chosen.kill()
-        time.sleep(self._draw.uniform(0.0, 1.0))
-        chosen.start()
+        self._draw.choice(self.all).kill()
 
     def _kill_worker(self) -> None:
         workers = children(self._draw.choice(self.all).running.pid)
@@ -346,14 +367,18 @@ def main() -> int:
         services = Services(folder, store, draw)
         for each in services.all:
             stack.callback(each.stop)
-        for port in services.ports:
-            with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
-                answering(client)
+        services.wait()
+        supervisor = threading.Thread(daemon=True, target=services.supervise)
+        supervisor.start()
+        stack.callback(supervisor.join)
+        stack.callback(services.stopped.set)
         asking = Asking(services.ports, draw)
         posting = [
-            threading.Thread(target=asking.post_sweeps, args=(chosen.sweeps, chosen.items)),
             threading.Thread(
-                target=asking.post_designs, args=(chosen.singles, 3.0 * chosen.faults)
+                daemon=True, target=asking.post_sweeps, args=(chosen.sweeps, chosen.items)
+            ),
+            threading.Thread(
+                daemon=True, target=asking.post_designs, args=(chosen.singles, 3.0 * chosen.faults)
             ),
         ]
         for each in posting:
@@ -366,6 +391,8 @@ def main() -> int:
             if number % len(faults) == 0:
                 order = draw.sample(sorted(faults), len(faults))
             name = order[number % len(faults)]
+            if name not in store.faults():  # these may meet a service that starts
+                services.wait()
             faults[name]()
             done[name] += 1
         for each in posting:

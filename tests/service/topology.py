@@ -63,6 +63,7 @@ class Topology:
             "--port=8786": f"--port={self._scheduler}",
             "0.0.0.0": "127.0.0.1",
             "=/tmp": f"={self._folder}",
+            "/var/lib/camwright": str(self._folder),
             "127.0.0.1:8787": f"127.0.0.1:{self._health['scheduler']}",
             "127.0.0.1:8788": f"127.0.0.1:{self._health[service]}" if "worker" in service else "",
         }

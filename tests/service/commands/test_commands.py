@@ -79,7 +79,7 @@ def test_settings_that_make_no_sense_are_said_in_one_sentence(given: list[str], 
 
 def test_a_store_that_cannot_be_is_said_in_one_sentence() -> None:
     """With a scheduler, so that no process to fork workers from is started for nothing."""
-    environment = {"CAMWRIGHT_PORT": "0", "CAMWRIGHT_SCHEDULER": "tcp://127.0.0.1:9"}
+    environment = {"CAMWRIGHT_PORT": "0", "CAMWRIGHT_SCHEDULER": "tls://127.0.0.1:9"}
     given = ["serve", "--database-url", "sqlite:////proc/none/x.db"]
     run = runner.invoke(cli.app, given, env=environment)
     assert run.exit_code == 1, run.output
