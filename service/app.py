@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
@@ -25,6 +26,7 @@ from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
+from service.wire.validation import prepare
 from service.workers.engine import Engine, running_engine
 from service.workers.readers import Readers
 
@@ -59,7 +61,11 @@ def create_app(settings: Settings, engine_of: EngineOf = running_engine) -> Fast
             working: list[Jobs | Sweeps] = [all_sweeps, *jobs.values()]
             for work in working:
                 await work.resume()
+            # In a thread, for it takes a second; until then the first wrong bodies take longer.
+            models = [resource.spec for resource in RESOURCES.values()]
+            preparing = asyncio.create_task(asyncio.to_thread(prepare, models))
             yield
+            await preparing
             engine.closing = True
             for work in working:
                 await work.close()
