@@ -48,7 +48,7 @@ SETTLED_S = 240.0  # after the last fault, until what is not answered counts as 
 DISK = "48m"  # of the tmpfs that is filled
 BETWEEN_S = (0.2, 2.5)  # from the end of a fault to the next
 ENDED = ("successful", "failed", "dismissed")
-AGAIN = (429, 503)
+AGAIN = (413, 429, 503)  # 413: the service stood still while it read the body
 
 
 class Store:

@@ -156,14 +156,27 @@ def test_what_kills_its_workers_is_given_up_and_can_be_asked_again(
     asyncio.run(story())
 
 
-def test_one_that_fails_again_while_somebody_waits_says_so(tmp_path: Path, store: Store) -> None:
+def test_one_that_fails_again_while_somebody_waits_says_so(
+    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def story() -> None:
         spec, wrong = question(), InputError("/lift", 1, "is too much", "Take less.")
         one = Service(tmp_path, store, raising(LOST, LOST, LOST, wrong))
+        fail, noted = one.designs.answers.fail, asyncio.Event()
+
+        async def fail_and_wait(*given: Any) -> None:
+            await fail(*given)
+            await noted.wait()
+
+        monkeypatch.setattr(one.designs.answers, "fail", fail_and_wait)
         row = await one.accept(spec)
         row = await one.ends(row.id, "failed")
+        again = asyncio.create_task(one.answer(spec, row))  # while the first is still at it
+        while one.engine.begun < 4:  # noqa: ASYNC110 (a counter, of an engine made up)
+            await asyncio.sleep(0.01)
+        noted.set()
         with pytest.raises(InputError):
-            await one.answer(spec, row)
+            await again
         assert (await one.ends(row.id, "failed")).problem["status"] == 422
         assert (await one.answer(spec, row)).state == "done"
         assert await one.designs.answers.find(row.id, LOCAL) is not None
