@@ -50,11 +50,9 @@ async def get_proof_json(
     prefer: Prefer = "",
     if_none_match: KnownTag = None,
 ) -> Response:
-    """The question, the cam, and every claim with its witness, or with why it is not covered.
+    """Every claim with its witness, or why it is not covered; made once, in as long as the design.
 
-    The checker reads it: one file of Python without packages, in exact arithmetic, which `camwright
-    proof design.json --checker check.py` writes. The page `proof` of the documentation has the
-    format and the theorems. Takes as long as the design, once; it is kept.
+    `camwright proof design.json --checker check.py` writes its checker, one file of Python.
     """
     row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "proof.json")
@@ -112,10 +110,7 @@ async def get_sweep_proofs_zip(
         Query(min_length=1, max_length=MAX_PROOFS, description="Item by number; may be repeated."),
     ],
 ) -> Response:
-    """A ZIP archive with the file `proof.json` of each item's design, named by its number.
-
-    `python3 check.py proofs.zip` checks all of them. Each takes as long as its design.
-    """
+    """A ZIP archive with `proof.json` of each item's design; `python3 check.py` checks them all."""
     chosen = sorted(set(item))
     rows = {number: await find_item(sweep, number, parts) for number in chosen}
     for number, row in rows.items():
