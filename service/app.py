@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from functools import partial
@@ -29,6 +30,7 @@ from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
+from service.wire.validation import prepare
 from service.workers.engine import Engine, running_engine
 from service.workers.readers import Readers
 
@@ -70,7 +72,11 @@ def create_app(
             )  # fmt: skip
             for work in (all_sweeps, accepted):
                 await work.resume()
+            # In a thread, for it takes a second; until then the first wrong bodies take longer.
+            models = [resource.spec for resource in RESOURCES.values()]
+            preparing = asyncio.create_task(asyncio.to_thread(prepare, models))
             yield
+            await preparing
             engine.closing = True
             working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
             for one in working:

@@ -52,7 +52,8 @@ class Settings(BaseSettings):
     max_streams: int = Field(64, ge=1)
     max_streams_per_client: int = Field(32, ge=1)  # by address
     readers: int = Field(2, ge=1, le=64)  # processes that read long bodies: one slow body holds one
-    # That reading a body may take [s]. The longest sensible ones, tables of 20 000 rows, take 0.2.
+    # Of processor time, that reading a body may take [s]. The longest sensible ones, tables of
+    # 20 000 rows, take 0.2 s.
     reading_s: float = Field(10.0, gt=0.0)
     max_waiting: int = Field(64, ge=0)  # designs that may wait for a worker
     max_sweep_items: int = Field(20_000, ge=1)  # that a sweep may have

@@ -45,7 +45,7 @@ class State:
         return self.caller.owner
 
 
-def _state(request: Request) -> State:
+async def _state(request: Request) -> State:  # a plain function would be sent to a thread
     """The parts, for whoever asks; on paths that are open to all for nobody."""
     parts = cast(State, request.app.state.parts)
     return replace(parts, caller=request.scope.get("caller") or NOBODY)

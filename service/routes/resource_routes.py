@@ -307,7 +307,8 @@ async def send_file(
     headers = download_headers(row.name, name, file.format.media_type)
     headers |= {"ETag": f'"{tag}"', **IN_PARTS}
     media_type = file.format.media_type
-    if only_head(request):  # without what only the file itself tells, its length among it
+    # Where there is a cam there is a file. What only that itself tells, as its length, is left out.
+    if only_head(request) and row.status not in WITHOUT_CAM:
         return StreamingResponse(nothing(), 200, headers, media_type)
     make = partial(file.write, file.format, body, options)
     content: FileContent = await (

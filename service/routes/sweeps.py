@@ -61,7 +61,7 @@ async def find_sweep(sweep_id: str, parts: Parts) -> SweepRow:
     return row
 
 
-def _last_event(
+async def _last_event(
     last_event_id: Annotated[
         str | None, Header(description="Id of the last event received; the stream continues there.")
     ] = None,
@@ -275,7 +275,7 @@ FrontTolerance = Annotated[
 ]
 
 
-def _axes(
+async def _axes(
     minimise: Annotated[
         list[str],
         Query(max_length=QUANTITIES, description="Quantity to minimise; may be repeated."),

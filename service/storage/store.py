@@ -9,7 +9,20 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, TypeVar
 
-from sqlalchemy import Engine, Select, create_engine, delete, event, func, select, text, update
+from sqlalchemy import (
+    Engine,
+    Select,
+    create_engine,
+    delete,
+    event,
+    func,
+    literal,
+    select,
+    text,
+    true,
+    update,
+)
+from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, defer, sessionmaker
 
@@ -135,12 +148,15 @@ class Answers:
         """Let an owner hold the answer to a question that he has asked; the answer, if any."""
 
         def work(session: Session) -> AnswerRow | None:
-            self._lock(session, id)
-            if session.scalar(select(HoldingRow).filter_by(owner=owner, id=id)) is None:
-                now = datetime.now(UTC)
-                session.add(HoldingRow(owner=owner, id=id, kind=self._kind, created=now))
-                session.flush()
-            return self._find(session, id, owner)
+            row = self._find(session, id, owner)
+            if row is None:
+                self._lock(session, id)
+                if session.scalar(select(HoldingRow).filter_by(owner=owner, id=id)) is None:
+                    now = datetime.now(UTC)
+                    session.add(HoldingRow(owner=owner, id=id, kind=self._kind, created=now))
+                    session.flush()
+                row = self._find(session, id, owner)
+            return row
 
         return await self._do(work)
 
@@ -217,10 +233,8 @@ class Answers:
         return await self._do(lambda session: session.scalar(strikes)) or 0
 
     def _charge(self, session: Session, id: str, seconds: float) -> None:
-        first = select(HoldingRow.owner).filter_by(id=id).order_by(HoldingRow.sequence).limit(1)
-        owner = session.scalar(first) if seconds else None
-        if owner is not None:
-            charge(session, owner, seconds)
+        first = select(HoldingRow.owner, literal(_today()), literal(seconds)).filter_by(id=id)
+        _add_usage(session, first.order_by(HoldingRow.sequence).limit(1))
 
     async def supersede(self, id: str, current: str) -> None:
         """Drop the answer of an earlier engine; its row still leads from its id to its question.
@@ -295,13 +309,21 @@ def _as_held(session: Session, row: AnswerRow, holding: HoldingRow) -> AnswerRow
 
 def charge(session: Session, owner: str, seconds: float) -> None:
     """Note time in the core [s] as used by an owner today."""
-    day = datetime.now(UTC).date().isoformat()
-    row = session.get(UsageRow, (owner, day), with_for_update=True)
-    if row is None:
-        session.add(UsageRow(owner=owner, day=day, core_seconds=seconds))
-        session.flush()
-    else:
-        row.core_seconds += seconds
+    # Without a condition SQLite would take "on conflict" for one of a join.
+    _add_usage(session, select(literal(owner), literal(_today()), literal(seconds)).where(true()))
+
+
+def _today() -> str:
+    return datetime.now(UTC).date().isoformat()
+
+
+def _add_usage(session: Session, used: Select[Any, Any, Any]) -> None:
+    """Add to what owners have used: rows of owner, day and seconds."""
+    insert = postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
+    new = insert(UsageRow).from_select(["owner", "day", "core_seconds"], used)
+    more = UsageRow.core_seconds + new.excluded.core_seconds
+    change = new.on_conflict_do_update(index_elements=["owner", "day"], set_={"core_seconds": more})
+    session.execute(change)
 
 
 def select_newest(

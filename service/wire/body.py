@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
 from fastapi import Request
 from pydantic import BaseModel
 
 from service.wire.errors import ProblemType
 from service.wire.validation import Question, read_question
-from service.workers.readers import Readers
 
 READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
 # Bytes that are read in the event loop, in 1 to 3 ms where they are a usual spec. No body of this
 # size takes 50 ms; the transfer to a reader and back takes half a millisecond.
 SHORT = 2048
+
+
+T = TypeVar("T")
+
+
+class Readers(Protocol):
+    """Processes that do some work outside of the event loop."""
+
+    async def run(self, work: Callable[..., T], *arguments: Any) -> T:
+        """What a function makes of its arguments there."""
 
 
 async def receive_body(request: Request, max_bytes: int) -> bytes:

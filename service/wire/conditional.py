@@ -7,7 +7,6 @@ is continued.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import re
 
@@ -85,8 +84,10 @@ class Heads:
             raise _HeadSent
 
         asked = {**scope, "method": "GET", "only_head": True}
-        with contextlib.suppress(_HeadSent):
+        try:
             await self._app(asked, receive, send_head)
+        except* _HeadSent:  # in a group, where a stream has tasks of its own
+            pass
 
 
 def only_head(request: Request) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
+import signal
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from threading import local
@@ -18,6 +19,8 @@ from service.wire.errors import ProblemType
 from service.workers import prefork
 
 T = TypeVar("T")
+ENDED = getattr(signal, "SIGPROF", 0)  # by this signal the kernel ends a reader that takes too long
+PATIENCE = 6.0  # times its limit of processor time that a reader may take on a busy machine
 AGAIN = {"Retry-After": "2"}  # [s]: by then others have been read
 
 
@@ -61,30 +64,35 @@ class Readers:
         process, pipe = self._own.child
         try:
             pipe.send(message)
-            if pipe.poll(self._limit_s):
+            if pipe.poll(PATIENCE * self._limit_s):
                 answer: tuple[bool, Any] = pipe.recv()
                 return answer
-            detail = (
-                f"The body takes longer than {self._limit_s:g} s to read, the limit of this "
-                "server. Send less at once: fewer segments, windows, cams or values."
-            )
-            failure = ProblemType.BODY_TOO_LARGE(detail)
+            process.kill()
+            too_long = True
         except (EOFError, OSError):
-            failure = ProblemType.WORKER_LOST(
-                "The process that read the body died, perhaps for lack of memory. Send less at "
-                "once.", AGAIN,
-            )  # fmt: skip
+            process.join()
+            too_long = process.exitcode == -ENDED
         self._own.child = None
         process.kill()
         process.join()
         self._processes.discard(process)
-        return False, failure
+        if too_long:
+            return False, ProblemType.BODY_TOO_LARGE(
+                f"The body takes more than {self._limit_s:g} s of processor time to read, the "
+                "limit of this server. Send less at once: fewer segments, windows, cams or values."
+            )
+        return False, ProblemType.WORKER_LOST(
+            "The process that read the body died, perhaps for lack of memory. Send less at once.",
+            AGAIN,
+        )
 
     def _start(self) -> tuple[Any, Any]:
         prefork.start_fork_server()  # it runs already where workers are the service's own
         context: Any = multiprocessing.get_context(prefork.METHOD)
         pipe, far = context.Pipe()
-        process = context.Process(target=serve, args=(far,), name="reader", daemon=True)
+        process = context.Process(
+            target=serve, args=(far, self._limit_s), name="reader", daemon=True
+        )
         process.start()
         far.close()
         self._processes.add(process)
@@ -98,16 +106,25 @@ class Readers:
         self._threads.shutdown()
 
 
-def serve(pipe: Any) -> None:
-    """Say that it is there, and do what comes through a pipe, until its other end is closed."""
+def serve(pipe: Any, limit_s: float) -> None:
+    """Say that it is there, and do what comes through a pipe, until its other end is closed.
+
+    The kernel ends the process where something takes more than ``limit_s`` of processor time [s]:
+    on a busy machine the clock on the wall would refuse what is sensible.
+    """
+    timed = hasattr(signal, "setitimer")
     pipe.send(None)
     while True:
         try:
             work, arguments = pipe.recv()
         except (EOFError, OSError):
             return
+        if timed:
+            signal.setitimer(signal.ITIMER_PROF, limit_s)
         try:
             answer = True, work(*arguments)
         except Exception as error:  # it belongs to the caller
             answer = False, error
+        if timed:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
         pipe.send(answer)

@@ -72,8 +72,8 @@ def test_a_path_that_leads_nowhere(client: httpx2.Client, path: str, words: str)
 
 def test_a_method_that_a_path_has_not(client: httpx2.Client) -> None:
     answer = client.put("/v1/designs", json={})
-    assert answer.headers["allow"] == "GET, POST"
-    assert answer.json()["detail"].endswith("It has GET, POST.")
+    assert answer.headers["allow"] == "GET, HEAD, POST"
+    assert answer.json()["detail"].endswith("It has GET, HEAD, POST.")
 
 
 def test_a_number_of_a_list(client: httpx2.Client) -> None:

@@ -12,8 +12,8 @@ import pytest
 from pydantic import ValidationError
 
 from service.contract.examples import examples
-from service.wire.validation import validate
 from service.wire.errors import ServiceError
+from service.wire.validation import validate
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps import SweepSpec
 
