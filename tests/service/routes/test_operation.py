@@ -110,4 +110,4 @@ def test_dask_is_behind_the_engine() -> None:
         return sorted(name for name, text in texts if any(word in text for word in words))
 
     assert users("from distributed", "import dask") == ["remote.py", "scheduler.py"]
-    assert users("workers.remote") == ["engine.py", "scheduler.py"]
+    assert users("workers.remote import") == ["engine.py", "scheduler.py"]
