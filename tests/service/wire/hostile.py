@@ -33,6 +33,7 @@ from typing import Any
 from tests.service.wire.hostile_bodies import BODIES, SWEEPS, cam, swept
 
 PAUSE_S = 0.005  # from one probe to the next
+OTHER = ("127.0.0.2", 0)  # another address than that of the hostile ones
 LATE_S = 20.0  # after that a probe has failed
 HELD_S = 4.0  # for which hostile connections are held
 BODY_S = 120.0  # most that an answer to a body is waited for
@@ -75,7 +76,7 @@ def probe(port: int, since: Synchronized[float], worst: Synchronized[float],
         time.sleep(PAUSE_S)
         since.value = time.monotonic()
         try:
-            with socket.create_connection(("127.0.0.1", port), LATE_S) as line:
+            with socket.create_connection(("127.0.0.1", port), LATE_S, OTHER) as line:
                 line.sendall(b"GET /livez HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
                 answer = line.recv(4096)
             failed.value += not answer.startswith(b"HTTP/1.1 200")
