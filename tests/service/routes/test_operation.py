@@ -109,5 +109,5 @@ def test_dask_is_behind_the_engine() -> None:
     def users(*words: str) -> list[str]:
         return sorted(name for name, text in texts if any(word in text for word in words))
 
-    assert users("from distributed", "import dask") == ["remote.py"]
-    assert users("workers.remote") == ["engine.py"]
+    assert users("from distributed", "import dask") == ["remote.py", "scheduler.py"]
+    assert users("workers.remote import") == ["engine.py", "scheduler.py"]
