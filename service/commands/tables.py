@@ -153,8 +153,9 @@ def describe_profile(analysis: ProfileAnalysis) -> Iterator[str | Table]:
 def describe_spatial_cam(design: SpatialDesign) -> Iterator[str | Table]:
     """Status, broken limits, dimensions, walls, and what was measured of them."""
     broken = ", ".join(each.quantity for each in design.extremes if not each.holds)
-    verdict = f"{design.status}, violated: {broken}" if broken else design.status
-    yield f"{verdict}; {sizes(design.dimensions)}"
+    status = labelled_status(design.status, design.severity)
+    yield f"{status}{f', violated: {broken}' if broken else ''}; {sizes(design.dimensions)}"
+    yield from _warnings(design.warnings)
     yield table(
         "Walls", ("wall", "from °", "to °"),
         [(wall.name, f"{arc.start_deg:.3f}", f"{arc.end_deg:.3f}")

@@ -25,6 +25,7 @@ NAMED = {
     "CrownRadius": "GloboidalIndexer.crown_radius_mm",
     "Cursor": "DesignPage.next",
     "Dimension": "OscillatingRoller.centre_distance_mm",
+    "DwellOn": "GloboidalIndexer.dwell_on",
     "Follower": "DesignSpec.follower",
     "Inflection": "Scca.inflection",
     "JsonObject": "Entry.json_schema",
@@ -39,14 +40,18 @@ NAMED = {
     "Pair": "BorderArc.from_mm",
     "PivotDirection": "OscillatingRoller.pivot_direction_deg",
     "Pointer": "RangeAxis.pointer",
+    "Rim": "Groove.rim_mm",
     "Segment": "DesignSpec.program.items",
     "RollerDistance": "CylindricalOscillating.roller_distance_mm",
     "RollerWidth": "CylindricalOscillating.roller_width_mm",
     "SegmentAngle": "Rise.angle_deg",
     "SpecName": "DesignSpec.name",
+    "Severity": "SpatialDesign.severity",
     "Speed": "DesignSpec.speed_rpm",
+    "StateOrNone": "Rise.start",
     "StatusOrNone": "DesignSummary.status",
     "Swing": "Rise.lift_deg",
+    "Warnings": "Design.warnings",
 }
 
 

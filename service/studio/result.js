@@ -31,14 +31,14 @@ export function showDesign(design, apply) {
 export function showProblem(problem, loose) {
   const { title, detail, status } = problem.document;
   showStatus(status ? `${title}: ${detail}` : detail, "problem");
-  byId("warnings")?.replaceChildren(); // of the designer of planar cams alone
+  byId("warnings")?.replaceChildren(); // not on every page
   byId("conflict").replaceChildren(
     ...loose.map(({ pointer, rule, remedy }) => element("p", { class: "error" }, `${pointer ?? ""} ${sentences(rule, remedy)}`)),
   );
 }
 
 /** A list of what an engineer would say of the cam, the most severe first. */
-function warnings(found) {
+export function warnings(found) {
   if (!found.length) return [];
   const lines = found.map(({ code, severity, field, sentence, remedy, source }) => element(
     "li",

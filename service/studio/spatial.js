@@ -6,7 +6,7 @@ import { byId, element, figure, debounced } from "./dom.js";
 import { Files } from "./files.js";
 import { Form } from "./form.js";
 import { words } from "./names.js";
-import { showStatus, showProblem, sizes, tableParts } from "./result.js";
+import { showStatus, showProblem, sizes, tableParts, warnings } from "./result.js";
 import { Scene } from "./scene.js";
 import { Schemas } from "./schema.js";
 import { SpecStore } from "./spec_store.js";
@@ -126,7 +126,10 @@ const STATUS_TEXT = {
 };
 
 function show(design) {
-  showStatus(STATUS_TEXT[design.status], design.status);
+  const stop = design.severity === "stop";
+  const text = STATUS_TEXT[design.status];
+  showStatus(stop ? `STOP, this cam cannot work. ${text}` : text, stop ? "stop" : design.status);
+  byId("warnings").replaceChildren(...warnings(design.warnings));
   byId("sizes").replaceChildren(...sizes(design));
   const names = ["quantity", "value", "cam angle", "where", "bound", ""];
   byId("margins").replaceChildren(...tableParts(names, design.extremes.map(row)));

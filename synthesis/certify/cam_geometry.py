@@ -184,7 +184,7 @@ class _Measured:
         if flat_face(at.trace) is not None:
             found["sliding"] = omega * self._sliding(at)
         if self.flank.roller > 0.0:
-            spin, rate = self._rolling(at)
+            spin, rate = self.flank.roller_spin(at.s, self.cam.size)
             found |= {"spin": omega * spin, "spin_up": omega**2 * rate}
         return found
 
@@ -239,20 +239,6 @@ class _Measured:
         hollow = self.flank.side * self._points.curvature < -self._straight
         starts = int(np.count_nonzero(hollow & ~np.roll(hollow, 1)))
         return starts or int(bool(hollow.any()))
-
-    def _rolling(self, at: TracedPoint) -> tuple[Any, Any]:
-        """How fast a roller turns on its pin over the cam's speed, and the rate of that per rad.
-
-        Without slip: its centre runs at |T| per radian on the cam, so that it turns by σ |T|/Rr
-        there; the cam turns by one, and on an arm the pin by φ' with the link.
-        """
-        _, (dx, dy), (ax, ay), *_ = at.position
-        (tx, ty), length, share = at.tangent, at.tangent_length, self.flank.side / self.flank.roller
-        link, (first, second) = self._link, (at.s[1], at.s[2])
-        turn = 0.0 if link.pivot is None else link.turn * self._radian
-        # D T in the machine frame: its part along T changes |T|
-        change = (tx * (ax + dy + ty) + ty * (ay - dx - tx)) / length
-        return share * length - 1.0 + turn * first, share * change + turn * second
 
     def _sliding(self, at: TracedPoint) -> Any:
         """Speed of the face past the cam's material, along the face, per radian of cam angle."""

@@ -19,7 +19,7 @@ from synthesis.certify.quantities import BOUNDS, MeasuredCam, force_quantity, in
 from synthesis.design.design import FlankForces, FloatArc, ForcePeak, Forces, RollerLife, Torque
 from synthesis.numerics.enclosure import ExtremumQuery
 from synthesis.numerics.maxima import maximise_between
-from synthesis.numerics.piecewise import Array, gauss_points
+from synthesis.numerics.piecewise import Array, Indices, gauss_points
 from synthesis.units import DEGREE, FULL_TURN, PER_MINUTE
 
 NODES: Final = 24  # of the Gauss rule on a piece without sinusoids: exact up to degree 47
@@ -133,14 +133,10 @@ class _LoadedCam:
 
     def _roller(self, path: str) -> RollerLife:
         """Speed of a roller and its bearing's basic rating life at varying load and speed."""
-        turn, (_, weights), bearing = self._turn, self._nodes, self.load.bearing
-        mine = [flank.name for flank in self.cam.machine.follower.flanks if flank.path == path]
-        # of a roller between two flanks, force and speed are those of the flank that it presses
-        forces = np.array([turn.contact[name] for name in mine])
-        pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
-        speed = np.array([turn.rolling[name] for name in mine])[pressed]
+        (_, weights), bearing = self._nodes, self.load.bearing
+        force, speed = self._pressed(path, self._turn)
         mean = float(weights @ speed) / FULL_TURN
-        force = np.maximum(forces[pressed], 0.0)
+        force = np.maximum(force, 0.0)
         largest, equivalent, life, hours = float(force.max()), None, None, None
         if bearing is not None and mean > 0.0 and largest > 0.0:
             # equivalent load: the mean of F^p over the roller's revolutions, to the power 1/p
@@ -151,9 +147,27 @@ class _LoadedCam:
             hours = life * 1e6 / (60.0 * mean * PER_MINUTE)
         return RollerLife(
             path=path, mean_speed_rpm=mean * PER_MINUTE,
-            largest_speed_rpm=float(speed.max()) * PER_MINUTE, equivalent_load_n=equivalent,
+            largest_speed_rpm=self._largest_speed(path) * PER_MINUTE, equivalent_load_n=equivalent,
             life_million_turns=life, life_hours=hours,
         )  # fmt: skip
+
+    def _pressed(self, path: str, turn: ForceHistory) -> tuple[Array, Array]:
+        """Contact force [N] and speed on its pin [rad/s] of a roller: (n,) each.
+
+        Of a roller between two flanks they are those of the flank that it presses.
+        """
+        mine = [flank.name for flank in self.cam.machine.follower.flanks if flank.path == path]
+        forces = np.array([turn.contact[name] for name in mine])
+        pressed = np.argmax(forces, axis=0), np.arange(forces.shape[1])
+        return forces[pressed], np.array([turn.rolling[name] for name in mine])[pressed]
+
+    def _largest_speed(self, path: str) -> float:
+        """The largest speed of a roller on its pin [rad/s]."""
+
+        def speed(theta: Array, _: Indices) -> Array:
+            return self._pressed(path, self._history(theta))[1].reshape(theta.shape)
+
+        return maximise_between(speed, self._grid[:, 0], self._grid[:, -1])[0]
 
     @cached_property
     def _grid(self) -> Array:

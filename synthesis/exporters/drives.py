@@ -28,7 +28,7 @@ from synthesis.exporters.fidelity.report import (
     fidelity_file,
     percentage,
 )
-from synthesis.exporters.options import MotionOptions, StartAngle
+from synthesis.exporters.options import RowOptions, StartAngle
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import whole_count
 from synthesis.numerics.piecewise import Array
@@ -46,7 +46,7 @@ METHOD = (
 
 
 @dataclass(frozen=True)
-class DriveOptions(MotionOptions):
+class DriveOptions(RowOptions):
     """How a drive's table is written; ``start_deg``: cam angle at master position 0, None: 0."""
 
     start_deg: StartAngle = None

@@ -28,6 +28,7 @@ Theme = Literal["auto", "light", "dark", "print"]
 
 MAX_POINTS_PER_DEGREE = 100.0  # of a point file
 MAX_POINTS = 36_000  # of a point file: MAX_POINTS_PER_DEGREE all round
+MAX_TURNS = 100  # of a motion: MAX_POINTS rows, one for each degree
 MIN_TOLERANCE_UM = 1e-4  # µm: finer than any machine, coarser than rounding
 CURVES: tuple[CurveName, ...] = get_args(CurveName)
 # Keywords of JSON Schema in words.
@@ -238,11 +239,26 @@ class PointOptions(CurveOptions):
 
 
 @dataclass(frozen=True)
-class MotionOptions(Sampled):
+class RowOptions(Sampled):
     """How the motion is sampled: rows evenly over the cam angle, not below one in 10°."""
 
     points_per_degree: Density = 1.0
     points: Count = None
+
+
+@dataclass(frozen=True)
+class MotionOptions(RowOptions):
+    """The same over one or several turns."""
+
+    turns: Annotated[int, Field(ge=1, le=MAX_TURNS)] = 1
+    """Turns of the cam, through which angle and time run on."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.count * self.turns > MAX_POINTS:
+            most = int(MAX_POINTS / self.count)
+            rule = f"A file has at most {MAX_POINTS} rows, which here are {most} turns."
+            raise self.refusal("turns", rule, "Ask for fewer turns, or fewer points.")
 
 
 Colours = Annotated[

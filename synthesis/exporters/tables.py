@@ -20,12 +20,7 @@ from synthesis.exporters.exporter import compact_json, design_format
 from synthesis.exporters.fidelity.report import MAX_ROWS, as_points, fidelity_block, fidelity_header
 from synthesis.exporters.options import CurveOptions, MotionOptions, ProfileOptions, Sampled
 from synthesis.exporters.samples.cam import Cam
-from synthesis.exporters.samples.columns import (
-    Column,
-    force_columns,
-    motion_columns,
-    profile_columns,
-)
+from synthesis.exporters.samples.columns import Column, force_columns, motion_table, profile_columns
 from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import in_degrees, written_points
 from synthesis.numerics.piecewise import Array
@@ -142,7 +137,7 @@ def _json_file(
 
 def _motion_and_forces(design: Design, options: MotionOptions) -> list[Column]:
     cam = Cam.of(design)
-    return [*motion_columns(cam, options), *force_columns(design, cam, options)]
+    return motion_table(cam, options, force_columns(design, cam, options))
 
 
 def _csv_motion(design: Design, options: MotionOptions) -> bytes:
@@ -151,7 +146,7 @@ def _csv_motion(design: Design, options: MotionOptions) -> bytes:
 
 def _txt_motion(design: Design, options: MotionOptions) -> bytes:
     """For programs that read bare numbers: `numpy.loadtxt`, a spreadsheet's text import."""
-    columns = [column.values.tolist() for column in motion_columns(Cam.of(design), options)]
+    columns = [column.values.tolist() for column in motion_table(Cam.of(design), options)]
     rows = zip(*columns, strict=True)
     return "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode("ascii")
 

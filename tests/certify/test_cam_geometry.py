@@ -10,8 +10,6 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import synthesis as c
-from synthesis.catalogue.forces.reduced import history
-from synthesis.certify.quantities import TracedPoint, contact
 from synthesis.design.design import Design
 from synthesis.design.summary import CamGeometry
 from synthesis.exporters.samples.cam import Cam
@@ -149,7 +147,7 @@ def example(name: str) -> Design:
 
 
 def test_extremes_are_those_of_a_local_search_on_the_exported_curve():
-    """Curvature and radius from the exporters' profile, the roller's speed from the forces'."""
+    """Curvature from the exporters' profile."""
     steep = [
         {**s, "angle_deg": a} for s, a in zip(RISE_RETURN, (55.0, 60.0, 65.0, 180.0), strict=True)
     ]
@@ -172,91 +170,12 @@ def test_extremes_are_those_of_a_local_search_on_the_exported_curve():
     assert flank.convex_radius_mm.value == pytest.approx(expected, rel=1e-10)
     hollow = 1.0 / top(lambda t: -one("curvature")(t), flank.hollow_radius_mm) + 8.0
     assert flank.hollow_radius_mm.value == pytest.approx(hollow, rel=1e-10)
-    spec = design.completed_spec
-    loaded = spec.model_copy(
-        update={"load": c.DesignSpec.model_validate(_with_load(spec)).load}
-    ).machine()
-
-    def rolling(t):
-        turn = history(
-            loaded.follower, loaded.load, loaded.omega, design.curve, tuple(design.size), [t % TURN]
-        )
-        return float(turn.rolling[""][0])
-
-    speed = top(rolling, flank.roller_speed_rpm) * 60.0 / TURN
-    assert flank.roller_speed_rpm.value == pytest.approx(speed, rel=1e-10)
-    # its acceleration by central differences of the speed
-    step = 1e-4
-
-    def slope(t):
-        far, near = (rolling(t + k * step) - rolling(t - k * step) for k in (2.0, 1.0))
-        return abs((8.0 * near - far) / (12.0 * step)) * loaded.omega
-
-    at = math.radians(flank.roller_acceleration_rad_per_s2.angle_deg)
-    assert flank.roller_acceleration_rad_per_s2.value == pytest.approx(slope(at), rel=1e-7)
-
-
-def _with_load(spec: c.DesignSpec) -> dict:
-    load = {"kind": "slide", "moving_mass_kg": 1.0, "spring": {"rate_n_per_mm": 5.0,
-            "preload_n": 200.0}}  # fmt: skip
-    return spec.model_dump(exclude_none=True) | {"load": load}
 
 
 SWING = [{k.replace("_mm", "_deg"): v for k, v in s.items()} for s in RISE_RETURN]
 ARM = {"kind": "oscillating_roller", "roller_radius_mm": 9.0, "arm_mm": 80.0,
        "centre_distance_mm": 100.0}  # fmt: skip
 FACE = {"kind": "oscillating_flat_face", "centre_distance_mm": 110.0, "face_offset_mm": 6.0}
-
-
-@pytest.mark.parametrize("sense", ["opposite", "same"])
-def test_an_arms_roller_turns_as_the_forces_have_it(sense):
-    """Speed against ``history``, acceleration against differences of that, at every angle."""
-    load = {"kind": "arm", "moment_of_inertia_kg_m2": 0.01,
-            "spring": {"rate_n_m_per_rad": 5.0, "preload_n_m": 20.0}}  # fmt: skip
-    design = designed({**ARM, "sense": sense}, 30.0, SWING, load=load)
-    (flank,), machine = geometry(design).flanks, design.completed_spec.machine()
-
-    def rolling(theta):
-        size = tuple(design.size)
-        args = machine.follower, machine.load, machine.omega, design.curve, size
-        return history(*args, theta % TURN).rolling[""]
-
-    theta = TURN * (np.arange(4000) + 0.5) / 4000
-    assert flank.roller_speed_rpm.value * TURN / 60.0 >= rolling(theta).max() * (1.0 - 1e-12)
-    at = np.array([math.radians(flank.roller_speed_rpm.angle_deg)])
-    assert flank.roller_speed_rpm.value * TURN / 60.0 == pytest.approx(rolling(at)[0], rel=1e-12)
-    step = 1e-4
-    slopes = np.abs(rolling(theta + step) - rolling(theta - step)) / (2.0 * step) * machine.omega
-    largest = flank.roller_acceleration_rad_per_s2.value
-    assert largest >= slopes.max() * (1.0 - 1e-6)
-    assert largest == pytest.approx(slopes.max(), rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("face", "program"),
-    [(FACE, SWING), ({**FACE, "sense": "same"}, SWING),
-     ({"kind": "translating_flat_face", "tilt_deg": 12.0, "offset_mm": 3.0}, RISE_RETURN)],
-)  # fmt: skip
-def test_a_face_slides_by_what_contact_runs_on_the_cam_and_not_on_the_face(face, program):
-    """Contact runs at |T| along the cam and at the rate of its reach along the face."""
-    design = designed(face, 40.0, program)
-    (flank,), cam = geometry(design).flanks, Cam.of(design)
-    machine, omega = design.completed_spec.machine(), 300.0 * TURN / 60.0
-    size = tuple(design.size)
-
-    def reach(theta):
-        s = tuple(design.curve.derivatives(theta % TURN, 3))
-        return contact(TracedPoint(machine.follower, size, s))
-
-    theta, step = TURN * (np.arange(4000) + 0.5) / 4000, 1e-4
-    rate = (reach(theta + step) - reach(theta - step)) / (2.0 * step)
-    # the face's unit vector along the tangent of the curve, which runs clockwise
-    s = tuple(design.curve.derivatives(theta, 3))
-    at = TracedPoint(machine.follower, size, s)
-    along = machine.follower.face_axis(s, size)[1]
-    sense = np.sign(at.tangent[0] * along[0] + at.tangent[1] * along[1])
-    speeds = np.abs(sense * np.abs(cam.at(theta).speed) - rate) * omega
-    assert flank.sliding_speed_mm_per_s.value == pytest.approx(speeds.max(), rel=1e-5)
 
 
 def test_nothing_on_a_fine_grid_is_beyond_an_extreme():

@@ -24,7 +24,7 @@ PROFILE_HEADER = (
 )
 MOTION_HEADER = (
     "theta_deg,s_mm,v_mm_per_s,a_mm_per_s2,j_mm_per_s3,ds_mm_per_rad,d2s_mm_per_rad2,"
-    "d3s_mm_per_rad3,side"
+    "d3s_mm_per_rad3,side,time_s"
 )
 
 Table = dict[str, np.ndarray]
@@ -141,8 +141,9 @@ def test_form_of_the_csv(cam: Design) -> None:
         assert text.endswith("\n")
         assert text.splitlines()[0] == header
         for line in text.splitlines()[1:]:
-            for cell in line.split(",")[:-1]:
-                assert cell == repr(float(cell))  # the shortest that reads back
+            for name, cell in zip(header.split(","), line.split(","), strict=True):
+                # the shortest that reads back; a side is a whole number
+                assert cell == repr(int(cell) if name == "side" else float(cell))
 
 
 def test_numpy_reads_it(p1: Design) -> None:

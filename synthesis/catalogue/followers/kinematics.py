@@ -184,6 +184,26 @@ class Flank:
         """Radius of the roller that touches it [mm]; 0 for an edge and for a face."""
         return self.distance - self.slack
 
+    def roller_spin(self, s: Any, z: Any) -> tuple[Any, Any]:
+        """How fast the roller turns on its pin over the cam's speed, and its θ-derivative.
+
+        ``s``: s to s''' at n places. Without slip the centre runs at |T|, T = p' + J p, per radian
+        on the cam, about the point of contact at the roller's radius from it: there the roller
+        turns by σ |T|/Rr. The cam turns by one and, on an arm, the pin by φ' with the link.
+        """
+        (px, py), (dx, dy), (ax, ay), *_ = self.trace.position(s, z)
+        tx, ty, share = dx + py, dy - px, self.side / self.roller
+        length = (tx * tx + ty * ty) ** 0.5
+        # (|T|)' = T · T'/|T| with T' = p'' + J p'
+        change = (tx * (ax + dy) + ty * (ay - dx)) / length
+        turns = []
+        # the direction of drive turns with the link, at a rate in proportion to s': put with s''
+        # in its place, it is the derivative of that rate
+        for rate in (s[1], s[2]):
+            (gx, gy), (hx, hy) = self.trace.drive_direction((s[0], rate), z)
+            turns.append(gx * hy - gy * hx)
+        return share * length - 1.0 + turns[0], share * change + turns[1]
+
     def scaled(self, by: float) -> Flank:
         """The same with its own lengths so many times as large; those of its trace stay."""
         return replace(self, distance=by * self.distance, rim=by * self.rim, slack=by * self.slack)

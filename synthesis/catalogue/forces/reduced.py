@@ -235,11 +235,8 @@ def history(
                 )
             pressure[flank.name] = np.sqrt(np.maximum(found, 0.0))
         if flank.roller > 0.0:
-            # Without slip: on the cam its centre moves at W per radian, so there it turns by W/Rr;
-            # the cam turns by one and, on an arm, the pin by as much as the direction of drive.
-            (gx, gy), (hx, hy) = flank.trace.drive_direction(s, size)
-            spin = flank.side * np.sqrt(square) / flank.roller - 1.0 + (gx * hy - gy * hx)
-            rolling[flank.name] = np.abs(spin) * omega
+            with np.errstate(invalid="ignore"):  # a cusp, at which the spin has no rate
+                rolling[flank.name] = np.abs(flank.roller_spin(s, size)[0]) * omega
     first, (a, b, c, _) = places[0], load.coefficients(omega)
     resisted = load.friction_loss(sense, first.sine, s[0], np.abs) * np.ones_like(angle)
     return ForceHistory(

@@ -100,7 +100,7 @@ def traced_diagrams(
         body: list[str] = []
         for frame, plot in zip(frames, plots, strict=True):
             body += [*grounds(frame), *diagram(plot, frame)]
-        body += angle_axis(frames[-1], every=60, name=shaft)
+        body += angle_axis(frames[-1], every=2, name=shaft)
         body += moving_group("cursor", tag, points, [svg.line("phase", 0.0, TOP, 0.0, bottom)])
         for k in range(len(plots)):
             body += moving_group(f"dot{k}", tag, points, [svg.circle("mark", 0.0, 0.0, 1.3)])

@@ -56,7 +56,14 @@ class Trace:
         """This trace and then the other."""
         return Trace(*map(np.append, vars(self).values(), vars(other).values()))
 
+    def over(self, turns: int, advance: float = 0.0) -> Trace:
+        """So many turns one after another; ``advance``: how much larger values are in the next."""
+        number = np.repeat(np.arange(turns), len(self.degrees))
+        degrees, side, values = (np.tile(each, turns) for each in vars(self).values())
+        return Trace(degrees + FULL * number, side, values + advance * number)
 
+
+FULL = 360.0  # degrees in a turn
 NOWHERE = Trace.smooth(np.zeros(0), np.zeros(0))
 
 
@@ -181,6 +188,23 @@ def curve_plot(title: str, unit: str, degrees: Array, values: Array) -> Plot:
     return Plot(title, unit, trace, trace)
 
 
+def over_turns(plot: Plot, turns: int, advance: float = 0.0) -> Plot:
+    """A turn's diagram over so many; ``advance``: of the quantity from turn to turn."""
+    if turns == 1:
+        return plot
+    return replace(
+        plot,
+        curve=plot.curve.over(turns, advance),
+        fine=plot.fine.over(turns, advance),
+        infinite=plot.infinite.over(turns),
+        limits=[
+            replace(each, start=each.start + FULL * k, end=each.end + FULL * k)
+            for k in range(turns)
+            for each in plot.limits
+        ],
+    )
+
+
 Numbers = TypeVar("Numbers", float, Array)
 PLATEAU = 1e-13  # values that differ by less are one plateau
 FAR = 1.6  # a limit further out than this many times the peak is written, not drawn
@@ -200,6 +224,14 @@ class Frame:
     high: float = 1.0
     start: float = 0.0
     end: float = 360.0
+
+    @property
+    def angles(self) -> list[int]:
+        """Round cam angles from edge to edge, of one turn every 30° [deg]."""
+        turns = (self.end - self.start) / FULL
+        step = next((each for each in (30, 60, 90, 180) if each >= 30.0 * turns), 0)
+        step = step or int(FULL) * math.ceil(turns / 12.0)
+        return list(range(int(self.start), int(self.end) + 1, step))
 
     @property
     def right(self) -> float:
@@ -263,7 +295,7 @@ def _bad(frame: Frame, ends: Sequence[float]) -> list[str]:
 
 def _axes(frame: Frame, labels: Labels) -> list[str]:
     right, bottom = frame.right, frame.bottom
-    across = frame.x(np.arange(30.0, 360.0, 30.0)).tolist()
+    across = [frame.x(float(each)) for each in frame.angles if frame.start < each < frame.end]
     body = [svg.line("grid", x, frame.top, x, bottom) for x in across]
     for value, text in labels.ticks:
         y = frame.y(value)

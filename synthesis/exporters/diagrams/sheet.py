@@ -19,12 +19,14 @@ from synthesis.catalogue.followers.kinematics import labelled
 from synthesis.catalogue.limits import Claim
 from synthesis.design.design import Design, SegmentMotion
 from synthesis.exporters.diagrams.plot import (
+    FULL,
     Bound,
     Frame,
     Plot,
     Trace,
     claimed_bounds,
     diagram,
+    over_turns,
     radii,
 )
 from synthesis.exporters.drawing import canvas as svg
@@ -66,13 +68,18 @@ def stack(
     plots: Sequence[Plot],
     title_and_text: tuple[str, str],
     theme: Theme,
+    turns: int = 1,
 ) -> bytes:
-    """The same under a heading of ``above``; ``unit``: of the segments' levels."""
-    body = [*above, *grounds(motion, STRIP), *_band(motion, unit)]
-    frame = STRIP
+    """The same under a heading of ``above``; ``unit``: of the segments' levels.
+
+    ``turns``: over how many turns of the cam motion and diagrams run.
+    """
+    strip = replace(STRIP, end=FULL * turns)
+    body = [*above, *grounds(motion, strip), *_band(motion, strip, unit)]
+    frame = strip
     for k, plot in enumerate(plots):
         top = HEADER + BAND + GAP - 2.0 + k * (HEIGHT + GAP)
-        frame = replace(STRIP, top=top, height=HEIGHT)
+        frame = replace(strip, top=top, height=HEIGHT)
         body += [*grounds(motion, frame), *diagram(plot, frame)]
     body += angle_axis(frame)
     return svg.document(WIDTH, frame.bottom + FOOTER, 1.0, *title_and_text, body, theme=theme)
@@ -86,7 +93,7 @@ def moving_segments(motion: Sequence[SegmentMotion]) -> list[SegmentMotion]:
 def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     """A ground for what is drawn over the cam angle: dwells shaded, borders of segments drawn."""
     segments = moving_segments(motion)
-    starts = [frame.x(start) for start in (*(each.start_deg for each in segments), 360.0)]
+    starts = [frame.x(start) for start in (*(each.start_deg for each in segments), frame.end)]
     body = [
         svg.box("rest", a, frame.top, b - a, frame.height)
         for segment, (a, b) in zip(segments, pairwise(starts), strict=True)
@@ -95,13 +102,13 @@ def grounds(motion: Sequence[SegmentMotion], frame: Frame) -> list[str]:
     return body + [svg.line("border", x, frame.top, x, frame.bottom) for x in starts]
 
 
-def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
+def _band(motion: Sequence[SegmentMotion], strip: Frame, unit: str) -> list[str]:
     """The strip of segments: what each does and how, as far as there is room."""
     body = [svg.line("border", LEFT, y, WIDTH - RIGHT, y) for y in (HEADER, HEADER + BAND)]
     segments = moving_segments(motion)
     for segment in segments:
-        width = STRIP.x(segment.angle_deg) - LEFT
-        middle = STRIP.x(segment.start_deg) + 0.5 * width
+        width = strip.x(segment.angle_deg) - LEFT
+        middle = strip.x(segment.start_deg) + 0.5 * width
         name = svg.first_fitting(_names(segment, unit), width - 1.0, svg.LABEL)
         if name:
             body.append(svg.text("label", middle, HEADER + 4.0, name, "middle"))
@@ -112,11 +119,11 @@ def _band(motion: Sequence[SegmentMotion], unit: str) -> list[str]:
         if len(text) > SHORT or text == law:
             body.append(svg.text("tick", middle, HEADER + 7.8, text, "middle"))
     # cam angles of the borders; the last one, the turn's end, is always there
-    *angles, end = [f"{svg.figure(s.start_deg, 6)}°" for s in segments] + ["360°"]
-    room = STRIP.right - 0.5 * svg.width_of(end, svg.TICK)
-    at, y = [STRIP.x(s.start_deg) for s in segments], HEADER - 1.3
+    *angles, end = [f"{svg.figure(s.start_deg, 6)}°" for s in segments] + [f"{strip.end:.0f}°"]
+    room = strip.right - 0.5 * svg.width_of(end, svg.TICK)
+    at, y = [strip.x(s.start_deg) for s in segments], HEADER - 1.3
     body += svg.spaced_texts(at, angles, y, 1.0, room)
-    return [*body, svg.text("tick", STRIP.right, y, end, "middle")]
+    return [*body, svg.text("tick", strip.right, y, end, "middle")]
 
 
 def _names(segment: SegmentMotion, unit: str) -> list[str]:
@@ -129,11 +136,11 @@ def _names(segment: SegmentMotion, unit: str) -> list[str]:
     return [f"{segment.kind} {lift} in {angle}", f"{segment.kind} {lift}", segment.kind]
 
 
-def angle_axis(frame: Frame, every: int = 30, name: str = "Cam angle") -> list[str]:
-    """Numbers and name of the abscissa under a diagram."""
+def angle_axis(frame: Frame, every: int = 1, name: str = "Cam angle") -> list[str]:
+    """Numbers and name of the abscissa under a diagram; ``every``: one of how many numbers."""
     body, bottom = list[str](), frame.bottom
-    for degrees in range(0, 361, every):
-        x = frame.x(degrees)
+    for degrees in frame.angles[::every]:
+        x = frame.x(float(degrees))
         body.append(svg.line("axis", x, bottom, x, bottom + 1.2))
         body.append(svg.text("tick", x, bottom + 4.4, f"{degrees}", "middle"))
     middle = frame.left + 0.5 * frame.width
@@ -155,10 +162,22 @@ def motion_sheet(
     limits: Callable[[int], Sequence[Bound]] = lambda order: (),
 ) -> bytes:
     """The four diagrams of a motion under a heading; ``limits``: of each derivative of s."""
-    per_degree = max(options.count / 360.0, DRAWN_PER_DEGREE)
-    plots = [motion_plot(turn, k, per_degree, limits(k)) for k in range(len(QUANTITIES))]
+    # as many rows on the sheet, whatever the number of turns
+    per_degree = max(options.count / FULL, DRAWN_PER_DEGREE / options.turns)
+    unit, advance = turn.travel.unit, turn.advance / turn.travel.per_unit
+    plots = [
+        over_turns(motion_plot(turn, k, per_degree, limits(k)), options.turns, step)
+        for k, step in enumerate((advance, 0.0, 0.0, 0.0))
+    ]
+    steps = {"start_deg": FULL, f"s_start_{unit}": advance, f"s_end_{unit}": advance}
+    motion = [
+        each.model_copy(update={n: getattr(each, n) + k * step for n, step in steps.items()})
+        for k in range(options.turns)
+        for each in motion
+    ]
     text = "Displacement, velocity, acceleration and jerk of the follower over the cam angle."
-    return stack(motion, turn.travel.unit, above, plots, (f"Motion of {name}", text), options.theme)
+    titles = (f"Motion of {name}", text)
+    return stack(motion, unit, above, plots, titles, options.theme, options.turns)
 
 
 def motion_bounds(design: Design, order: int) -> list[Bound]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from synthesis.design.cam_set import CamSet, MountedCam, TimingArc
 from synthesis.design.warnings import labelled_status
-from synthesis.exporters.diagrams.plot import Frame
+from synthesis.exporters.diagrams.plot import FULL, Frame
 from synthesis.exporters.diagrams.sheet import angle_axis, moving_segments
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, two_lines
@@ -27,7 +27,6 @@ WIDTH, LEFT, RIGHT = 190.0, 43.0, 8.0  # mm
 HEADER, NAMES, HEIGHT, LANE, FOOTER = 22.0, 5.2, 15.0, 27.5, 13.0  # mm
 COUNT = 5.0  # height of the strip that counts who moves
 PAD = 1.2  # room above and below a curve
-FULL = 360.0  # degrees in a turn
 SHAFT = Frame(LEFT, 0.0, WIDTH - LEFT - RIGHT, HEIGHT)
 DRAWN = np.arange(0.0, FULL + 0.25, 0.5)  # [deg]; a joint of the motion is added to these
 

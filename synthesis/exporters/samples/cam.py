@@ -67,10 +67,19 @@ class Turn:
         return s
 
     @cached_property
+    def advance(self) -> float:
+        """How much further s is after a turn [mm]: 0 of a cam, but an indexer's step."""
+        segments = self.motion.segments
+        heights = [each.s_end for each in segments]
+        step = heights[-1] - segments[0].s_start
+        return step if abs(step) > ROUNDING * max(map(abs, heights)) else 0.0
+
+    @cached_property
     def joints(self) -> Joints:
         """Where pieces of the motion meet."""
         theta = self.motion.curve.breaks[:-1]
         left = self.motion.derivatives(theta, 3, "left")
+        left[0, 0] -= self.advance  # at cam angle 0, the turn before
         right = self.motion.derivatives(theta, 3, "right")
         turn = np.linspace(0.0, FULL_TURN, 721)
         everywhere = np.abs(np.hstack([left, right, self.motion.derivatives(turn, 3)]))

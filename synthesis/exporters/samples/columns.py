@@ -13,7 +13,13 @@ from synthesis.catalogue.forces.reduced import ForceHistory, history
 from synthesis.design.design import Design
 from synthesis.exporters.options import CurveOptions, MotionOptions, is_cutter, is_pitch
 from synthesis.exporters.samples.cam import Cam, Turn
-from synthesis.exporters.samples.sampling import Rows, motion_rows, place_on_shaft, table_rows
+from synthesis.exporters.samples.sampling import (
+    Rows,
+    in_degrees,
+    motion_rows,
+    place_on_shaft,
+    table_rows,
+)
 from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE
 
@@ -94,6 +100,29 @@ def motion_columns(turn: Turn, options: MotionOptions) -> list[Column]:
         values = s[order] / turn.travel.per_unit
         columns.append(Column(column_name(name, unit), unit, meaning, values))
     return _at_rows(rows, columns)
+
+
+def motion_table(turn: Turn, options: MotionOptions, more: Sequence[Column] = ()) -> list[Column]:
+    """The motion's columns and ``more`` of the same rows, over all turns asked for, and the time.
+
+    A turn's first row is the last one of the turn before, and is left out, unless something jumps
+    there: then both are kept, as the limits from the left and from the right.
+    """
+    columns = [*motion_columns(turn, options), *more]
+    side = columns[-1 - len(more)].values
+    again = np.arange(len(side))[int(side[0] == 0) :]
+    rows = np.concatenate([np.arange(len(side)), *(again,) * (options.turns - 1)])
+    number = np.repeat(
+        np.arange(options.turns), [len(side)] + [len(again)] * (options.turns - 1)
+    )  # of the turn
+    steps = {0: 360.0, 1: turn.advance / turn.travel.per_unit}  # of the cam angle and of s
+    columns = [
+        replace(each, values=each.values[rows] + (number * steps[k] if steps.get(k) else 0))
+        for k, each in enumerate(columns)
+    ]
+    speed = float(in_degrees(np.array(turn.omega)))  # deg/s
+    meaning = "time since cam angle 0"
+    return [*columns, Column("time_s", "s", meaning, columns[0].values / speed)]
 
 
 def _at_rows(rows: Rows, columns: list[Column]) -> list[Column]:

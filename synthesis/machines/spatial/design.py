@@ -18,6 +18,7 @@ from synthesis.design.design import (
     rebuild_motion,
 )  # fmt: skip
 from synthesis.design.identity import question_id
+from synthesis.design.warnings import DesignWarning, Severity
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
 from synthesis.machines.spatial.spec import SpatialCamSpec
 
@@ -76,6 +77,10 @@ class SpatialDesign(AnswerModel):
         "optimal: every limit holds and the gap is within the tolerance; feasible: every limit "
         "holds; infeasible: one does not on a cam that was given, or it is proven that no cam "
         "fits; unsolved: no cam was found."
+    )
+    severity: Severity = Field("none", description="That of the worst warning.")
+    warnings: list[DesignWarning] = Field(
+        [], description="What an engineer would say of the cam, the most severe first."
     )
     rotation: Rotation = doc("Sense in which the cam turns.")
     speed_rpm: float = doc("Cam speed.")

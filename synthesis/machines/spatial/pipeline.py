@@ -21,6 +21,7 @@ from synthesis.catalogue.motion import Motion
 from synthesis.design.design import WITHOUT_CAM, Certificate, Conflict, Effort, Report, Status
 from synthesis.design.identity import engine_version
 from synthesis.errors import InputError
+from synthesis.machines.spatial.advice import with_warnings
 from synthesis.machines.spatial.cam import SpatialCam, build_cam
 from synthesis.machines.spatial.design import Arc, SpatialDesign, SpatialWall, spatial_design_id
 from synthesis.machines.spatial.measuring.measure import measure
@@ -101,7 +102,10 @@ def _answer(
     splines: Splines,
     conflict: Conflict | None = None,
 ) -> SpatialDesign:
-    """The answer, its cam measured if it has one; ``started`` is a ``time.perf_counter()``."""
+    """The answer with its warnings; ``started`` is a ``time.perf_counter()``.
+
+    Its cam is measured if it has one.
+    """
     extremes = [] if cam is None else measure(spec, cam)
     holds = cam is not None and all(extreme.holds for extreme in extremes)
     within = certificate.gap is not None and certificate.gap <= spec.tolerance
@@ -117,7 +121,7 @@ def _answer(
         )
         for wall in (cam.walls if cam else ())
     ]  # fmt: skip
-    return SpatialDesign(
+    design = SpatialDesign(
         id=spatial_design_id(spec), name=spec.name, engine_version=engine_version(),
         status=status,
         rotation=spec.rotation, speed_rpm=spec.speed_rpm, machine=spec.machine.kind,
@@ -127,3 +131,4 @@ def _answer(
         certificate=certificate.model_copy(update={"certified": holds}),
         report=Report(stages=list(stages), seconds=time.perf_counter() - started), spec=spec,
     )  # fmt: skip
+    return with_warnings(design)

@@ -7,11 +7,10 @@ would warn of. ``docs/warnings.md`` is made of ``RULES``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
 from synthesis.design.design import Design
-from synthesis.design.warnings import SEVERITIES, DesignWarning, worst
+from synthesis.design.warnings import worst
 from synthesis.pipeline.advice import (
     contact_force,
     gap_open,
@@ -26,10 +25,10 @@ from synthesis.pipeline.advice import (
     spring_solid,
     unit_suspicion,
 )
-from synthesis.pipeline.advice.rule import Rule
+from synthesis.pipeline.advice.rule import Rule, judge
 from synthesis.pipeline.advice.subject import Subject
 
-RULES: Final[tuple[Rule, ...]] = (
+RULES: Final[tuple[Rule[Subject], ...]] = (
     unit_suspicion.RULE,
     contact_force.RULE,
     spring_solid.RULE,
@@ -50,15 +49,5 @@ def with_warnings(design: Design) -> Design:
     """The same design with its warnings, and the severity of the worst."""
     # A copy is judged: what it computes once would outlive a later change of the design's spec.
     subject = Subject(design.model_copy())
-    found = sorted(_warnings(subject), key=lambda one: -SEVERITIES.index(one.severity))
+    found = judge((rule for rule in RULES if subject.has_cam or rule.without_cam), subject)
     return design.model_copy(update={"warnings": found, "severity": worst(found)})
-
-
-def _warnings(subject: Subject) -> Iterator[DesignWarning]:
-    for rule in RULES:
-        if subject.has_cam or rule.without_cam:
-            for severity, field, sentence, remedy in rule.find(subject):
-                yield DesignWarning(
-                    code=rule.code, severity=severity, field=field, sentence=sentence,
-                    remedy=remedy, source=rule.source,
-                )  # fmt: skip

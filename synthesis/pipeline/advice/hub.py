@@ -79,7 +79,8 @@ RULE = Rule(
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
     "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway.",
-    checked="The page of 6.4.4 opened; the code's text not. A fifth and a tenth of the "
+    checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
+    "6000 psi is 25 % less than 8000; neither number, nor its text. A fifth and a tenth of the "
     "stroke are this program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load)",

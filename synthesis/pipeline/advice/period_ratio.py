@@ -37,7 +37,7 @@ RULE = Rule(
     "a small vibration, whatever the law.",
     source="Norton, Cam Design and Manufacturing Handbook, ch. 10 to 12; Cam Design Handbook "
     "(Rothbart, ed., 2004), ch. 13: period ratio λ.",
-    checked="The definition of λ opened, not the threshold.",
+    checked="The page of ch. 13 that defines λ (p. 417) opened; none with a threshold was found.",
     silenced_by="nothing: the limit residual_vibration, which tells the frequency, bounds another "
     "thing",
     find=_find,

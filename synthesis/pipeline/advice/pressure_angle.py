@@ -13,7 +13,8 @@ from synthesis.design.warnings import Severity
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
-SLIDE, ARM = 30.0, 35.0  # deg: the field's largest, of a slide and of an arm
+SLIDE, ARM = 30.0, 35.0  # deg: what the field asks for, of a slide and of an arm
+SLIDE_MOST, ARM_MOST = 38.0, 50.0  # deg: the most that any of its books allows
 JAM: Final = 70.0  # deg: tan 70° μ (2A + B)/B = 1 at μ = 0.12 and an overhang A of the guide's B
 SPRING_NOTE, SPRING_CAUTION = 45.0, 70.0  # deg, where a spring drives and the cam only yields
 
@@ -36,16 +37,19 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
     mask = subject.on(sense)
     if not mask.any():
         return
-    angles = np.where(mask, subject.pressure_angle_deg, 0.0)
+    curves = subject.pressure_angles_deg
+    path = max(curves, key=lambda name: float(curves[name][mask].max()))
+    angles = np.where(mask, curves[path], 0.0)
     at = int(np.argmax(angles))
-    found, advised = float(angles[at]), ARM if subject.is_arm else SLIDE
+    found = float(angles[at])
+    advised, most = usual_angles(subject.is_arm)
     severity: Severity | None = None
     if sense == "return" and subject.is_force_closed:
         severity = "note" if found > max(SPRING_NOTE, advised) else None
         severity = "caution" if found > SPRING_CAUTION else severity
     elif found > advised:
         locks = found > JAM and not subject.is_arm and _friction_is_open(subject)
-        severity = "stop" if locks else "caution"
+        severity = "stop" if locks else "caution" if found > most else "note"
     remedy = f"Ask for the limit pressure_angle with {field} of {number(advised)}"
     remedy += (
         ", and for a larger base radius." if subject.base_radius_is_set else ": the cam grows."
@@ -53,14 +57,20 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
     if subject.minimises("peak_pressure_angle"):
         remedy = "It is the least for these dimensions: allow a larger cam, or give more angle."
     if severity is not None:
+        which = f" of the {path} roller" if path else ""
         yield Finding(
             severity, f"limits/pressure_angle/{field}",
-            f"The pressure angle on the {sense} comes to {number(found)}° at "
+            f"The pressure angle{which} on the {sense} comes to {number(found)}° at "
             f"{number(subject.degrees_at(at))}°; {number(advised)}° is usual for "
             f"{'an arm' if subject.is_arm else 'a slide'}"
             + (": the slide would jam in its guide." if severity == "stop" else "."),
             remedy,
         )  # fmt: skip
+
+
+def usual_angles(swings: bool) -> tuple[float, float]:
+    """What the field asks for, and the most that any of its books allows [deg]."""
+    return (ARM, ARM_MOST) if swings else (SLIDE, SLIDE_MOST)
 
 
 def _friction_is_open(subject: Subject) -> bool:
@@ -71,16 +81,17 @@ def _friction_is_open(subject: Subject) -> bool:
 
 RULE = Rule(
     code="pressure_angle",
-    thresholds="caution: above 30° on a slide, above 35° on an arm; stop: above 70° on a slide "
-    "that the cam pushes and of which no friction is given. On returns that a spring or weight "
-    "drives: note above 45°, caution above 70°.",
+    thresholds="note: above 30° on a slide, above 35° on an arm; caution: above 38°, above 50°; "
+    "stop: above 70° on a slide that the cam pushes and of which no friction is given. On returns "
+    "that a spring or weight drives: note above 45°, caution above 70°.",
     reason="The share of the force across the motion grows with tan α; it wears the guide, and at "
     "μ = 0.12 with an overhang as long as the guide a slide jams at 70°.",
     source="Norton, Cam Design and Manufacturing Handbook, fig. 7-2: about 30° translating, 35° "
-    "oscillating; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming. Returns that a spring "
-    "drives: 70 to 80° (Sun Heng, Theory of Machines and Mechanisms, in Chinese).",
-    checked="Norton's excerpt in the help of DYNACAM opened; ch. 6 and Sun Heng not. 45° is this "
-    "program's.",
+    "oscillating; textbooks in Chinese (Sun Heng and others): 30 to 38° and 40 to 50°, 70 to 80° "
+    "on returns that a spring drives; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming.",
+    checked="Norton's excerpt in the help of DYNACAM opened, and a course's notes in Chinese with "
+    "the three ranges, not the books. Of ch. 6 the contents and a text made of it, which has the "
+    "angle of jamming: 73° at μ = 0.1, the same formula. 45° is this program's.",
     silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
     find=_find,
 )

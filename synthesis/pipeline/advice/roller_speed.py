@@ -19,13 +19,18 @@ def _find(subject: Subject) -> Iterator[Finding]:
     products = [(diameter * abs(peak.value), diameter, peak) for diameter, peak in turning]
     if not products:
         return
-    product, diameter, peak = max(products, key=lambda one: one[0])
+    _, diameter, peak = max(products, key=lambda one: one[0])
+    yield from find_speed(diameter, abs(peak.value), "follower/roller_radius_mm")
+
+
+def find_speed(diameter: float, rpm: float, field: str) -> Iterator[Finding]:
+    """What is to be said of a roller of this diameter [mm]; ``field``: where it is given."""
+    product = diameter * rpm
     if product > FAST:
-        fast = product > TOO_FAST
         yield Finding(
-            "caution" if fast else "note", "follower/roller_radius_mm",
+            "caution" if product > TOO_FAST else "note", field,
             f"The roller of {number(diameter)} mm diameter turns on its pin at up to "
-            f"{number(abs(peak.value))} rpm: diameter times speed is {number(product)} mm/min, and "
+            f"{number(rpm)} rpm: diameter times speed is {number(product)} mm/min, and "
             f"catalogues end between {number(FAST)} and {number(TOO_FAST)}.",
             "Compare with the limiting speed of your roller. A larger roller turns more slowly; "
             "a smaller cam or a lower speed helps too.",
@@ -38,7 +43,8 @@ RULE = Rule(
     reason="Grease, seals and cage of a track roller bear a limited speed.",
     source="Order of magnitude of the limiting speeds in makers' catalogues of stud-type track "
     "rollers with grease (INA, SKF).",
-    checked="The tables could not be opened: look up your own roller.",
+    checked="Catalogues of SKF, INA, NTN and McGill were found, their tables could not be opened: "
+    "look up your own roller.",
     silenced_by="nothing: the spec has no field for it",
     find=_find,
 )

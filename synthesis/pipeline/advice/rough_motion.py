@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from synthesis.design.summary import MoveSummary
-from synthesis.pipeline.advice.rule import CRAWL, Finding, Rule, number
+from synthesis.pipeline.advice.rule import SMALL_ACCELERATION, Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
 MOST_ACCELERATION, MOST_JERK = 2.0, 4.0  # times the reference law's
-CALM = ("peak_acceleration", "peak_jerk", "rms_acceleration", "rms_jerk")  # objectives
-SUDDEN = 10.0  # times its jerk: the acceleration comes up within 1 % of the move, as if it jumped
+SMOOTHNESS = ("peak_acceleration", "peak_jerk", "rms_acceleration", "rms_jerk")  # objectives
+MOST_JERK_LIMITED = 10.0  # times its jerk, where the acceleration is limited: it rises within 1 %
 
 
 def _find(subject: Subject) -> Iterator[Finding]:
-    if subject.limited("jerk") or subject.minimises(*CALM):
+    if subject.limited("jerk") or subject.minimises(*SMOOTHNESS):
         return
     free = {s.index for s in subject.spec.placed_segments() if s.free is not None}
     moves = [move for move in subject.summary.moves if move.segment in free]
@@ -28,12 +28,12 @@ def _find(subject: Subject) -> Iterator[Finding]:
         return
     peaks = worst.acceleration.largest.value, worst.acceleration.smallest.value
     peak = max(subject.in_metres(abs(value)) for value in peaks)
-    calm = peak <= CRAWL or (limited and jerk <= SUDDEN)
+    mild = peak <= SMALL_ACCELERATION or (limited and jerk <= MOST_JERK_LIMITED)
     usual = worst.reference.law.replace("_", " ")
     what = f"the peak acceleration is {number(acceleration)} times, the peak jerk {number(jerk)}"
     unit = subject.spec.follower.travel.unit
     yield Finding(
-        "note" if calm else "caution", "limits",
+        "note" if mild else "caution", "limits",
         f"On segment {worst.segment} {what} times that of the {usual}, which is usual there: "
         f"{number(peak)} m/s² in place of {number(peak / acceleration)}.",
         f"Limit the jerk (limit jerk, max_{unit}_per_s3), or make rms_jerk a second objective.",
@@ -59,12 +59,13 @@ RULE = Rule(
     code="rough_motion",
     thresholds="caution: on a move whose law is chosen, the peak acceleration above 2 times, or "
     "the peak jerk above 4 times that of the reference law (`motion_summary`); note: the same "
-    "where the acceleration stays below 0.98 m/s², a crawl, and of a jerk up to 10 times where "
-    "the acceleration is limited.",
+    "where the acceleration stays below 0.98 m/s² (a tenth of the weight), and of a jerk up to "
+    "10 times where the acceleration is limited.",
     reason="With nothing said of acceleration and jerk the smallest cam has a law that bends as "
     "sharply as it may; forces and vibration grow with both.",
     source="VDI 2143-1: preferred laws by the kinds of their ends, and their coefficients.",
-    checked="The coefficients are computed here; the factors 2 and 4 are this program's.",
+    checked="The guideline was not opened; of its kinds of ends Beckhoff's list of laws was. The "
+    "coefficients are computed here; the factors 2 and 4 are this program's.",
     silenced_by="the limit jerk; a first objective of acceleration or jerk; the limit acceleration "
     "(its own part)",
     find=_find,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from synthesis.catalogue.forces.load import GRAVITY
-from synthesis.design.warnings import Severity
-from synthesis.pipeline.advice.subject import Subject
+from synthesis.design.warnings import SEVERITIES, DesignWarning, Severity
 
-CRAWL = 0.1 * GRAVITY  # m/s²: a jump of acceleration that shakes a mass by a tenth of its weight
+Judged = TypeVar("Judged")  # what rules look at: a ``Subject``, or the answer of a machine
+SMALL_ACCELERATION = 0.1 * GRAVITY  # m/s²: its force on a mass is a tenth of the weight
 
 
 class Finding(NamedTuple):
@@ -23,7 +23,7 @@ class Finding(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Rule:
+class Rule(Generic[Judged]):
     """One rule of the field.
 
     Attributes:
@@ -41,7 +41,7 @@ class Rule:
     source: str
     checked: str
     silenced_by: str
-    find: Callable[[Subject], Iterable[Finding]]
+    find: Callable[[Judged], Iterable[Finding]]
     without_cam: bool = False
 
 
@@ -50,3 +50,16 @@ def number(value: float) -> str:
     if 0.0 < abs(value) < 1e-3:
         return "less than 0.001"
     return f"{value:.3g}" if abs(value) < 1e3 else f"{value:,.0f}".replace(",", "\u202f")
+
+
+def judge(rules: Iterable[Rule[Judged]], subject: Judged) -> list[DesignWarning]:
+    """What rules find, the most severe first; of one severity that of the earlier rule."""
+    found = [
+        DesignWarning(
+            code=rule.code, severity=severity, field=field, sentence=sentence, remedy=remedy,
+            source=rule.source,
+        )
+        for rule in rules
+        for severity, field, sentence, remedy in rule.find(subject)
+    ]  # fmt: skip
+    return sorted(found, key=lambda one: -SEVERITIES.index(one.severity))

@@ -7,7 +7,7 @@ certificate has enclosed, or the summary has, is taken from there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -112,17 +112,14 @@ class Subject:
         return mask
 
     @cached_property
-    def pressure_angle_deg(self) -> Array:
-        """|α| there, the larger of all traced curves (n,)."""
+    def pressure_angles_deg(self) -> Mapping[str, Array]:
+        """|α| there, by the name of each traced curve (n,)."""
         rates = [*self.s, np.zeros_like(self.theta)]
-        each = [
-            np.arctan2(np.abs(sine), cosine)
-            for sine, cosine in (
-                pressure_angle_sine_cosine(path, rates, self.design.size)
-                for path in paths(self.spec.follower).values()
-            )
-        ]
-        return np.asarray(np.max(each, axis=0)) / DEGREE
+        found = {}
+        for name, path in paths(self.spec.follower).items():
+            sine, cosine = pressure_angle_sine_cosine(path, rates, self.design.size)
+            found[name] = np.arctan2(np.abs(sine), cosine) / DEGREE
+        return found
 
     @property
     def summary(self) -> MotionSummary:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+from synthesis.machines.spatial.advice import RULES as SPATIAL_RULES
 from synthesis.pipeline.advice import RULES
+from synthesis.pipeline.advice.rule import Rule
 
 TARGET = Path(__file__).resolve().parents[3] / "docs" / "warnings.md"
 HEAD = """# Warnings
@@ -27,23 +30,33 @@ degree and at both sides of every end of a piece of the motion; all else is take
 certificate, the forces and the [summary](datasheet.md).
 
 """
+SPATIAL = """## Spatial cams
+
+Cylindrical and globoidal cams have `warnings` and `severity` too, from what was measured on the
+finished cam (`extremes`). The field's rules for hubs, springs and loads need what their specs do
+not have. The rules are in `synthesis/machines/spatial/advice.py`.
+
+"""
 FOOT = """
 This page is written by `python -m tests.pipeline.advice.page`; a test holds it to the rules. A new
 rule is a file in `synthesis/pipeline/advice` and a line in its `RULES`. How often they speak on
-everyday cams: `python -m tests.hard.everyday`.
+everyday cams: `python -m tests.hard.everyday`, and `python -m tests.hard.trades` of another author.
 """
 
 
 def page() -> str:
     """The whole page."""
-    parts = [HEAD]
-    for rule in RULES:
-        parts.append(
-            f"## {rule.code}\n\n| | |\n|---|---|\n| warns | {rule.thresholds} |\n"
-            f"| reason | {rule.reason} |\n| source | {rule.source} |\n"
-            f"| checked | {rule.checked} |\n| silenced by | {rule.silenced_by} |\n\n"
-        )
-    return "".join(parts).rstrip("\n") + "\n" + FOOT
+    plane = [f"## {rule.code}\n\n{_table(rule)}" for rule in RULES]
+    spatial = [f"### {rule.code}\n\n{_table(rule)}" for rule in SPATIAL_RULES]
+    return "".join([HEAD, *plane, SPATIAL, *spatial]).rstrip("\n") + "\n" + FOOT
+
+
+def _table(rule: Rule[Any]) -> str:
+    return (
+        f"| | |\n|---|---|\n| warns | {rule.thresholds} |\n"
+        f"| reason | {rule.reason} |\n| source | {rule.source} |\n"
+        f"| checked | {rule.checked} |\n| silenced by | {rule.silenced_by} |\n\n"
+    )
 
 
 if __name__ == "__main__":

@@ -59,10 +59,22 @@ class SampledTurn:
     motion: Motion  # of arrays (n,)
 
     @classmethod
-    def of(cls, answer: SixBarShaper, count: int, closed: bool = True) -> SampledTurn:
-        """``count`` angles of a turn, and its end too where it is to be closed."""
+    def of(
+        cls, answer: SixBarShaper, count: int, closed: bool = True, turns: int = 1
+    ) -> SampledTurn:
+        """``count`` angles of a turn, of so many turns, and the end too where it is to be closed.
+
+        Raises:
+            InputError: the crank changes its speed over the turn; what it does then is not said.
+        """
+        if turns > 1 and answer.spec.acceleration_rad_per_s2:
+            raise InputError(
+                "/turns", turns,
+                "The crank changes its speed over one turn; nothing is said of the next.",
+                "Leave turns out, or request the linkage without acceleration_rad_per_s2.",
+            )  # fmt: skip
         shaper, drive = answer.spec.shaper(answer.dimensions), answer.spec.drive
-        travel = FULL_TURN * np.arange(count + closed) / count
+        travel = FULL_TURN * np.arange(count * turns + closed) / count
         return cls(shaper, drive, travel, shaper.motion(drive.phi(travel)))
 
     @cached_property
@@ -104,7 +116,8 @@ class SampledTurn:
 
 
 def _motion_columns(answer: SixBarShaper, options: MotionOptions) -> list[Column]:
-    return [*SampledTurn.of(answer, max(MIN_ROWS, round(options.count))).columns.values()]
+    turn = SampledTurn.of(answer, max(MIN_ROWS, round(options.count)), turns=options.turns)
+    return [*turn.columns.values()]
 
 
 def _motion_json(answer: SixBarShaper, options: MotionOptions) -> bytes:

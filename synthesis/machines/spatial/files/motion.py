@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.sheet import LEFT, RIGHT, WIDTH, motion_sheet
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing.canvas import TURNS, two_lines
 from synthesis.exporters.exporter import machine_format
 from synthesis.exporters.options import DiagramOptions, MotionOptions
 from synthesis.exporters.samples.cam import Turn
-from synthesis.exporters.samples.columns import motion_columns
+from synthesis.exporters.samples.columns import motion_table
 from synthesis.exporters.tables import csv_table, json_table
 from synthesis.machines.spatial.design import SpatialDesign
 
@@ -20,11 +21,11 @@ def _turn(design: SpatialDesign) -> Turn:
 
 
 def _csv(design: SpatialDesign, options: MotionOptions) -> bytes:
-    return csv_table(motion_columns(_turn(design), options))
+    return csv_table(motion_table(_turn(design), options))
 
 
 def _json(design: SpatialDesign, options: MotionOptions) -> bytes:
-    columns = motion_columns(_turn(design), options)
+    columns = motion_table(_turn(design), options)
     body = {
         "kind": "motion",
         "segments": [each.model_dump(mode="json", exclude_none=True) for each in design.motion],
@@ -46,7 +47,7 @@ def above(design: SpatialDesign, left: float, right: float, u: float) -> list[st
     kind = design.spec.machine.title
     line = (
         f"{kind} · cam turns {TURNS[design.rotation]} at {svg.figure(design.speed_rpm, 6)} rpm · "
-        f"{design.status} · {design.id[:8]}"
+        f"{labelled_status(design.status, design.severity)} · {design.id[:8]}"
     )
     return two_lines(design.name.strip() or kind.capitalize(), line, left, right, u)
 
