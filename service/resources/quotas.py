@@ -19,7 +19,7 @@ from service.wire.access import Caller, limit_headers
 from service.wire.errors import ProblemType
 
 MEGABYTE = 1e6  # bytes
-DAY_S = 86_400.0
+DAY_S = 86_400.0  # [s]
 AGAIN_S = "5"  # Retry-After where one has to wait for questions of one's own
 
 

@@ -91,7 +91,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
     ) -> Response:
         jobs = parts.jobs[resource.path]
         most = parts.settings.max_body_bytes
-        spec, body = await read_body(request, parts.readers.run, resource.spec, most)
+        spec, body = await read_body(request, parts.readers, resource.spec, most)
         await check_key(parts, idempotency_key, body)
         id = resource.id_of(spec)
         row = await jobs.answers.claim(id, parts.owner)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
 
 from fastapi import Request
 from pydantic import BaseModel
@@ -11,12 +11,20 @@ from pydantic import BaseModel
 from service.wire.errors import ProblemType
 from service.wire.validation import Question, read_question
 
-# Runs a function on its arguments in another process: `service.workers.readers`.
-Elsewhere = Callable[..., Awaitable[Any]]
 READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
 # Bytes that are read in the event loop, in 1 to 3 ms where they are a usual spec. No body of this
 # size takes 50 ms; the transfer to a reader and back takes half a millisecond.
 SHORT = 2048
+
+
+T = TypeVar("T")
+
+
+class Readers(Protocol):
+    """Processes that do some work outside of the event loop."""
+
+    async def run(self, work: Callable[..., T], *arguments: Any) -> T:
+        """What a function makes of its arguments there."""
 
 
 async def receive_body(request: Request, max_bytes: int) -> bytes:
@@ -44,10 +52,10 @@ async def receive_body(request: Request, max_bytes: int) -> bytes:
 
 
 async def read_body(
-    request: Request, elsewhere: Elsewhere, model: type[BaseModel], max_bytes: int
+    request: Request, readers: Readers, model: type[BaseModel], max_bytes: int
 ) -> tuple[Question, bytes]:
     """The question in a request, and its bytes; ServiceError where they are none of ``model``."""
     body = await receive_body(request, max_bytes)
     if len(body) <= SHORT:
         return read_question(body, model), body
-    return await elsewhere(read_question, body, model), body
+    return await readers.run(read_question, body, model), body

@@ -91,9 +91,9 @@ def test_short_bodies_are_read_at_once(size: int, elsewhere: int) -> None:
         return {"type": "http.request", "body": body}
 
     scope = {"type": "http", "headers": [(b"content-type", b"application/json")]}
-    run = Counting().run
+    readers: Any = Counting()
     question, same = asyncio.run(
-        read_body(Request(scope, receive), run, DesignSpec, max_bytes=10_000)
+        read_body(Request(scope, receive), readers, DesignSpec, max_bytes=10_000)
     )
     spec = DesignSpec.model_validate_json(body)
     assert same == body
