@@ -158,10 +158,12 @@ def test_every_format_writes_it(kind: str, sample: int) -> None:
     assert header == [
         "theta_deg", f"s_{unit}", f"v_{unit}_per_s", f"a_{unit}_per_s2", f"j_{unit}_per_s3",
         f"ds_{unit}_per_rad", f"d2s_{unit}_per_rad2", f"d3s_{unit}_per_rad3", "side",
+        "time_s",
     ]  # fmt: skip
     table = np.array(rows, dtype=float)
     s = given_cam(question).motion.derivatives(np.radians(table[:, 0]))
-    omega, inside = question.machine().omega, table[:, -1] == 0
+    omega, inside = question.machine().omega, table[:, -2] == 0
+    np.testing.assert_allclose(table[:, -1], np.radians(table[:, 0]) / omega, rtol=1e-9)
     for k in range(4):
         scale = 1e-9 * np.max(abs(table[:, 1 + k]))
         wanted = s[k] * omega**k / per_unit(question)
