@@ -40,9 +40,9 @@ TAGS = {
 # Statuses of several types of problems.
 SEVERAL = {
     404: "Not found",
-    409: "Not finished, no cam, or deleted meanwhile",
+    409: "Unfinished, no cam, or deleted meanwhile",
     422: "The request is invalid",
-    429: "Busy, or a quota is used up",
+    429: "Busy, or a quota used up",
     500: "Internal error",
     503: "Temporarily unavailable: try again",
 }
