@@ -21,6 +21,7 @@ from service.wire.problem import error_response
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 QUIET = frozenset({"/livez", "/readyz", "/metrics"})
+NOT_MODIFIED = 304  # status of an answer without a body: the caller has it
 CLIENT_GONE = 499  # in logs and metrics, as of proxies: there is no such answer
 # Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
 SECONDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0)
@@ -113,7 +114,8 @@ class Observe:
                 status = message["status"]
                 headers = MutableHeaders(scope=message)
                 headers["X-Request-ID"] = scope["request_id"]
-                for name, value in SECURITY.items():
+                # A browser puts the headers of a 304 over those of the page that it keeps.
+                for name, value in SECURITY.items() if status != NOT_MODIFIED else ():
                     headers.setdefault(name, value)
             await send(message)
 

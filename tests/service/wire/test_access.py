@@ -223,6 +223,10 @@ def test_every_answer_says_what_a_browser_may_do_with_it(service: Running) -> No
         assert headers["cross-origin-resource-policy"] == "same-origin"
         assert headers["referrer-policy"] == "no-referrer"
         assert "access-control-allow-origin" not in headers
+    tag = service.client.get("/openapi.json").headers["etag"]
+    kept = service.client.get("/openapi.json", headers={"If-None-Match": tag})
+    assert kept.status_code == 304
+    assert "content-security-policy" not in kept.headers  # it would take the place of the page's
     asked = {"Origin": "https://evil.example", "Access-Control-Request-Method": "DELETE"}
     answer = service.client.options("/v1/designs/1", headers=asked)
     assert not any(name.startswith("access-control") for name in answer.headers)
