@@ -77,7 +77,7 @@ def probe(port: int, since: Synchronized[float], worst: Synchronized[float],
         since.value = time.monotonic()
         try:
             with socket.create_connection(("127.0.0.1", port), LATE_S, OTHER) as line:
-                line.sendall(b"GET /livez HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
+                line.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
                 answer = line.recv(4096)
             failed.value += not answer.startswith(b"HTTP/1.1 200")
         except OSError:
@@ -146,7 +146,7 @@ class Service:
         self.process.kill()
 
 
-HEAD = b"Host: a\r\nContent-Type: application/json\r\n"
+HEAD = b"Host: localhost\r\nContent-Type: application/json\r\n"
 POST = b"POST /v1/designs HTTP/1.1\r\n" + HEAD
 
 
