@@ -121,7 +121,7 @@ class DesignToProve(BaseModel):
     design: str
 
 
-def proof_asked(row: AnswerRow, design: bytes) -> DesignToProve:
+def proof_question(row: AnswerRow, design: bytes) -> DesignToProve:
     """What the proof of a design is an answer to."""
     return DesignToProve(name=row.name, design=design.decode())
 

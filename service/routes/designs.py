@@ -9,7 +9,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import etag_response, problems
-from service.resources.records import DESIGNS, NO_CAM, PROOFS, REPORT, proof_asked, write_design
+from service.resources.records import DESIGNS, NO_CAM, PROOFS, REPORT, proof_question, write_design
 from service.resources.resource import ResourceFile
 from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
 from service.state import Parts, State
@@ -96,7 +96,7 @@ async def delete_design(design_id: str, parts: Parts) -> None:
     row = await jobs.answers.find(design_id, parts.owner)
     if await jobs.dismiss(design_id, parts.owner):
         if row is not None and row.body is not None:
-            proof = PROOFS.id_of(proof_asked(row, row.body))
+            proof = PROOFS.id_of(proof_question(row, row.body))
             await parts.jobs[PROOFS.path].dismiss(proof, parts.owner)
         return
     holder = await parts.sweeps.store.holder(design_id, parts.owner)

@@ -12,7 +12,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 
 from service.contract.documentation import file_response
-from service.resources.records import DESIGNS, PROOFS, proof_asked
+from service.resources.records import DESIGNS, PROOFS, proof_question
 from service.resources.resource import Accepted
 from service.routes.resource_routes import (
     UNDER_WAY,
@@ -20,6 +20,7 @@ from service.routes.resource_routes import (
     Prefer,
     content_of,
     download_headers,
+    failure,
     name_of_file,
     with_words_for_files,
 )
@@ -28,7 +29,6 @@ from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.conditional import IN_PARTS, not_modified, tag_of
 from service.wire.errors import ProblemType
-from service.wire.problem import problem_response
 from synthesis.exporters.bundle import MEDIA_TYPE, archive
 
 router = APIRouter()
@@ -62,8 +62,9 @@ async def get_proof_json(
     kept = await _proof(request, parts, row, design, wait="respond-async" not in prefer.lower())
     if kept.state == "accepted":
         return _accepted(request, row, kept)
-    if kept.problem is not None and kept.state == "failed":
-        return problem_response(request, kept.problem)
+    failed = failure(request, kept)
+    if failed is not None:
+        return failed
     name = name_of_file(DESIGNS, row, "proof.json")
     headers = download_headers(row.name, name, JSON_FILE) | {"ETag": f'"{tag}"'}
     return Response(kept.body, headers=headers | IN_PARTS, media_type=JSON_FILE)
@@ -81,7 +82,7 @@ async def _proof(
     request: Request, parts: State, row: AnswerRow, design: bytes, *, wait: bool = True
 ) -> AnswerRow:
     """The proof file of a finished design, made once; accepted alone where nobody waits for it."""
-    jobs, asked = parts.jobs[PROOFS.path], proof_asked(row, design)
+    jobs, asked = parts.jobs[PROOFS.path], proof_question(row, design)
     id = PROOFS.id_of(asked)
     kept = await jobs.answers.claim(id, parts.owner)
     if kept is not None and kept.state == "done":
@@ -125,8 +126,9 @@ async def get_sweep_proofs_zip(
     for number, row in rows.items():
         of, design = await designs.find_done(row.design_id or "", parts.owner)
         kept = await _proof(request, parts, of, design)
-        if kept.problem is not None and kept.state == "failed":
-            return problem_response(request, kept.problem)
+        failed = failure(request, kept)
+        if failed is not None:
+            return failed
         files.append((f"item-{number}.proof.json", kept.body or b""))
     headers = download_headers(sweep.name, "proofs.zip", MEDIA_TYPE) | {"ETag": f'"{tag}"'}
     return Response(archive(files), headers=headers | IN_PARTS, media_type=MEDIA_TYPE)

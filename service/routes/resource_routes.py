@@ -102,7 +102,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
                     accepted.created = row.created if row else accepted.created  # for this owner
                     return _accepted(resource, accepted, applied=True)
                 row = await jobs.answer(spec, row, parts.owner)
-        return ended(request, resource, row)
+        return _ended(request, resource, row)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -159,7 +159,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         row = await parts.jobs[resource.path].find(id, parts.owner)
         if row.state == "accepted":
             return _accepted(resource, row)
-        return not_modified(request, row.etag or "") or ended(request, resource, row)
+        return not_modified(request, row.etag or "") or _ended(request, resource, row)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -218,16 +218,25 @@ async def newest(
     return rows[:limit], str(rows[limit - 1].sequence) if len(rows) > limit else None
 
 
-def ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
-    """The answer, or the problem document of a question that has failed."""
-    if row.problem is not None and row.state == "failed":
-        problem, again = row.problem, f"POST it to {resource.path} to have it tried again."
-        if problem["status"] < LATER:  # the question itself is at fault
-            return problem_response(request, problem)
+def failure(request: Request, row: AnswerRow, again: str = "") -> Response | None:
+    """The problem document of a question that has failed; None of any other.
+
+    ``again``: how to have it tried again, where the question itself is not at fault.
+    """
+    problem = row.problem
+    if problem is None or row.state != "failed":
+        return None
+    if again and problem["status"] >= LATER:
         problem = {**problem, "detail": f"{problem['detail']} The question has failed: {again}"}
-        return problem_response(request, problem)
+    return problem_response(request, problem)
+
+
+def _ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
+    """The answer, or the problem document of a question that has failed."""
+    again = f"POST it to {resource.path} to have it tried again."
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
-    return Response(row.body, 200, headers, "application/json")
+    failed = failure(request, row, again)
+    return failed or Response(row.body, 200, headers, "application/json")
 
 
 def _accepted(resource: Resource, row: AnswerRow, applied: bool = False) -> Response:

@@ -237,7 +237,7 @@ class RootNode(Node):
             return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()
-        if without_swift_caps(problem) is not None:
+        if not self.dimension_searched and without_swift_caps(problem) is not None:
             return state, ()  # all that the proof could do was done without these
         child: Node | None = TracedNode.root(state)
         by_pivots = self.dimension_searched or problem.omits_curved_rows
