@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
+from synthesis.optimise.branching.traced_node import TracedNode
+from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.derivative_caps import SWIFT, without_swift_caps
+from synthesis.optimise.root_node import RootNode
 from tests.optimise.scenes import (
     PLAIN,
     acceleration,
@@ -41,3 +47,13 @@ def test_the_law_in_which_it_takes_longest_decides() -> None:
 
 def test_without_a_cap_on_the_acceleration_the_jerk_stays() -> None:
     assert without_swift_caps(problem(scene(PLAIN, angles(29.3, 41.7), jerk(1e9, 71.7)))) is None
+
+
+def test_where_a_dimension_was_searched_the_proof_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its values were problems of their own: none of the whole without the cap was solved."""
+    question = problem(scene(PLAIN, *LIMITS, jerk(2.0 * PER_LAW, 71.7)))
+    state = replace(optimise(question, 1e-2), tolerance=1e-15)
+    child: Any = object()
+    monkeypatch.setattr(TracedNode, "root", lambda _: child)
+    node = RootNode(optimise, presolved=False, processed=True, dimension_searched=True)
+    assert node.branch(state)[1] == [child]
