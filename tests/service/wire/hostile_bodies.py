@@ -12,19 +12,11 @@ from collections.abc import Callable
 from itertools import cycle, islice
 from typing import Any
 
+from tests.service.specs import CAM
+
 LARGEST = 1_048_576  # bytes: the default limit of a body
 DESIGNS, SWEEPS, SETS = "/v1/designs", "/v1/sweeps", "/v1/cam-sets"
 MEASURED, TRAINS = "/v1/profile-analyses", "/v1/train-responses"
-CAM: dict[str, Any] = {
-    "program": [
-        {"kind": "rise", "angle_deg": 60, "lift_mm": 30, "law": {"kind": "cycloidal"}},
-        {"kind": "dwell", "angle_deg": 30},
-        {"kind": "return", "angle_deg": 60, "lift_mm": 30, "law": {"kind": "cycloidal"}},
-        {"kind": "dwell", "angle_deg": 210},
-    ],
-    "follower": {"kind": "translating_roller", "roller_radius_mm": 10},
-    "limits": [{"kind": "pressure_angle", "rise_deg": 30, "return_deg": 45}],
-}
 ROLLER = CAM["follower"]
 
 
