@@ -138,6 +138,27 @@ def test_it_sees_a_fault(
     assert verify(spec, broken), fault.__name__
 
 
+def test_it_sees_windows_and_points() -> None:
+    spec = scene(ANGLES)
+    rise, _, back, _ = spec["program"]
+    rise["points"] = [{"angle_deg": 21.0, "travel_mm": 8.1, "tolerance_mm": 0.05,
+                       "velocity_mm_per_s": 365.0}]  # fmt: skip
+    rise["windows"] = [{"from_deg": 30.0, "to_deg": 40.0, "travel_mm": {"min": 9.0},
+                        "velocity_mm_per_s": {"min": -3.0, "max": 480.0}}]  # fmt: skip
+    back["windows"] = [{"from_deg": 13.0, "to_deg": 41.0, "jerk_mm_per_s3": {"max": 1e7},
+                        "acceleration_mm_per_s2": {"max": 2e4}}]  # fmt: skip
+    spec, design = answer(spec)
+    assert verify(spec, design) == []
+    for place, field, wrong in (
+        ("points", "travel_mm", 8.3), ("points", "velocity_mm_per_s", 365.01),
+        ("windows", "travel_mm", {"min": 20.0}), ("windows", "velocity_mm_per_s", {"max": 300.0}),
+    ):  # fmt: skip
+        other = copy.deepcopy(spec)
+        other["program"][0][place][0][field] = wrong
+        assert verify(other, design) != [], (place, field)
+    assert contradictions(spec, {**design, "status": "infeasible"}) == []  # it makes no such laws
+
+
 def test_a_refusal_without_ground_is_refuted(roller: tuple[dict[str, Any], dict[str, Any]]) -> None:
     spec, design = roller
     assert contradictions(spec, design | {"status": "infeasible"})

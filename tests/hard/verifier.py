@@ -124,14 +124,37 @@ class Cam:
         for top in np.argsort(-tops, kind="stable")[: 12 if self.fine else 2]:
             if tops[top] == -inf:
                 continue
-            move, piece, x = self.grids[top]
-            at = int(np.argmax(values[starts[top] : starts[top + 1]]))
-            best = max(best, float(tops[top]))
-            for _ in range(4 if self.fine else 1):
-                x = np.linspace(x[max(at - 1, 0)], x[min(at + 1, len(x) - 1)], 21)
-                close_by = quantity(self.s(move, piece, x))
-                at = int(np.argmax(close_by))
-                best = max(best, float(close_by[at]))
+            best = max(
+                best, self._top(quantity, *self.grids[top], values[starts[top] : starts[top + 1]])
+            )
+        return best
+
+    def _top(
+        self, quantity: Quantity, move: PlacedSegment, piece: int, x: np.ndarray, values: np.ndarray
+    ) -> float:
+        """The largest value on a piece, searched again and again around that of its samples."""
+        best = float(np.max(values))
+        for _ in range(4 if self.fine else 1):
+            at = int(np.argmax(values))
+            x = np.linspace(x[max(at - 1, 0)], x[min(at + 1, len(x) - 1)], 21)
+            values = np.asarray(quantity(self.s(move, piece, x)), dtype=float)
+            best = max(best, float(np.max(values)))
+        return best
+
+    def largest_within(self, index: int, low: float, high: float, quantity: Quantity) -> float:
+        """The largest value on a part of a segment, low ≤ x ≤ high; of a point low = high."""
+        best = -inf
+        for move, piece, x in self.grids:
+            touches = x[0] <= high and low <= x[-1]
+            if (
+                move.index == index
+                and touches
+                and (min(high, x[-1]) > max(low, x[0]) or low == high)
+            ):
+                ends = max(low, x[0]), min(high, x[-1])
+                inside = np.union1d(ends, x[(x > ends[0]) & (x < ends[1])])
+                values = np.asarray(quantity(self.s(move, piece, inside)), dtype=float)
+                best = max(best, self._top(quantity, move, piece, inside, values))
         return best
 
     def jump(self, order: int) -> tuple[float, float]:
@@ -186,6 +209,53 @@ def readings(cam: Cam) -> Iterator[Reading]:
     limits.sort(key=lambda limit: limit["kind"] not in ORDERS)  # the motion's are soonest known
     for limit in limits:
         yield from MEASURES[limit["kind"]](cam, limit)
+    for move in cam.moves:
+        segment = cam.spec["program"][move.index]
+        for j, window in enumerate(segment.get("windows") or []):
+            ends = (
+                window["from_deg"] / segment["angle_deg"],
+                window["to_deg"] / segment["angle_deg"],
+            )
+            yield from prescribed(cam, move, f"window_{j}", ends, window)
+        for j, point in enumerate(segment.get("points") or []):
+            at = point["angle_deg"] / segment["angle_deg"]
+            yield from prescribed(cam, move, f"point_{j}", (at, at), point)
+
+
+def prescribed(
+    cam: Cam, move: PlacedSegment, place: str, ends: tuple[float, float], asked: dict[str, Any]
+) -> Iterator[Reading]:
+    """What a window or a point asks: both ends of each range, and the distance to each value."""
+    for order, name in enumerate(("travel", "velocity", "acceleration", "jerk")):
+        suffix = "" if order == 0 else "_per_s" if order == 1 else f"_per_s{order}"
+        question = asked.get(f"{name}_{cam.unit}{suffix}")
+        if question is None:
+            continue
+        rate = cam.omega**order * (np.sign(move.lift) if order == 0 else 1.0)
+        start = move.level if order == 0 else 0.0
+
+        def reached(s: list[np.ndarray], order: int = order, rate: float = rate,
+                    start: float = start) -> np.ndarray:  # fmt: skip
+            return rate * (s[order] - start)
+
+        title = f"program_{move.index}_{place}_{name}"
+        rounding = 1e-9 * abs(move.lift) * (cam.omega / move.beta) ** order
+        rounding += cam.noise(order) * cam.omega**order
+        if not isinstance(question, dict):
+            allowance = asked.get(f"tolerance_{cam.unit}", 0.0) if order == 0 else 0.0
+            value = cam.largest_within(
+                move.index, *ends, lambda s, q=question, f=reached: np.abs(f(s) - q)
+            )
+            yield Reading(title, value, allowance, 10.0 * rounding, lambda value: None)
+            continue
+        for end, sign in (("min", -1.0), ("max", 1.0)):
+            if question.get(end) is None:
+                continue
+            value = cam.largest_within(
+                move.index, *ends, lambda s, sign=sign, f=reached: sign * f(s)
+            )
+            yield Reading(f"{title}_{end}", value, sign * question[end], rounding,
+                          lambda value, sign=sign: sign * value)  # fmt: skip
 
 
 def label(name: str, more: str) -> str:
@@ -437,7 +507,8 @@ def _claims(cam: Cam, design: dict[str, Any], certified: bool) -> Iterable[str]:
         mine = [
             e for e in left
             if e["limit"] == own.name and (wire is None or e["bound"] is None or close(
-                e["bound"] if own.name.startswith("profile") else abs(e["bound"]), wire, 1e-9))
+                *((e["bound"], wire) if own.name.startswith("profile")
+                  else (abs(e["bound"]), abs(wire))), 1e-9))
         ]  # fmt: skip
         if not mine:
             yield f"{own.name} ≤ {wire}: not in the certificate"
