@@ -16,7 +16,10 @@ from typing import Any
 import numpy as np
 
 from synthesis.catalogue.fields import Range
+from synthesis.catalogue.followers.closures import Force
+from synthesis.catalogue.followers.translating_roller import TranslatingRoller
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
+from synthesis.catalogue.limits.radii import CounterBaseRadius
 from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
 from synthesis.design.design import Design, Effort, Proof
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
@@ -52,6 +55,7 @@ CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near 
 LARGEST_GAP, OWN_PART = 0.9, 0.98  # as in SolveState.allowance
 ROUNDING = 1e-9  # relative: what decimals and joints may change in a cam's value
 NOTHING: Json = {"order": 3, "segments": []}  # multipliers of nothing
+COUNTER = ("counter_distance_mm",)  # of the counter roller from the main one, on a slide
 NO_WITNESS = "no multipliers are known for it"
 
 
@@ -196,7 +200,8 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    return {"size": design.size, "laws": laws, "program": _chosen(design)}
+    apart = [design.dimensions[name] for name in COUNTER if name in design.dimensions]
+    return {"size": [*design.size, *apart], "laws": laws, "program": _chosen(design)}
 
 
 def _chosen(design: Design) -> list[Json]:
@@ -230,7 +235,7 @@ def _witnesses(
     """
     if spec.free_parameters.parameters:
         return  # a bound over all numbers has other multipliers
-    attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
+    attempt = prepare(first_question(_of_main_cam(spec)), Goal(inf), list[Effort]())
     units, scaled = attempt.question.units, attempt.question.scaled
     length, machine, caps = units.length, scaled.machine(), list[ObjectiveCap]()
     for objective, value in zip(spec.objectives(), held, strict=False):
@@ -260,6 +265,16 @@ def _witnesses(
     excess = least_excess_program(problem)
     for found in [] if excess is None else multipliers(*excess[:2], spec, length):
         yield found, -inf
+
+
+def _of_main_cam(spec: DesignSpec) -> DesignSpec:
+    """The question without what it asks of a counter cam: the checker has no rows of that one."""
+    follower = spec.follower
+    if not isinstance(follower, TranslatingRoller) or not follower.closure.counter_paths:
+        return spec
+    alone = follower.model_copy(update={"closure": Force()})
+    kept = [limit for limit in spec.limits if not isinstance(limit, CounterBaseRadius)]
+    return spec.model_copy(update={"follower": alone, "limits": kept})
 
 
 def _solved(model: ConicModel) -> tuple[ConicModel, ConeSolution, Bound] | None:
