@@ -235,9 +235,7 @@ class Program:
                         continue
                     yield row
 
-    def _bend_row(
-        self, segment: Any, name: str, limit: Json, side: int, a: float, b: float
-    ) -> Row:
+    def _bend_row(self, segment: Any, name: str, limit: Json, side: int, a: float, b: float) -> Row:
         count = self.judge.SLICES if a < b else 1
         first, last = (Fraction(repr(x)) for x in (a, b))
         total, rest, alpha, places = np.zeros(self.width), 0.0, [], []
