@@ -204,7 +204,8 @@ class Question:
         kind, contact = kind_of(held, "force", "groove", "conjugate"), held.get("contact")
         demand(contact in (("outside", "inside") if kind == "force" else (None,)),
                "this contact is not covered")
-        slack, rim = (x or ZERO for x in (held.get("clearance_mm"), held.get("rim_mm")))
+        slack, rim = (get(held, name) if held.get(name) is not None else ZERO
+                      for name in ("clearance_mm", "rim_mm"))
         gap = (get(follower, "roller_radius_mm") if self.roller else ZERO) + slack / 2
         # of each flank: the side on which its roller lies, how far its curve is from the roller's
         # path, the rim around it, and which path, the main roller's or the counter roller's
@@ -652,7 +653,7 @@ class Cam:
             demand(bounds != [[None, None]] * 4, f"{name} that bound nothing")
             for k, (low, high) in enumerate(bounds):
                 scale = Fraction(abs(segment.lift) / segment.degrees**k)
-                slack = each.get("tolerance_mm") or ZERO if k == 0 else ZERO
+                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
                 demand(slack >= 0, "a tolerance is negative")
                 if low == high is not None and slack == 0:  # a value, which a decimal may miss
                     slack, exact = JUMP * scale, f", values but for 1/{1 / JUMP} of their scale"

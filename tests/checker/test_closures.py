@@ -57,6 +57,9 @@ FALSE: dict[str, tuple[Json, str]] = {
     "the outer flank's hollow": (
         held(GROOVE, {"kind": "cutter_radius", "radius_mm": 150}), "program/"),
     "a slack that is negative": (held({**GROOVE, "clearance_mm": -1}), "not covered"),
+    "a slack that is no number": (held({**GROOVE, "clearance_mm": True}), "clearance_mm"),
+    "a tolerance that is no number": (
+        window("points", {"angle_deg": 60, "travel_mm": 15, "tolerance_mm": True}), "tolerance"),
     "a roller that is held otherwise": (held({**RING, "contact": "beside"}), "contact"),
     "a groove that is touched from inside": (held({**GROOVE, "contact": "inside"}), "not covered"),
     "the distance is not as asked": (held(PAIR, size=(0, 100, 301)), "not within"),
