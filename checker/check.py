@@ -42,12 +42,16 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "chosen": "angle_deg lift_mm",  # of a segment of the cam
     "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
     "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
+    "groove": "clearance_mm rim_mm", "conjugate": "roller_radius_mm offset_mm distance_mm",
+    "windows": "from_deg to_deg travel_mm velocity_mm_per_s acceleration_mm_per_s2 jerk_mm_per_s3",
+    "points": "angle_deg travel_mm tolerance_mm tolerance_deg velocity_mm_per_s",
     "named law": "inflection",
     "translating_roller": "roller_radius_mm closure offset_mm",
     "translating_flat_face": "offset_mm tilt_deg",
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
-    "profile_radius": "min_mm", "outer_radius": "max_mm", "face_width": "width_mm left_mm right_mm",
+    "profile_radius": "min_mm", "outer_radius": "max_mm", "counter_base_radius": "min_mm",
+    "face_width": "width_mm left_mm right_mm",
     **dict.fromkeys(AIMS, "allowance")}  # which the claims state as a value
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
@@ -62,7 +66,7 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
-        "outer_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
+        "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 spent = Counter()
 
@@ -145,6 +149,7 @@ class Segment:
         body = {**body, **{name: choose(body.get(name), chosen.get(name))
                            for name in ("angle_deg", "lift_mm")}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
+        self.body = body
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
         if kind in ("rise", "return"):
             law, lift = body["law"], get(body, "lift_mm")
@@ -195,14 +200,27 @@ class Question:
         follower, radii = get(body, "follower", dict), range_of(body["base_radius_mm"])
         kind = kind_of(follower, "translating_roller", "translating_flat_face")
         self.roller, self.offsets = kind == "translating_roller", range_of(follower["offset_mm"])
-        self.gap = get(follower, "roller_radius_mm") if self.roller else ZERO
         held = follower.get("closure") or {"kind": "force", "contact": "outside"}
-        good = kind_of(held, "force") and get(held, "contact", str) == "outside" and self.gap >= 0
+        kind, contact = kind_of(held, "force", "groove", "conjugate"), held.get("contact")
+        demand(contact in (("outside", "inside") if kind == "force" else (None,)),
+               "this contact is not covered")
+        slack, rim = (get(held, name) if held.get(name) is not None else ZERO
+                      for name in ("clearance_mm", "rim_mm"))
+        gap = (get(follower, "roller_radius_mm") if self.roller else ZERO) + slack / 2
+        # of each flank: the side on which its roller lies, how far its curve is from the roller's
+        # path, the rim around it, and which path, the main roller's or the counter roller's
+        sides = (1, -1) if kind == "groove" else (-1,) if contact == "inside" else (1,)
+        self.flanks = [(side, gap, rim if side < 0 else ZERO, 0) for side in sides]
+        self.conjugate, self.gap = kind == "conjugate", sides[0] * gap
+        if self.conjugate:
+            self.flanks.append((1, get(held, "roller_radius_mm"), ZERO, 1))
+            self.counter, self.apart = get(held, "offset_mm"), range_of(held["distance_mm"])
+        good = min(slack, rim, *(distance for _, distance, *_ in self.flanks)) >= 0
         good = good and (self.roller or get(follower, "offset_mm") is not None)
         demand(good and not follower.get("tilt_deg"), "this follower is not covered")
         self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
-        others = {*SQUARES, *(("face_width",) if self.roller else
-                              ("pressure_angle", "cutter_radius"))}
+        others = {*SQUARES, *(() if self.conjugate else ("counter_base_radius",)),
+                  *(("face_width",) if self.roller else ("pressure_angle", "cutter_radius"))}
         # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
         self.limits = {"forward": {"kind": "forward"},
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
@@ -259,18 +277,20 @@ class Question:
         far = [max(p[k] + before * speeds[k], q[k] + after * speeds[1 - k]) for k in (0, 1)]
         return [*map(floor, far), *(floor(u - self.jerk * before * after / 2) for u in chords), *e]
 
-    def bend_row(self, segment, limit, x):
+    def bend_row(self, segment, limit, x, flank=1):
         """A row that a roller's profile radius implies where X, U and E are in the hull.
 
         side a >= A - B, A and B convex. A is of degree 1, so nowhere below its tangents; B less a
         linear function is largest at a corner of the hull.
         """
-        place = segment.index, x, id(limit)
+        place = segment.index, x, id(limit), flank
         if place in self.bent:
             return self.bent[place]
         spend("coefficients", 16)
-        side = 1 if limit["kind"] == "profile_radius" else -1
-        radius = side * self.gap + get(limit, FIELDS[limit["kind"]])
+        way = 1 if limit["kind"] == "profile_radius" else -1
+        gaps = [gap for side, gap, _, path in self.flanks if side == flank and path == 0]
+        demand(gaps, "there is no such flank")
+        side, radius = way * flank, way * gaps[0] + get(limit, FIELDS[limit["kind"]])
         low, high = (z := self.hull(segment, x))[::2], [-y for y in z[1::2]]
         demand(radius > 0 and low[0] > 0, "it says nothing here")
 
@@ -378,6 +398,13 @@ def halves(b, middle):
         b = [middle(x, y) for x, y in zip(b, b[1:])]
     return left, right
 
+def split(b, t):
+    """Coefficients on both sides of a place on [0, 1], rounded outwards."""
+    right, whole = t.as_integer_ratio()
+    left = whole - right
+    return halves(b, lambda x, y: ((x[0] * left + y[0] * right) // whole,
+                                   -(-(x[1] * left + y[1] * right) // whole)))
+
 def total(*pairs):
     return sum(x for x, _ in pairs), sum(y for _, y in pairs)
 
@@ -448,13 +475,8 @@ def parts_of(law):
 def given(law, k, x):
     """A derivative of a given law at a place on [0, 1]: two fractions."""
     start, w, orders = [part for part in parts_of(law) if part[0] <= x][-1]
-    b, (right, all_) = orders[k], ((x - start) / w).as_integer_ratio()
-    left = all_ - right
-    spend("coefficients", len(b))
-    while len(b) > 1:  # de Casteljau, rounded outwards
-        b = [((p * left + r * right) // all_, -(-(q * left + t * right) // all_))
-             for (p, q), (r, t) in zip(b, b[1:])]
-    return Fraction(b[0][0], UNIT), Fraction(b[0][1], UNIT)
+    spend("coefficients", len(orders[k]))
+    return tuple(Fraction(x, UNIT) for x in split(orders[k], (x - start) / w)[0][-1])
 
 class Piece:
     """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg]."""
@@ -514,12 +536,18 @@ def pieces_of(segment, law):
 # Step 5. The cam of the file: what its limits say, at every cam angle.
 class Cam:
     def __init__(self, question, body):
-        laws, self.size = get(body, "laws", list), numbers(get(body, "size", list))
+        laws, self.size = get(body, "laws", list), [*numbers(get(body, "size", list))]
         self.question = question
-        good = len(laws) == len(question.program) and len(self.size) == 1 + question.roller
+        good = len(laws) == len(question.program) and len(self.size) == (
+            1 + question.roller + question.conjugate)
         demand(good, "the cam has not as many laws or sizes as it must have", 2)
         self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
         self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
+        self.paths = [(self.pieces, self.size[:2])]
+        if question.conjugate:  # upside down: s2 = -s, its offset and height -offset, distance - s0
+            turned = [Piece(p.segment, p.start, p.width, [[by(x, -1) for x in b] for b in p.s])
+                      for p in self.pieces]
+            self.paths.append((turned, [-question.counter, self.size.pop() - self.size[1]]))
 
     def join(self, order=None):
         """Refuse jumps of derivatives up to an order, or up to those that the question asks for."""
@@ -550,22 +578,31 @@ class Cam:
 
     def keep(self, limit):
         """Show the rows of a limit. They are affine in c, or in c^2: its two bounds suffice."""
-        for piece, c, side in product(self.pieces, C, (1, -1)):
-            row = self.question.row(piece.segment, limit, side, c, c, 0)
-            if row:
-                (alpha, size, rhs), scale = row, c if self.question.roller else c * c
-                spare = enclose([rhs - size[0] * scale * self.size[0] - size[1] * self.size[-1]])
-                for factor, b in zip(alpha, piece.s):
-                    spare = plus(spare, [by(x, -factor) for x in b]) if factor else spare
-                piece.show(lambda b: min(b) >= 0, spare)
+        paths = self.paths if limit["kind"] == "pressure_angle" else self.paths[:1]
+        for (pieces, z), c, side in product(paths, C, (1, -1)):
+            for piece in pieces:
+                row = self.question.row(piece.segment, limit, side, c, c, 0)
+                if row:
+                    (alpha, size, rhs), scale = row, c if self.question.roller else c * c
+                    spare = enclose([rhs - size[0] * scale * z[0] - size[1] * z[-1]])
+                    for factor, b in zip(alpha, piece.s):
+                        spare = plus(spare, [by(x, -factor) for x in b]) if factor else spare
+                    piece.show(lambda b: min(b) >= 0, spare)
 
-    def bend(self, side, radius, around=False):
-        """X > 0 and side N/W^3 <= 1/radius: N/W^3 is the curvature of the roller's path.
+    def bend(self, way, least, around=False):
+        """X > 0, and the radius of every flank is at least so much where it is convex (way 1) or
+        hollow: side N/W^3 <= 1/radius, N/W^3 the curvature of the roller's path.
 
-        3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > radius W too, so that the
+        3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > reach W too, so that the
         profile runs once round the axis; 2 r W <= W^2 + r^2.
         """
-        share = radius * (1 << BITS // 2)  # as r is in units of 1/sqrt(UNIT), next to W
+        for flank, gap, _, path in self.question.flanks:
+            reach = max(flank * gap, ZERO) if around else None
+            self.bend_flank(self.paths[path], way * flank, max(least + way * gap, ZERO), reach)
+
+    def bend_flank(self, path, side, radius, reach):
+        share, far = (x * (1 << BITS // 2) for x in (radius, reach or ZERO))
+        # as r is in units of 1/sqrt(UNIT), next to W
 
         def bends(w, n):
             r = isqrt(max(w[len(w) // 2], 1))
@@ -573,11 +610,12 @@ class Cam:
 
         def passes(w, less, along):
             r = isqrt(max(w[len(w) // 2], 1))
-            return all(2 * r * p + share * (q - r * r) > 0 for p, q in zip(along, less))
+            return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
 
         minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
-        e, s0 = (enclose([x]) for x in (-self.size[0], self.size[1]))
-        for piece in self.pieces:
+        pieces, (e, s0) = path
+        e, s0 = enclose([-e]), enclose([s0])
+        for piece in pieces:
             s, v, a, *_ = piece.s
             x, slope = plus(s, s0), times(d, v)
             u = plus(slope, e)
@@ -585,17 +623,58 @@ class Cam:
             n = plus(plus(w, times(slope, u)), times(minus, times(times(times(d, d), a), x)))
             piece.show(lambda b: min(b) > 0, x)
             piece.show(bends, w, times(enclose([-side * ONE]), n))
-            if around:
+            if reach is not None:
                 piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
 
-    def reach(self, most):
-        """X^2 + e^2 <= (most + R)^2, and X > 0: where a curve is farthest, its normal is radial."""
-        e = self.size[0] if self.question.roller else ZERO
-        for piece in self.pieces:
-            x = plus(piece.s[0], enclose([self.size[-1]]))
-            square = enclose([(most + self.question.gap) ** 2 - e * e])
-            piece.show(lambda b: min(b) > 0, x)
-            piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -1) for p in times(x, x)]))
+    def reach(self, way, radius):
+        """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),
+        or the counter roller's as far as a least one asks: way (X^2 + e^2) <= way (radius + gap)^2.
+        """
+        for path, (pieces, z) in list(enumerate(self.paths))[way < 0 :]:
+            gaps = [side * gap - rim for side, gap, rim, of in self.question.flanks if of == path]
+            e, most = z[0] if self.question.roller else ZERO, radius + min(gaps)
+            demand(most >= 0, "roller and rim alone are larger")
+            square = enclose([way * (most * most - e * e)])
+            for piece in pieces:
+                x = plus(piece.s[0], enclose([z[-1]]))
+                piece.show(lambda b: min(b) > 0, x)
+                piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -way) for p in times(x, x)]))
+
+    def within(self, segment, name):
+        """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
+        exact, rate = "", self.question.rate
+        for each in get(segment.body, name, list):
+            kind_of({**each, "kind": name}, name)
+            ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
+            first, last = (get(each, end) / segment.body["angle_deg"] for end in ends)
+            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
+            fields = FIELDS["windows"].split()[2:]
+            bounds = [range_of(each.get(field)) for field in fields]
+            demand(bounds != [[None, None]] * 4, f"{name} that bound nothing")
+            for k, (low, high) in enumerate(bounds):
+                scale = Fraction(abs(segment.lift) / segment.degrees**k)
+                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
+                demand(slack >= 0, "a tolerance is negative")
+                if low == high is not None and slack == 0:  # a value, which a decimal may miss
+                    slack, exact = JUMP * scale, f", values but for 1/{1 / JUMP} of their scale"
+                for way, most in ((-1, low), (1, high)):
+                    if most is None:
+                        continue
+                    most, turn = most / rate**k * way + slack, way
+                    if k == 0:  # travel, in the sense of the move
+                        turn = way if segment.lift > 0 else -way
+                        most += turn * segment.level
+                    for piece in self.of[segment.index]:
+                        start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
+                                              ZERO), ONE) for x in (first, last))
+                        if first * segment.degrees > piece.start + piece.width or (
+                                last * segment.degrees < piece.start):
+                            continue
+                        b = split(piece.s[k], end)[0]
+                        b = split(b, start / end)[1] if start < end else b[-1:]
+                        piece.show(lambda b: min(b) >= 0,
+                                   plus(enclose([most]), [by(x, -turn) for x in b]))
+        return "holds all along" + exact
 
     def mean(self, order, most):
         """A mean square: that of a polynomial is the mean of its square's coefficients."""
@@ -608,9 +687,12 @@ class Cam:
         question, square = self.question, sum(x * x for x in self.size)
         low, high = [r and r * r for r in question.radii]
         miss = max((low or square) - square, square - (square if high is None else high))
-        low, high = question.offsets if question.roller else (None, None)
-        good = (low is None or low <= self.size[0]) and (high is None or self.size[0] <= high)
-        good = good and self.size[-1] >= 0 and square > question.gap**2
+        z = [(self.size[0], question.offsets)] if question.roller else []
+        if question.conjugate:
+            z.append((self.paths[1][1][1] + self.size[1], question.apart))
+        good = all((low is None or low <= x) and (high is None or x <= high)
+                   for x, (low, high) in z)
+        good = good and self.size[-1] >= 0 and square > max(question.gap, ZERO) ** 2
         demand(good and miss <= 2 * GAP * square, "it is not within the range asked for")
         share = f", the radius but for 1/{2 * square / miss // 1} of it" if miss > 0 else ""
         return "base radius and offset are in their ranges" + share
@@ -620,17 +702,21 @@ class Cam:
         question, self.jump, roller = self.question, ZERO, self.question.roller
         if place == "size":
             return self.fit()
+        if place[:8] == "program/":
+            _, index, name = place.split("/")
+            demand(name in ("windows", "points"), "it is not covered")
+            return self.within(question.program[int(index)], name)
         ours = {"motion": "forward", "self_crossing": "no_undercut"}
         limit = question.limits.get(ours.get(place, place), {"kind": "unknown"})
         kind = limit["kind"]
         demand(place == "motion" or kind in MEET, "it is not covered")
         self.join(None if place == "motion" else MEET[kind])
-        if kind == "outer_radius":
-            self.reach(get(limit, "max_mm"))
+        if kind in ("outer_radius", "counter_base_radius"):
+            self.reach(1 if kind == "outer_radius" else -1, get(limit, FIELDS[kind]))
         elif kind == "cutter_radius":
-            self.bend(-1, max(get(limit, "radius_mm") - question.gap, ZERO))
+            self.bend(-1, get(limit, "radius_mm"))
         elif kind == "profile_radius" and roller:
-            self.bend(1, question.gap + get(limit, "min_mm"), place == "self_crossing")
+            self.bend(1, get(limit, "min_mm"), place == "self_crossing")
         elif kind in SQUARES:
             self.mean(SQUARES[kind], limit["most"])
         else:
@@ -692,7 +778,7 @@ def half_plane(question, proof, aim=None):
             of, factor = squares.get(name, (0, ZERO))
             if 0 < of < order:  # of factor (s^(k))^2, tangents
                 row = scaled(segment, ([ONE * (i == of) for i in range(4)], [ZERO] * 2, ZERO))
-            demand(side in (1, -1) and (row or (bends and side == 1)),
+            demand(side in (1, -1) and (row or bends),
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
@@ -707,7 +793,7 @@ def half_plane(question, proof, aim=None):
                     spread.append((x, y, low, high))
             for x, y, low, high in spread:
                 if bends:
-                    row = question.bend_row(segment, limit, x)
+                    row = question.bend_row(segment, limit, x, side)
                 alpha, size, rhs = row
                 spend("coefficients", 8)
                 good = not segment.free or not any(alpha[order:])
@@ -914,8 +1000,8 @@ def excluded(asked, place, claim, body):
             demand(below >= value >= 0, "rounds do not speak of all cams")
             most = question.radii[1]
             question.radii[1], question.aim = (
-                r + question.gap if most is None else min(most, r + question.gap)
-                for r in (below, value))
+                r if most is None else min(most, r)
+                for r in (max(r + question.gap, ZERO) for r in (below, value)))
         else:
             impose(question, aims[len(held)], value, "objective")
         kept = " and ".join(f"{kind} up to {decimal(most)}" for kind, most in zip(named, held))
@@ -938,7 +1024,7 @@ def impose(question, aim, value, name):
     kind = kind_of(aim, *AIMS)
     demand(value >= 0, "an objective is negative")
     if kind == "base_radius":
-        radius, most = value + question.gap, question.radii[1]
+        radius, most = max(value + question.gap, ZERO), question.radii[1]
         question.radii[1] = radius if most is None else min(radius, most)
     elif kind == "peak_pressure_angle":
         demand(question.roller, "it has no pressure angle")

@@ -45,6 +45,23 @@ def question(chance: random.Random) -> dict[str, Any]:
         offset = chance.choice((0.0, None, {"min": -0.3 * lift, "max": 0.2 * lift}))
         body["follower"] = {"kind": "translating_roller", "offset_mm": offset,
                             "roller_radius_mm": chance.choice((0.0, 0.1, 0.3)) * lift}  # fmt: skip
+        radius = body["follower"]["roller_radius_mm"]
+        closures = [
+            {"kind": "force", "contact": "inside", "rim_mm": 0.1 * lift},
+            {"kind": "groove", "clearance_mm": 0.01 * lift, "rim_mm": 0.2 * lift},
+            {"kind": "conjugate", "roller_radius_mm": radius, "offset_mm": 0.1 * lift},
+        ]
+        if radius and chance.random() < 0.4:
+            body["follower"]["closure"] = chance.choice(closures)
+        if chance.random() < 0.2:
+            limits.append({"kind": "outer_radius", "max_mm": 12.0 * lift})
+        if chance.random() < 0.2 and first["kind"] == "spline":
+            speed = float(f"{1.7 * lift / (rise / (6.0 * rpm)):.4g}")
+            window = {"from_deg": round(0.3 * rise, 3), "to_deg": round(0.6 * rise, 3),
+                      "velocity_mm_per_s": {"max": speed}}  # fmt: skip
+            point = {"angle_deg": round(0.5 * rise, 3), "travel_mm": 0.5 * lift,
+                     "tolerance_mm": chance.choice((0.0, 0.05)) * lift}  # fmt: skip
+            program[0].update(chance.choice(({"windows": [window]}, {"points": [point]})))
         if chance.random() < 0.3:  # a bound that curvature raises, in rounds
             limits.append({"kind": "profile_radius", "min_mm": chance.choice((0.2, 0.4)) * lift})
     else:

@@ -98,23 +98,17 @@ def broken(proof: Json, place: str) -> str:
         jumps = [np.max(np.abs(np.diff(s[k]))) / max(np.ptp(s[k]), 1e-300) for k in (0, 1)]
         back = np.min(s[1] * sense * ~may_overshoot) / np.max(np.abs(s[1]))
         worst = max(max(jumps) - 0.05, -back)
+    elif place.startswith("program/"):
+        _, index, name = place.split("/")
+        worst = outside_bounds(question, cam, int(index), name)
     elif roller:
-        e, s0 = cam["size"]
-        x, u = s0 + s[0], s[1] - e
-        w = np.hypot(x, u)
-        kappa = (x * x + u * (2.0 * s[1] - e) - x * s[2]) / w**3
-        radius = follower["roller_radius_mm"]
-        if kind == "pressure_angle":
-            names = {1.0: "rise_deg", -1.0: "return_deg", 0.0: "dwell_deg"}
-            most = np.array([math.tan(math.radians(limit[names[k]] or 89.9999)) for k in sense])
-            worst = np.max(np.abs(u) - most * x) / np.max(w)
-        elif kind in ("profile_radius", "no_undercut", "self_crossing"):
-            worst = np.max(kappa) * (radius + (limit.get("min_mm") or 0.0)) - 1.0
-        elif kind == "cutter_radius":
-            worst = np.max(-kappa) * max(limit["radius_mm"] - radius, 0.0) - 1.0
-        elif kind == "size":
-            worst = outside(question["base_radius_mm"], math.hypot(e, s0) - radius)
+        worst = max(broken_flank(limit, s, sense, flank) for flank in flanks(question, cam))
+        if kind == "size":
+            e, s0, *apart = cam["size"]
+            distance = follower["closure"].get("distance_mm")
+            worst = outside(question["base_radius_mm"], math.hypot(e, s0) - gap_of(question))
             worst = max(worst, outside(follower["offset_mm"], e))
+            worst = max(worst, *(outside(distance, each) for each in apart), 0.0)
     else:
         (base,) = cam["size"]
         if kind in ("profile_radius", "no_undercut", "self_crossing"):
@@ -128,6 +122,76 @@ def broken(proof: Json, place: str) -> str:
         elif kind == "size":
             worst = outside(question["base_radius_mm"], base)
     return f"broken by {worst}" if not worst <= NEAR else ""
+
+
+def gap_of(question: Json) -> float:
+    """The prime radius less the base radius."""
+    follower = question["follower"]
+    closure = follower.get("closure") or {}
+    gap = float(follower["roller_radius_mm"]) + (closure.get("clearance_mm") or 0.0) / 2.0
+    return -gap if closure.get("contact") == "inside" else gap
+
+
+def flanks(question: Json, cam: Json) -> list[tuple[int, float, float, float, float, float]]:
+    """Side, distance from the path, rim, sense of s, offset and height of the path's follower."""
+    closure = question["follower"].get("closure") or {}
+    e, s0, *apart = cam["size"]
+    gap, rim = gap_of(question), closure.get("rim_mm") or 0.0
+    if gap < 0.0:
+        return [(-1, -gap, rim, 1.0, e, s0)]
+    found = [(1, gap, 0.0, 1.0, e, s0)]
+    if closure.get("kind") == "groove":
+        found.append((-1, gap, rim, 1.0, e, s0))
+    if apart:
+        found.append(
+            (1, closure["roller_radius_mm"], 0.0, -1.0, -closure["offset_mm"], apart[0] - s0)
+        )
+    return found
+
+
+def broken_flank(limit: Json, s: Any, sense: Any, flank: Any) -> float:
+    """By how much a limit is broken on one flank under a roller."""
+    side, gap, rim, way, e, s0 = flank
+    s, kind = way * s, limit["kind"]
+    x, u = s0 + s[0], s[1] - e
+    w = np.hypot(x, u)
+    bend = side * (x * x + u * (2.0 * s[1] - e) - x * s[2]) / w**3
+    far = np.hypot(x, e)
+    if kind == "pressure_angle":
+        names = {1.0: "rise_deg", -1.0: "return_deg", 0.0: "dwell_deg"}
+        most = np.array([math.tan(math.radians(limit[names[k]] or 89.9999)) for k in sense])
+        return float(np.max(np.abs(u) - most * x) / np.max(w))
+    if kind in ("profile_radius", "no_undercut", "self_crossing"):
+        return float(np.max(bend) * (gap + (limit.get("min_mm") or 0.0)) - 1.0)
+    if kind == "cutter_radius":
+        return float(np.max(-bend) * max(limit["radius_mm"] - gap, 0.0) - 1.0)
+    if kind == "outer_radius":
+        return float((np.max(far) - side * gap + rim) / limit["max_mm"] - 1.0)
+    if kind == "counter_base_radius" and way < 0.0:
+        return float(1.0 - (np.min(far) - gap) / max(limit["min_mm"], 1e-300))
+    return -1.0
+
+
+def outside_bounds(question: Json, cam: Json, index: int, name: str) -> float:
+    """By how much windows or points of a segment are left."""
+    s, *_ = motion(question, cam)
+    rate, segments = 6.0 * question["speed_rpm"], question["program"]
+    angles = [each["angle_deg"] for each in segments]
+    first = SAMPLES * sum(angle > 0.0 for angle in angles[:index])
+    part = s[:, first : first + SAMPLES]
+    x = (np.arange(SAMPLES) + 0.5) / SAMPLES * angles[index]
+    way, worst = -1.0 if segments[index]["kind"] == "return" else 1.0, 0.0
+    for each in segments[index][name]:
+        ends = [each.get(k, each.get("angle_deg")) for k in ("from_deg", "to_deg")]
+        at = np.union1d(x[(ends[0] <= x) & (x <= ends[1])], np.clip(ends, x[0], x[-1]))
+        fields = ("travel_mm", "velocity_mm_per_s", "acceleration_mm_per_s2", "jerk_mm_per_s3")
+        for k, field in enumerate(fields):
+            per_second = part[k] * math.radians(rate) ** k
+            value = np.interp(at, x, per_second if k else way * (per_second - per_second[0]))
+            scale, slack = np.ptp(per_second) + 1e-300, each.get("tolerance_mm") or 0.0
+            over = max(outside(each.get(field), y) * abs(y) for y in value)
+            worst = max(worst, (over - (0.0 if k else slack)) / scale - 1e-4)
+    return worst
 
 
 def outside(asked: Any, value: float) -> float:

@@ -16,7 +16,10 @@ from typing import Any
 import numpy as np
 
 from synthesis.catalogue.fields import Range
+from synthesis.catalogue.followers.closures import Force
+from synthesis.catalogue.followers.translating_roller import TranslatingRoller
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
+from synthesis.catalogue.limits.radii import CounterBaseRadius
 from synthesis.catalogue.objectives import BaseRadius, PeakPressureAngle
 from synthesis.design.design import Design, Effort, Proof
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
@@ -37,7 +40,11 @@ from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.checker import as_bytes, not_covered, objections, places
-from synthesis.pipeline.proof_file.multipliers import broken_by_given_law, multipliers
+from synthesis.pipeline.proof_file.multipliers import (
+    broken_by_given_law,
+    multipliers,
+    peak_of_given_laws,
+)
 from synthesis.pipeline.proof_file.rounds import in_rounds
 from synthesis.spec.design_spec import DesignSpec
 
@@ -52,6 +59,8 @@ CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near 
 LARGEST_GAP, OWN_PART = 0.9, 0.98  # as in SolveState.allowance
 ROUNDING = 1e-9  # relative: what decimals and joints may change in a cam's value
 NOTHING: Json = {"order": 3, "segments": []}  # multipliers of nothing
+PEAKS = {"peak_acceleration": 2, "peak_jerk": 3}  # the derivative that is minimised
+COUNTER = ("counter_distance_mm",)  # of the counter roller from the main one, on a slide
 NO_WITNESS = "no multipliers are known for it"
 
 
@@ -196,7 +205,8 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    return {"size": design.size, "laws": laws, "program": _chosen(design)}
+    apart = [design.dimensions[name] for name in COUNTER if name in design.dimensions]
+    return {"size": [*design.size, *apart], "laws": laws, "program": _chosen(design)}
 
 
 def _chosen(design: Design) -> list[Json]:
@@ -230,7 +240,7 @@ def _witnesses(
     """
     if spec.free_parameters.parameters:
         return  # a bound over all numbers has other multipliers
-    attempt = prepare(first_question(spec), Goal(inf), list[Effort]())
+    attempt = prepare(first_question(_of_main_cam(spec)), Goal(inf), list[Effort]())
     units, scaled = attempt.question.units, attempt.question.scaled
     length, machine, caps = units.length, scaled.machine(), list[ObjectiveCap]()
     for objective, value in zip(spec.objectives(), held, strict=False):
@@ -238,28 +248,48 @@ def _witnesses(
         caps.append(ObjectiveCap(objective, objective.from_wire(own, machine)))
     aim = spec.objectives()[len(held)]
     problem = attempt.problem(aim, tuple(caps), Goal(inf).smallest)
+
+    def on_wire(value: float) -> float:
+        known = [Bounded(problem.objective, value, "")]
+        return in_wire_units(attempt.question, scaled, known)[0].lower
+
+    if aim.kind in PEAKS:
+        peak = peak_of_given_laws(problem, PEAKS[aim.kind])
+        if peak is not None:
+            yield peak[0], on_wire(peak[1])
     # 1. The program whose multipliers gave the bound; of given laws, that of the size alone.
     relaxation = optimise(problem, attempt.tolerance(len(held))).relaxation
     if not problem.free:
         relaxation = _solved(formulate(problem, []))
     if relaxation is not None and isfinite(relaxation[2].value):
         model, solution, bound = relaxation
-        known = [Bounded(problem.objective, bound.value, "")]
-        (on_wire,) = in_wire_units(attempt.question, scaled, known)
         for found in multipliers(model, solution, spec, length):
-            yield found, on_wire.lower
-    if not infeasible:
-        return
-    # 2. Where there is no cam: a given law that breaks a limit; the program for the share of a
-    #    limit that every law needs; or that for the least excess of all others.
-    for found in broken_by_given_law(problem, spec):
-        yield found, -inf
+            yield found, on_wire(bound.value)
+    if infeasible:
+        yield from ((found, -inf) for found in _without_cam(problem, spec, length))
+
+
+def _without_cam(problem: Problem, spec: DesignSpec, length: float) -> Iterator[Json]:
+    """Multipliers where there is no cam, each of another program.
+
+    A given law that breaks a limit; the program for the share of a limit that every law needs; that
+    for the least excess of all others.
+    """
+    yield from broken_by_given_law(problem, spec)
     if highest_caps(problem):
-        for found in _share_of_limit(problem, spec, length):
-            yield found, -inf
+        yield from _share_of_limit(problem, spec, length)
     excess = least_excess_program(problem)
-    for found in [] if excess is None else multipliers(*excess[:2], spec, length):
-        yield found, -inf
+    yield from [] if excess is None else multipliers(*excess[:2], spec, length)
+
+
+def _of_main_cam(spec: DesignSpec) -> DesignSpec:
+    """The question without what it asks of a counter cam: the checker has no rows of that one."""
+    follower = spec.follower
+    if not isinstance(follower, TranslatingRoller) or not follower.closure.counter_paths:
+        return spec
+    alone = follower.model_copy(update={"closure": Force()})
+    kept = [limit for limit in spec.limits if not isinstance(limit, CounterBaseRadius)]
+    return spec.model_copy(update={"follower": alone, "limits": kept})
 
 
 def _solved(model: ConicModel) -> tuple[ConicModel, ConeSolution, Bound] | None:

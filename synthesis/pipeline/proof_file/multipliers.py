@@ -161,6 +161,26 @@ def broken_by_given_law(problem: Problem, spec: DesignSpec) -> Iterator[dict[str
                 yield _as_stated(GIVEN, [group], {}, {})
 
 
+def peak_of_given_laws(problem: Problem, order: int) -> tuple[dict[str, Any], float] | None:
+    """Where a derivative of the given laws is largest, as a row of the objective, and its peak.
+
+    The row alone is broken by every smaller peak, whatever the other laws and the size.
+    """
+    found = [
+        (*maximise(segment.placed(), coefficients), side, segment)
+        for segment in problem.segments
+        if segment not in problem.free
+        for side in (1, -1)
+        for coefficients in [tuple(side * float(k == order) for k in range(4))]
+    ]
+    worst, place, side, segment = max(found, key=lambda each: each[0], default=(0.0, 0.0, 1, None))
+    if segment is None or worst <= 0.0:
+        return None
+    table = np.array([[_share_at(segment, place), 1.0]])
+    group = Group(segment.index, "objective", side, table, np.zeros((0, 4)))
+    return _as_stated(order, [group], {}, {}), worst
+
+
 def _share_at(segment: PlacedSegment, place: float) -> float:
     """Where on a segment a cam angle lies, from 0 to 1."""
     return min(max((place - segment.start) / segment.angle, 0.0), 1.0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import product
 from math import factorial, pi
 from typing import Any
 
@@ -224,23 +225,24 @@ class Program:
                         for (a, _), (b, _) in zip(places[:-2], places[2:], strict=True)
                         if any(low <= a and b <= high for low, high in zones[segment.index])
                     ]
-                for a, b in places:
+                sides = [side for side, *_, path in question.flanks if path == 0]
+                for side, (a, b) in product(sides, places):
                     if any(p is None for p in (question.heights[1], *question.offsets)):
                         continue
                     try:
-                        row = self._bend_row(segment, name, limit, a, b)
+                        row = self._bend_row(segment, name, limit, side, a, b)
                     except judge.Failure:
                         continue
                     yield row
 
-    def _bend_row(self, segment: Any, name: str, limit: Json, a: float, b: float) -> Row:
+    def _bend_row(self, segment: Any, name: str, limit: Json, side: int, a: float, b: float) -> Row:
         count = self.judge.SLICES if a < b else 1
         first, last = (Fraction(repr(x)) for x in (a, b))
         total, rest, alpha, places = np.zeros(self.width), 0.0, [], []
         for k in range(count):
             x = first + (last - first) * Fraction(2 * k + 1, 2 * count)
             self.judge.spent.clear()
-            found = self.question.bend_row(segment, limit, x)
+            found = self.question.bend_row(segment, limit, x, side)
             matrix, upper = self._row(segment, np.array([float(x)]), *found)
             alpha.append([float(f) / count for f in found[0][:ORDER]])
             places.append(float(x))
@@ -248,7 +250,7 @@ class Program:
         if a == b and segment.free:
             rest += LOOSE * abs(rest)
         both = np.array(places), np.array(alpha)
-        return Row(segment.index, name, 1, a, b, total, rest, *both)
+        return Row(segment.index, name, side, a, b, total, rest, *both)
 
     def minimise(
         self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None

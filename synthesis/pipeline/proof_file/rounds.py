@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import product
 from math import ceil
 from typing import Any
 
@@ -159,11 +160,12 @@ def _zones(question: Any, segment: Any, law: Json | None, size: Array) -> list[t
     rise, u = s0 + s + float(segment.level), v - e
     bend = (rise**2 + u * (2 * v - e) - rise * a) / np.hypot(rise, u) ** 3
     near = np.zeros(len(x), dtype=bool)
-    for limit in question.limits.values():
+    flanks = [(side, gap) for side, gap, _, path in question.flanks if path == 0]
+    for limit, (side, gap) in product(question.limits.values(), flanks):
         if limit["kind"] == "profile_radius":
-            near |= bend * float(question.gap + limit["min_mm"]) > NEAR
+            near |= side * bend * float(gap + limit["min_mm"]) > NEAR
         if limit["kind"] == "cutter_radius":
-            near |= -bend * float(limit["radius_mm"] - question.gap) > NEAR
+            near |= -side * bend * float(limit["radius_mm"] - gap) > NEAR
     where = np.flatnonzero(near)
     runs = np.split(where, np.flatnonzero(np.diff(where) > JOINED) + 1) if len(where) else []
     return [
