@@ -276,7 +276,22 @@ def _end_of_range(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
         members = schemas_at(wrong.body, [*wrong.path[:-1], field], wrong.model)
         if any(end in member.get("properties", {}) for member in members):
             written, why, value = _value_for(field, wrong, unit, factor, [])
-            what = f'"{field}": {{"{end}": {written or "…"}}}'
+            # The other end, where it stands beside: one range is written for both.
+            other = {"min": "max", "max": "min"}[end]
+            beside = next(
+                (
+                    name
+                    for name in wrong.around
+                    if words_of(name) == [other if word == end else word for word in words]
+                ),
+                None,
+            )
+            ends = {end: written or "…"}
+            if beside is not None:
+                far = replace(wrong, path=(*wrong.path[:-1], beside))
+                ends[other] = _value_for(field, far, unit, factor, [])[0] or "…"
+            inside = ", ".join(f'"{end}": {ends[end]}' for end in ("min", "max") if end in ends)
+            what = f'"{field}": {{{inside}}}'
             to = None if field in wrong.around else (*wrong.path[:-1], field)
             return Answer(f"Write {what}{why}.", to, {end: value})
     return None
@@ -358,6 +373,8 @@ def _is_telling(wrong: Wrong, field: str) -> bool:
 
 def _misspelt(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer:
     name = wrong.name[:LONGEST_GUESSED]
+    if wrong.around.get("kind") == "dwell" and field_unit(name)[0] == "lift":
+        return Answer("Remove it: a dwell has no lift.")
     listed = f"{did_you_mean(name, fields)} Allowed: {', '.join(fields)}.".strip()
     close = get_close_matches(name, [f for f in fields if f not in wrong.around], 1, SURE)
     return Answer(listed, (*wrong.path[:-1], close[0]), wrong.value) if close else Answer(listed)
