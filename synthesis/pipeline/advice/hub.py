@@ -83,14 +83,16 @@ RULE = Rule(
     thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
     "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
     "thinner than that, a base circle below the hub's 1.75 diameters of these plus 1/4 in, or a "
-    "bore whose keyway by DIN 6885-1 would come out of the base circle. And by size alone: caution where the shaft for which this rule leaves room is thinner than a "
+    "bore whose keyway by DIN 6885-1 would come out of the base circle. And "
+    "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
     "fifth of the stroke, stop: than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
-    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; depths of keyways: DIN 6885-1.",
+    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; "
+    "DIN 6885-1: depths of keyways.",
     checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
-    "6000 psi is 25 % less than 8000; neither number, nor its text. A fifth and a tenth of the "
-    "stroke are this program's, for want of a rule.",
+    "6000 psi is 25 % less than 8000; neither number, nor its text; nor DIN 6885-1. A fifth "
+    "and a tenth of the stroke are this program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,
