@@ -33,7 +33,8 @@ function segmentName({ kind, start_deg: start, angle_deg: angle }) {
 
 function peakRow(name, { unit, largest, smallest, rms, jumps }) {
   const at = ({ angle_deg: angle }) => `${figure(angle, 5)}°`;
-  return row(name, [unit, value(largest.value), at(largest), value(smallest.value), at(smallest), value(rms), jumps || "none"]);
+  const between = rms === null ? ", between jumps" : ""; // at a jump of the derivative below it is infinite
+  return row(name + between, [unit, value(largest.value), at(largest), value(smallest.value), at(smallest), value(rms), jumps || "none"]);
 }
 
 function referenceRow({ law, ends, source, coefficients }) {

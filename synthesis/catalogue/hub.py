@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import hypot
+
 HUB_PER_SHAFT, HUB_MORE = 1.75, 6.35
 """Diameter of a hub of cast iron: 1 3/4 shaft diameters + 1/4 in [mm] (Rothbart, ed., Cam Design
 Handbook, 2004, section 6.4.4, eq. 6.21; of steel slightly less)."""
@@ -31,3 +33,9 @@ def standard_keyway(bore: float) -> tuple[float, float] | None:
     """Width of the keyway of a bore, and its depth beyond the bore [mm]; None: there is none."""
     sizes = (row[1:] for row in KEYWAYS if LEAST_BORE < bore <= row[0])
     return next(sizes, None)
+
+
+def keyway_reach(bore: float) -> float:
+    """How far the corners of the keyway of a bore are from the axis [mm]; 0: there is none."""
+    sizes = standard_keyway(bore)
+    return 0.0 if sizes is None else hypot(0.5 * sizes[0], 0.5 * bore + sizes[1])

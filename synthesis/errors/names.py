@@ -271,14 +271,24 @@ def _end_of_range(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     """A field that may be a range, where a name says which end of it: ``base_radius_min``."""
     words = words_of(wrong.name)
     end = next((end for end in ("min", "max") if end in words), None)
+    if end is None:
+        return None
     bare = "_".join(word for word in words if word != end)
+    # The other end, where it stands beside: one range is written for both.
+    other = "max" if end == "min" else "min"
+    twin = [other if word == end else word for word in words]
+    beside = next((name for name in wrong.around if words_of(name) == twin), None)
     for field, unit, factor in _matches(replace(wrong, path=(*wrong.path[:-1], bare)), fields):
         members = schemas_at(wrong.body, [*wrong.path[:-1], field], wrong.model)
         if any(end in member.get("properties", {}) for member in members):
             written, why, value = _value_for(field, wrong, unit, factor, [])
-            what = f'"{field}": {{"{end}": {written or "…"}}}'
+            ends: dict[str, str] = {end: written or "…"}
+            if beside is not None:
+                far = replace(wrong, path=(*wrong.path[:-1], beside))
+                ends[other] = _value_for(field, far, unit, factor, [])[0] or "…"
+            inside = ", ".join(f'"{name}": {ends[name]}' for name in sorted(ends, reverse=True))
             to = None if field in wrong.around else (*wrong.path[:-1], field)
-            return Answer(f"Write {what}{why}.", to, {end: value})
+            return Answer(f'Write "{field}": {{{inside}}}{why}.', to, {end: value})
     return None
 
 
@@ -358,6 +368,8 @@ def _is_telling(wrong: Wrong, field: str) -> bool:
 
 def _misspelt(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer:
     name = wrong.name[:LONGEST_GUESSED]
+    if wrong.around.get("kind") == "dwell" and field_unit(name)[0] == "lift":
+        return Answer("Remove it: a dwell has no lift.")
     listed = f"{did_you_mean(name, fields)} Allowed: {', '.join(fields)}.".strip()
     close = get_close_matches(name, [f for f in fields if f not in wrong.around], 1, SURE)
     return Answer(listed, (*wrong.path[:-1], close[0]), wrong.value) if close else Answer(listed)

@@ -30,7 +30,7 @@ BACKWARD = 1e-9  # of g': motion backwards that is rounding
 SAME_TURN = 0.01  # relative: what is left of a turn's sum after numbers were rounded to 2 digits
 # Sums of angles over a turn in other units, what they are called, and what a turn is in degrees.
 OTHER_TURNS = (
-    (FULL_TURN, "rad", "radians", "degrees are 57.2958 times as many"),
+    (FULL_TURN, "rad", "radians", "a radian is 57.2958°"),
     (1.0, "turn", "parts of a turn", "a turn has 360°"),
 )
 MOST_IN_RADIANS = 1.6  # a pressure angle: π/2 rad is more than any, 1.6° less than any in use
@@ -50,7 +50,8 @@ def check_turn(program: Sequence[Segment], limits: Sequence[Any] = ()) -> None:
                 "program_angles",
                 "The angles of program sum to {turn}, not 360°: these look like {unit}. Write "
                 "{right} instead of {first} at program/0/angle_deg, and so on: {words}{also}.",
-                {"value": round(turn, 9), "turn": f"{turn:.9g}", "unit": called, "first": first,
+                {"value": round(turn, 9), "turn": f"{turn:.9g}", "unit": called,
+                 "first": f"{first:.9g}",
                  "words": words, "right": _degrees(first, unit), "also": _also(limits, unit)},
             )  # fmt: skip
     # The longest dwell is the easiest to change, if it stays one.

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from math import hypot
-
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.hub import KEYED_BORES, standard_keyway
+from synthesis.catalogue.hub import KEYED_BORES, keyway_reach
 
 
 def check_shaft(
@@ -32,14 +30,14 @@ def check_shaft(
                 "keyway_without_shaft",
                 "A keyway is asked for, but no shaft. Give shaft_diameter_mm.",
             )
-        sizes = standard_keyway(shaft)
-        if sizes is None:
+        corner = keyway_reach(shaft)
+        if not corner:
             raise PydanticCustomError(
                 "keyway_has_no_standard",
                 "shaft_diameter_mm = {value}: {rule} Leave keyway out, or change the shaft.",
                 {"value": shaft, "rule": KEYED_BORES},
             )
-        reach, what = 2.0 * hypot(0.5 * sizes[0], 0.5 * shaft + sizes[1]), "the keyway"
+        reach, what = 2.0 * corner, "the keyway"
     if hub is None:
         return
     if hub <= reach:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Final
 
-from synthesis.catalogue.hub import hub_diameter, shaft_of_hub
+from synthesis.catalogue.hub import hub_diameter, keyway_reach, shaft_of_hub
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
@@ -35,6 +35,15 @@ def _find(subject: Subject) -> Iterator[Finding]:
             f"The shaft of {number(given)} mm diameter is thinner than that of "
             f"{number(loaded[0])} mm{loaded[1]}.",
             f"Give a shaft of {number(loaded[0])} mm or more, or lower the load.",
+        )  # fmt: skip
+    elif radius <= (reach := keyway_reach(bore)):
+        yield Finding(
+            "caution", "body/bore_mm",
+            f"The wall between the bore of {number(bore)} mm and the base circle is "
+            f"{number(radius - 0.5 * bore)} mm; the keyway of that bore would reach "
+            f"{number(reach)} mm from the axis, through it.",
+            f"Ask for a base radius of at least {number(0.5 * hub_diameter(bore))} mm, take a "
+            "thinner shaft, or make cam and shaft in one piece.",
         )  # fmt: skip
     elif subject.base_radius_is_set:
         return
@@ -73,16 +82,18 @@ RULE = Rule(
     code="hub",
     thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
     "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
-    "thinner than that, or a base circle below the hub's 1.75 diameters of these plus 1/4 in. And "
+    "thinner than that, a base circle below the hub's 1.75 diameters of these plus 1/4 in, or a "
+    "bore whose keyway by DIN 6885-1 would come out of the base circle. And "
     "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
     "fifth of the stroke, stop: than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
-    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway.",
+    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; "
+    "DIN 6885-1: depths of keyways.",
     checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
-    "6000 psi is 25 % less than 8000; neither number, nor its text. A fifth and a tenth of the "
-    "stroke are this program's, for want of a rule.",
+    "6000 psi is 25 % less than 8000; neither number, nor its text; nor DIN 6885-1. A fifth "
+    "and a tenth of the stroke are this program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
-    "shaft too thin for the load)",
+    "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,
 )

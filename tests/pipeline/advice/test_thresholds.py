@@ -82,6 +82,13 @@ def room(share: float) -> Spec:
     return faced(20.0, 140.0, base - deepest(20.0, 140.0))
 
 
+def walled(share: float) -> Spec:
+    """A base radius of this share of the reach of the keyway of a 40 mm bore, 12 by 3.3 mm."""
+    reach = float(np.hypot(6.0, 20.0 + 3.3))
+    body = {"thickness_mm": 10.0, "bore_mm": 40.0}
+    return cam(reach * share, body=body, program=program(5.0, 140.0))
+
+
 def torque(shaft: float) -> Spec:
     """A force whose largest torque needs a shaft of this diameter; the base radius is 40 mm."""
     moment = 40.0 * pi * shaft**3 / 16.0  # N mm; the law is steepest in its middle: 2 h/β
@@ -150,6 +157,7 @@ EDGES: list[tuple[str, Spec, str | None]] = [
     ("hub", torque((80.0 - 6.35) / 1.75 * 0.999), None),
     ("hub", torque((80.0 - 6.35) / 1.75 * 1.001), "caution"),
     ("hub", torque(79.9), "caution"), ("hub", torque(80.1), "stop"),
+    ("hub", walled(0.999), "caution"), ("hub", walled(1.001), None),
     ("pressure_angle", steep(29.99), None), ("pressure_angle", steep(30.01), "note"),
     ("pressure_angle", steep(37.9), "note"), ("pressure_angle", steep(38.1), "caution"),
     ("pressure_angle", steep(44.9, limits=RISE_MEANT), None),

@@ -31,7 +31,8 @@ def test_swagger_sends_a_worked_example_and_downloads_a_file(
     page.goto(f"{real_service.url}/docs")
     operation = page.locator("#operations-designs-create_design")
     expect(operation).to_be_visible()
-    assert page.locator(".opblock").count() == sum(map(len, served["paths"].values()))
+    # operations of other tags are drawn when these open
+    assert page.locator("#operations-files-get_profile_csv").count() == 0
     picture(page, tmp_path, "operations")
     operation.locator(".opblock-summary-control").click()
     menu = operation.locator(".examples-select-element").first
@@ -52,6 +53,7 @@ def test_swagger_sends_a_worked_example_and_downloads_a_file(
     operation.locator(".opblock-summary-control").click()
     spec = examples()[SELF_CHECK]["value"]
     design = real_service.client.post("/v1/designs", json=spec).json()
+    page.locator("#operations-tag-files").click()
     operation = page.locator("#operations-files-get_profile_csv")
     operation.locator(".opblock-summary-control").click()
     operation.get_by_placeholder("design_id").fill(design["id"])

@@ -258,6 +258,13 @@ REQUESTS: dict[str, WrongRequest] = {
     "a lift of zero": wrong(
         D, {"/program/0/lift_mm": 0}, "/program/0/lift_mm", "dwell",
     ),
+    "a dwell with a lift": wrong(
+        D, {"/program/1/lift_mm": 0}, "/program/1/lift_mm", "a dwell has no lift",
+    ),
+    "both ends of a range": wrong(
+        D, {"/base_radius_min": 40, "/base_radius_max": 60}, "/base_radius_min",
+        'Write "base_radius_mm": {"min": 40, "max": 60}.', count=2,
+    ),
     "a text with its unit": wrong(
         D, {"/program/0/lift_mm": "45 mm"}, "/program/0/lift_mm", "Write 45", "without a unit",
     ),
