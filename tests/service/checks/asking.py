@@ -179,7 +179,7 @@ def judge(asking: Asking, store: Store, settled_s: float) -> int:
             seen.designs[answer.headers["content-location"]] = body
         else:
             failed[body["name"]] = answer.text
-    ids = asking.listed("/v1/designs", "designs", "id")
+    ids = asking.listed("/v1/designs", "items", "id")
     doubled += len(ids) - len(set(ids))
     asked = {where.rpartition("/")[2] for where in seen.designs}
     lost |= asked - set(ids)
@@ -201,7 +201,7 @@ def judge(asking: Asking, store: Store, settled_s: float) -> int:
         doubled += len(store.rows(query))
     owned = store.rows("select count(*) from answers where leased_by is not null")[0][0]
     verified = subprocess.run(
-        [sys.executable, "-m", "service", "admin", "verify", "--database-url", store.url],
+        [sys.executable, "-m", "service.cli", "admin", "verify", "--database-url", store.url],
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     if verified.returncode:
