@@ -58,7 +58,9 @@ def test_a_lease_from_before_the_clock_was_set_back_holds_nobody_up(store: Store
         assert await dead.take(waiting.sequence)
         assert not await other.take(waiting.sequence)
         later = AnswerRow.leased_until + HOUR_S
-        await store.do(lambda session: session.execute(update(AnswerRow).values(leased_until=later)))
+        await store.do(
+            lambda session: session.execute(update(AnswerRow).values(leased_until=later))
+        )
         assert [each.id for each in await other.unleased()] == ["a"]
         assert await other.take(waiting.sequence)
         assert await dead.renew() == set()
