@@ -52,6 +52,7 @@ class Leases(Generic[Row]):
         self, rows: type[Row], under_way: Sequence[str], store: Store, lease_s: float
     ) -> None:
         self._rows, self._do, self.lease_s = rows, store.do, lease_s
+        self._longest_s = lease_s
         self.process = uuid.uuid4().hex
         self._under_way = rows.state.in_(under_way)
 
@@ -63,7 +64,7 @@ class Leases(Generic[Row]):
         back: who holds it is dead, or renews it within moments.
         """
         until = self._rows.leased_until
-        latest = Now() + max(self.lease_s, 0.0) + CLOCK_S
+        latest = Now() + self._longest_s + CLOCK_S
         return or_(self._rows.leased_by.is_(None), until < Now(), until > latest)
 
     async def take(self, sequence: int) -> bool:
