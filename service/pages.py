@@ -149,8 +149,11 @@ async def show_document(path: str) -> Response:
 
 def _document(path: str) -> Path | None:
     """The file behind a path, if it is a document or a picture of one."""
-    file = (DOCUMENTS / path).resolve()
-    if not file.is_relative_to(DOCUMENTS) or not file.is_file():
+    try:
+        file = (DOCUMENTS / path).resolve()
+        if not file.is_relative_to(DOCUMENTS) or not file.is_file():
+            return None
+    except (OSError, ValueError):  # no system has such a name: it is too long, or holds a NUL
         return None
     name = file.relative_to(DOCUMENTS).as_posix()
     known = name in AT_THE_TOP or (

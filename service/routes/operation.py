@@ -7,7 +7,6 @@ from typing import Literal
 
 from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field
-from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from service.contract.documentation import problems
@@ -67,10 +66,7 @@ async def get_livez() -> Alive:
 )
 async def get_readyz(parts: Parts, response: Response) -> Ready:
     """200 when the store answers and a worker can be reached, otherwise 503."""
-    try:
-        store = await parts.store.reachable()
-    except SQLAlchemyError:
-        store = False
+    store = await parts.store.works()
     workers = await parts.engine.workers()
     ready = store and workers > 0
     response.status_code = 200 if ready else 503

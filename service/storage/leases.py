@@ -11,7 +11,7 @@ import uuid
 from collections.abc import Sequence
 from typing import Any, Generic, TypeVar
 
-from sqlalchemy import Float, Select, or_, select, update
+from sqlalchemy import ColumnElement, Float, Select, or_, select, update
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 
@@ -19,6 +19,7 @@ from service.storage.store import Store
 from service.storage.tables import LeasedRow
 
 Row = TypeVar("Row", bound=LeasedRow)
+CLOCK_S = 1.0  # by which a clock is set back without notice, as it is trimmed [s]
 
 
 class Now(FunctionElement[float]):
@@ -42,7 +43,8 @@ def _in_sqlite(*_: Any, **__: Any) -> str:
 class Leases(Generic[Row]):
     """The leases of this process on rows of a table; every method is one transaction.
 
-    ``process`` names this one in them; ``lease_s`` is how long one lasts unless renewed [s].
+    ``process`` names this one in them; ``lease_s`` is how long one lasts unless renewed [s], the
+    same for all services of a database.
     Only rows in a state of ``under_way`` are worked on.
     """
 
@@ -50,9 +52,20 @@ class Leases(Generic[Row]):
         self, rows: type[Row], under_way: Sequence[str], store: Store, lease_s: float
     ) -> None:
         self._rows, self._do, self.lease_s = rows, store.do, lease_s
+        self._longest_s = lease_s
         self.process = uuid.uuid4().hex
         self._under_way = rows.state.in_(under_way)
-        self._unleased = or_(rows.leased_by.is_(None), rows.leased_until < Now())
+
+    @property
+    def _unleased(self) -> ColumnElement[bool]:
+        """That no living process holds the lease.
+
+        One that ends later than any could that is taken now was taken before the clock was set
+        back: who holds it is dead, or renews it within moments.
+        """
+        until = self._rows.leased_until
+        latest = Now() + self._longest_s + CLOCK_S
+        return or_(self._rows.leased_by.is_(None), until < Now(), until > latest)
 
     async def take(self, sequence: int) -> bool:
         """Take the lease of a row that no living process holds; whether it was got."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import math
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
@@ -23,7 +25,7 @@ from sqlalchemy import (
     update,
 )
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
@@ -36,6 +38,7 @@ ENDED = (
     "created", "state", "status", "body", "etag", "summary", "problem", "leased_by", "leased_until",
 )  # fmt: skip
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
+PROBE_S = 1.0  # that a look at the database is good for: anyone may ask, and each look is a write
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
 Lookup = Callable[[Session, str, str | None], AnswerRow | None]
@@ -67,6 +70,7 @@ class Store:
         self._session = sessionmaker(self._engine, expire_on_commit=False)
         self._threads = ThreadPoolExecutor(threads, "store")
         self._kept_for = timedelta(hours=settings.idempotency_hours)
+        self._probing, self._probed, self._works = asyncio.Lock(), -math.inf, False
         migrate(self._engine)
 
     @property
@@ -90,9 +94,23 @@ class Store:
         except IntegrityError:
             return await loop.run_in_executor(self._threads, transaction)
 
-    async def reachable(self) -> bool:
-        """Whether the database answers."""
-        return await self.do(lambda session: session.execute(text("select 1")).scalar()) == 1
+    async def works(self) -> bool:
+        """Whether the database takes what is written, as of at most ``PROBE_S`` ago.
+
+        A row is written with the value that it has: a full, read-only or damaged database answers
+        `select 1` still, and SQLite opens no file for that.
+        """
+        async with self._probing:  # whoever asks meanwhile waits for the same look
+            now = time.monotonic()
+            if now >= self._probed + PROBE_S:
+                write = text("update alembic_version set version_num = version_num")
+                try:
+                    await self.do(lambda session: session.execute(write))
+                    self._works = True
+                except SQLAlchemyError:
+                    self._works = False
+                self._probed = now
+        return self._works
 
     async def body_of_key(self, owner: str, key: str, body_hash: str) -> str:
         """Hash of the body that an owner's Idempotency-Key came with first: this, if it is new."""

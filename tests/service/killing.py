@@ -70,8 +70,8 @@ class Process:
             self.kill()
 
 
-def service(folder: Path, port: int, **more: str) -> Process:
-    """The service with the fake core, on its own workers."""
+def service(folder: Path, port: int, *, real: bool = False, **more: str) -> Process:
+    """The service with the fake core, or the real one, on its own workers."""
     script = folder / "serve.py"
     script.write_text(SERVE, encoding="utf-8")
     environment = {
@@ -81,7 +81,7 @@ def service(folder: Path, port: int, **more: str) -> Process:
         "CAMWRIGHT_LEASE_S": "1.5",
         **more,
     }
-    return Process(str(script), **environment)
+    return Process(*(("-m", "service") if real else (str(script),)), **environment)
 
 
 def answering(client: httpx2.Client) -> None:

@@ -38,9 +38,15 @@ def _account() -> str | None:
 
 
 @contextmanager
-def postgres(user: str, database: str) -> Iterator[int]:
-    """Its port; the user has ``PASSWORD`` and owns the database."""
-    folder, account, port = Path(tempfile.mkdtemp(prefix="postgres-")), _account(), free_port()
+def postgres(
+    user: str, database: str, disk: Path | None = None, *, fsync: bool = False
+) -> Iterator[int]:
+    """Its port; the user has ``PASSWORD`` and owns the database.
+
+    ``disk``: a folder for all that it keeps; ``fsync``: it waits for the disk.
+    """
+    folder = Path(tempfile.mkdtemp(prefix="postgres-", dir=disk))
+    account, port = _account(), free_port()
     secret = folder / "secret"
     secret.write_text(PASSWORD, encoding="ascii")
     if account is not None:
@@ -53,7 +59,7 @@ def postgres(user: str, database: str) -> Iterator[int]:
             check=True, user=account, cwd=folder, stdout=subprocess.DEVNULL,
         )  # fmt: skip
         settings = {"listen_addresses": "127.0.0.1", "port": port, "unix_socket_directories": "",
-                    "fsync": "off"}  # fmt: skip
+                    "fsync": "on" if fsync else "off"}  # fmt: skip
         options = [part for name, value in settings.items() for part in ("-c", f"{name}={value}")]
         with (folder / "log").open("wb") as log:
             running = subprocess.Popen(

@@ -51,7 +51,7 @@ def test_an_answer_is_found_under_its_kind_alone(tmp_path: Path) -> None:
             assert found.name == name
         await elsewhere.accept(row("d", OTHER))
         assert (await elsewhere.find("d", None)).name == "name of d"  # type: ignore[union-attr]
-        assert await store.reachable()
+        assert await store.works()
 
     on_store(tmp_path, work)
 

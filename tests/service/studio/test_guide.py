@@ -60,7 +60,15 @@ def test_links_lead_to_documents_and_headings(client: TestClient) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    ["../pyproject.toml", "docs/../pyproject.toml", "service/guide.py", "docs", "nothing.md"],
+    [
+        "../pyproject.toml",
+        "docs/../pyproject.toml",
+        "service/guide.py",
+        "docs",
+        "nothing.md",
+        "%00/etc/passwd",
+        "a" * 5000,
+    ],
 )
 def test_nothing_else_is_served(client: TestClient, path: str) -> None:
     assert client.get(f"/guide/{path.replace('..', '%2e%2e')}").status_code == 404

@@ -1,0 +1,68 @@
+"""A store that fails, and a clock that is set: health says so, and nothing waits for ever."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sqlalchemy import update
+from sqlalchemy.exc import OperationalError
+
+from service.storage import store as store_module
+from service.storage.leases import Leases
+from service.storage.store import Answers, Store
+from service.storage.tables import AnswerRow
+from tests.service.conftest import settings_for
+from tests.service.storage.test_answers import ONE, row
+
+HOUR_S = 3600.0
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    store = Store(settings_for(tmp_path))
+    yield store
+    store.dispose()
+
+
+def test_a_store_that_takes_no_writes_does_not_work(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It answers what is read still; once mended it works, and nothing is half-written."""
+    monkeypatch.setattr(store_module, "PROBE_S", 0.0)
+
+    async def story() -> None:
+        answers = Answers(ONE, store)
+        assert await store.works()
+        await store.do(lambda session: session.connection().exec_driver_sql("pragma query_only=1"))
+        assert not await store.works()
+        with pytest.raises(OperationalError, match="readonly"):
+            await answers.accept(row("a"))
+        assert await answers.find("a", None) is None
+        await store.do(lambda session: session.connection().exec_driver_sql("pragma query_only=0"))
+        assert await store.works()
+        assert (await answers.accept(row("a"))).state == "accepted"
+
+    asyncio.run(story())
+
+
+def test_a_lease_from_before_the_clock_was_set_back_holds_nobody_up(store: Store) -> None:
+    """The process that had it is dead: its lease ends an hour after it would have, by the clock."""
+
+    async def story() -> None:
+        await Answers(ONE, store).accept(row("a"))
+        dead, other = (Leases(AnswerRow, ("accepted",), store, 60.0) for _ in range(2))
+        (waiting,) = await other.unleased()
+        assert await dead.take(waiting.sequence)
+        assert not await other.take(waiting.sequence)
+        later = AnswerRow.leased_until + HOUR_S
+        await store.do(
+            lambda session: session.execute(update(AnswerRow).values(leased_until=later))
+        )
+        assert [each.id for each in await other.unleased()] == ["a"]
+        assert await other.take(waiting.sequence)
+        assert await dead.renew() == set()
+
+    asyncio.run(story())
