@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from sqlalchemy import (
     Engine,
@@ -23,12 +24,16 @@ from sqlalchemy import (
     update,
 )
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
+from service.wire.tracing import span
+
+if TYPE_CHECKING:
+    from service.wire.observe import Metrics
 
 UNANSWERED = ("accepted", "failed")
 # What an answer that has ended says of itself, and that nobody works on it any more.
@@ -54,7 +59,7 @@ def _make_durable(connection: Any, _record: Any) -> None:
 class Store:
     """Every method is one transaction in a thread of its own: the event loop never waits."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, metrics: Metrics | None = None) -> None:
         url, threads = settings.database, THREADS
         if url.get_backend_name() == "sqlite":
             if url.database:
@@ -66,6 +71,7 @@ class Store:
             self._engine = create_engine(url, pool_pre_ping=True, pool_size=threads)
         self._session = sessionmaker(self._engine, expire_on_commit=False)
         self._threads = ThreadPoolExecutor(threads, "store")
+        self._metrics = metrics
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         migrate(self._engine)
 
@@ -84,11 +90,19 @@ class Store:
             with self._session.begin() as session:
                 return work(session)
 
-        loop = asyncio.get_running_loop()
-        try:
-            return await loop.run_in_executor(self._threads, transaction)
-        except IntegrityError:
-            return await loop.run_in_executor(self._threads, transaction)
+        loop, began = asyncio.get_running_loop(), time.perf_counter()
+        with span("store", **{"code.function.name": work.__qualname__}):
+            try:
+                return await loop.run_in_executor(self._threads, transaction)
+            except IntegrityError:
+                return await loop.run_in_executor(self._threads, transaction)
+            except DBAPIError:
+                if self._metrics is not None:
+                    self._metrics.store_failures.inc()
+                raise
+            finally:
+                if self._metrics is not None:
+                    self._metrics.store.observe(time.perf_counter() - began)
 
     async def reachable(self) -> bool:
         """Whether the database answers."""
