@@ -8,7 +8,7 @@ ENV PATH=/opt/venv/bin:$PATH
 WORKDIR /src
 
 # The locked packages first, each checked against its hash: this layer changes only with the lock.
-# It holds the extras of a deployed service too: the PostgreSQL driver, Parquet and DXF.
+# It holds the extras of a deployed service too: the PostgreSQL driver, Parquet, DXF and traces.
 COPY requirements-image.lock ./
 RUN pip install -r requirements-image.lock
 

@@ -104,7 +104,7 @@ lock: $(DEV)  ## write the lock files anew (UPGRADE=1 takes newer versions)
 	$(LOCK) --extra dev pyproject.toml --output-file requirements-dev.lock
 	$(LOCK) --constraint requirements-dev.lock --extra dxf pyproject.toml --output-file requirements.lock
 	$(LOCK) --constraint requirements-dev.lock --extra dxf --extra parquet --extra postgres \
-	  pyproject.toml --output-file requirements-image.lock
+	  --extra traces pyproject.toml --output-file requirements-image.lock
 	@! grep -nE '://|^-|^/|@' requirements.lock requirements-dev.lock requirements-image.lock \
 	  || { echo "A lock file holds an address, an option or a path: see above." >&2; exit 1; }
 

@@ -30,11 +30,12 @@ from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
+from service.wire.tracing import telemetry
 from service.wire.validation import prepare
 from service.workers.engine import Engine, running_engine
 from service.workers.readers import Readers
 
-EngineOf = Callable[[Settings], AbstractAsyncContextManager[Engine]]
+EngineOf = Callable[[Settings, Metrics], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, proofs, catalogue, operation)
 GZIP_LEVEL = 4  # of 9: a third of the time of the highest for a twentieth more bytes
 EXPOSED = (
@@ -56,8 +57,8 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        store = Store(settings)
-        async with engine_of(settings) as engine:
+        store = Store(settings, metrics)
+        async with engine_of(settings, metrics) as engine:
             all_sweeps = Sweeps(engine, store, settings)
             jobs: dict[str, Jobs] = {}
             accepted = questions(store, settings, jobs)
@@ -93,6 +94,7 @@ def create_app(
         swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=attrgetter("name"),  # the method of generated clients
         redirect_slashes=False,
+        telemetry=telemetry(),
     )
     for resource in RESOURCES.values():
         app.include_router(resource_routes.router_of(resource))

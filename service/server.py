@@ -26,7 +26,7 @@ from service.storage.store import Store
 from service.wire.access import audit
 from service.wire.connection import Connection
 from service.wire.errors import ProblemType
-from service.wire.observe import configure_logs
+from service.wire.logs import configure_logs
 from service.wire.places import Places
 from synthesis.spec.design_spec import DesignSpec
 

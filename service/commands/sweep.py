@@ -84,7 +84,7 @@ def own_service(folder: Path) -> Iterator[str]:
 
     from service.app import create_app
     from service.server import open_database, server_config
-    from service.wire.observe import configure_logs
+    from service.wire.logs import configure_logs
 
     configure_logs("error")
     open_database(settings).dispose()

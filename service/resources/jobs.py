@@ -20,6 +20,7 @@ from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
+from service.wire.tracing import tracer
 from service.wire.validation import kept_question
 from service.work import POLL_S, RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine
@@ -221,6 +222,11 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
+        with tracer.start_as_current_span("question", record_exception=False) as span:
+            span.set_attributes({"kind": self.resource.path, "id": id})
+            return await self._work_on(attempt, id, spec)
+
+    async def _work_on(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
         row = self._row(id, spec, "done")
         try:
             answer = await self._solve(row, attempt.budget_s)
@@ -232,7 +238,6 @@ class Jobs:
             attempt.keeping = attempt.failed = True
             await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
-        self._metrics.solves.labels(answer.status).observe(answer.seconds)
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
         attempt.keeping = True

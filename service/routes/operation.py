@@ -81,8 +81,13 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 )
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
-    engine, counts = parts.engine, await parts.jobs[DESIGNS.path].answers.counts()
-    page = parts.metrics.page(counts, engine.waiting, engine.running, await engine.workers())
+    engine, sweeps = parts.engine, len(parts.sweeps.work.runners)
+    try:
+        counts = await parts.jobs[DESIGNS.path].answers.counts()
+    except SQLAlchemyError:
+        counts = None
+    workers = await engine.workers()
+    page = parts.metrics.page(counts, engine.waiting, engine.running, sweeps, workers)
     return Response(page, media_type="text/plain; version=0.0.4")
 
 

@@ -27,6 +27,7 @@ from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, only_head, tag_of
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.problem import problem_response
+from service.wire.tracing import span
 from synthesis.design.design import WITHOUT_CAM
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.exporters import FileContent, form
@@ -318,9 +319,10 @@ async def send_file(
     if only_head(request) and row.status not in WITHOUT_CAM:
         return StreamingResponse(nothing(), 200, headers, media_type)
     make = partial(file.write, file.format, body, options)
-    content: FileContent = await (
-        in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
-    )
+    with span("file", file=file.path), parts.metrics.files.labels(file.path).time():
+        content: FileContent = await (
+            in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
+        )
     headers |= {f"Camwright-{key}": value for key, value in content.metadata.items()}
     return Response(content.data, 200, headers, media_type)
 

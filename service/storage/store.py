@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from sqlalchemy import (
     Engine,
@@ -25,12 +25,16 @@ from sqlalchemy import (
     update,
 )
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session, defer, sessionmaker
 
 from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
+from service.wire.tracing import span
+
+if TYPE_CHECKING:
+    from service.wire.observe import Metrics
 
 UNANSWERED = ("accepted", "failed")
 # What an answer that has ended says of itself, and that nobody works on it any more.
@@ -57,7 +61,7 @@ def _make_durable(connection: Any, _record: Any) -> None:
 class Store:
     """Every method is one transaction in a thread of its own: the event loop never waits."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, metrics: Metrics | None = None) -> None:
         url, threads = settings.database, THREADS
         if url.get_backend_name() == "sqlite":
             if url.database:
@@ -69,6 +73,7 @@ class Store:
             self._engine = create_engine(url, pool_pre_ping=True, pool_size=threads)
         self._session = sessionmaker(self._engine, expire_on_commit=False)
         self._threads = ThreadPoolExecutor(threads, "store")
+        self._metrics = metrics
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         self._probing, self._probed, self._works = asyncio.Lock(), -math.inf, False
         migrate(self._engine)
@@ -88,11 +93,19 @@ class Store:
             with self._session.begin() as session:
                 return work(session)
 
-        loop = asyncio.get_running_loop()
-        try:
-            return await loop.run_in_executor(self._threads, transaction)
-        except IntegrityError:
-            return await loop.run_in_executor(self._threads, transaction)
+        loop, began = asyncio.get_running_loop(), time.perf_counter()
+        with span("store", **{"code.function.name": work.__qualname__}):
+            try:
+                return await loop.run_in_executor(self._threads, transaction)
+            except IntegrityError:
+                return await loop.run_in_executor(self._threads, transaction)
+            except DBAPIError:
+                if self._metrics is not None:
+                    self._metrics.store_failures.inc()
+                raise
+            finally:
+                if self._metrics is not None:
+                    self._metrics.store.observe(time.perf_counter() - began)
 
     async def works(self) -> bool:
         """Whether the database takes what is written, as of at most ``PROBE_S`` ago.

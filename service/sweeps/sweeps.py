@@ -27,6 +27,7 @@ from service.sweeps.store import STATUSES, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.problem import problem_of
+from service.wire.tracing import separate_span
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine, new_task_name
 from synthesis.design.identity import ENGINE_NUMBER, identity
@@ -143,7 +144,7 @@ class SweepRunner:
                 if not numbers:
                     break
                 name = new_task_name()
-                chunk = asyncio.create_task(self._run_chunk(chunks, numbers, name))
+                chunk = asyncio.create_task(self._trace_chunk(chunks, numbers, name))
                 self._running[chunk] = name
             if not self._running:
                 return
@@ -152,6 +153,10 @@ class SweepRunner:
                 del self._running[chunk]
                 if not chunk.cancelled():
                     chunk.result()
+
+    async def _trace_chunk(self, chunks: Chunks, numbers: list[int], name: str) -> None:
+        with separate_span("chunk of a sweep"):
+            await self._run_chunk(chunks, numbers, name)
 
     async def _run_chunk(self, chunks: Chunks, numbers: list[int], name: str) -> None:
         """Solve the items of a chunk and store the answers; what was not begun is put back."""

@@ -13,6 +13,7 @@ from typing import Any, Literal
 from pydantic import JsonValue, ValidationError
 
 from service.wire.errors import ProblemType
+from service.workers.measured import note
 from service.workers.tasks import Answer
 from synthesis.design.design import Status
 from synthesis.design.warnings import Severity
@@ -102,6 +103,7 @@ def _answer(
         from service.wire.problem import problem_of
 
         seconds, problem = time.monotonic() - started, problem_of(error)
+        note("failed", seconds)
         problem.pop("best", None)
         best = error.best if isinstance(error, TimeBudgetExceeded) else None
         if best is None:

@@ -238,6 +238,5 @@ def _note(action: str, scope: Scope, status: int, made: str | None = None) -> No
         "key": caller and caller.key,
         "client": client and client[0],
         "status": status,
-        "request_id": scope.get("request_id"),
     }
     audit.info("audit", extra={"fields": fields})

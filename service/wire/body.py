@@ -9,6 +9,7 @@ from fastapi import Request
 from pydantic import BaseModel
 
 from service.wire.errors import ProblemType
+from service.wire.tracing import span
 from service.wire.validation import Question, read_question
 
 READ_ON = 32  # times the limit: so much of a refused body is read, so that clients see the answer
@@ -56,6 +57,7 @@ async def read_body(
 ) -> tuple[Question, bytes]:
     """The question in a request, and its bytes; ServiceError where they are none of ``model``."""
     body = await receive_body(request, max_bytes)
-    if len(body) <= SHORT:
-        return read_question(body, model), body
-    return await readers.run(read_question, body, model), body
+    with span("validation"):
+        if len(body) <= SHORT:
+            return read_question(body, model), body
+        return await readers.run(read_question, body, model), body

@@ -1,26 +1,34 @@
-"""Logs and metrics for Prometheus: requests, solve times, designs by status, the queue."""
+"""Metrics for Prometheus, and a log line, ids and headers for every request."""
 
 from __future__ import annotations
 
-import json
 import logging
 import re
 import time
 import uuid
-from datetime import UTC, datetime
 from functools import partial
 
 from fastapi import Request
-from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
+from opentelemetry import trace
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    Histogram,
+    ProcessCollector,
+    Summary,
+    generate_latest,
+)
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.wire.logs import ids, trace_ids
 from service.wire.problem import error_response
+from service.wire.tracing import QUIET, traceparent
 
 VALID_ID = re.compile(r"[\w.:-]{1,64}", re.ASCII)
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
-QUIET = frozenset({"/livez", "/readyz", "/metrics"})
 NOT_MODIFIED = 304  # status of an answer without a body: the caller has it
 CLIENT_GONE = 499  # in logs and metrics, as of proxies: there is no such answer
 # Bounds of the buckets of times [s]: from a kept answer to the default time budget and beyond.
@@ -42,6 +50,7 @@ class Metrics:
 
     def __init__(self) -> None:
         self._registry = registry = CollectorRegistry()
+        ProcessCollector(registry=registry)
         counter, gauge = partial(Counter, registry=registry), partial(Gauge, registry=registry)
         seconds = partial(Histogram, buckets=SECONDS, registry=registry)
         request = ("method", "route", "status")
@@ -49,49 +58,43 @@ class Metrics:
         self.latency = seconds(
             "camwright_http_request_seconds", "From request to the last byte.", ["route"]
         )
-        self.solves = seconds("camwright_solve_seconds", "Time in the core.", ["status"])
+        self.queue = seconds("camwright_queue_seconds", "Wait for a worker.", ["work"])
+        self.work = seconds("camwright_worker_seconds", "A task with a worker.", ["work"])
+        self.lost = counter("camwright_workers_lost", "Workers that ended with a task.")
+        self.solves = seconds(
+            "camwright_solve_seconds", "Time in the core, items of sweeps included.", ["status"]
+        )
+        self.stages = seconds("camwright_stage_seconds", "Stages of the core.", ["stage"])
         self.failures = counter(
             "camwright_failed_designs", "Designs that ended in a problem.", ["problem"]
         )
+        self.files = Summary(
+            "camwright_file_seconds", "Making a file of an answer.", ["file"], registry=registry
+        )
+        self.store = seconds("camwright_store_seconds", "A transaction, its wait included.")
+        self.store_failures = counter(
+            "camwright_store_failures", "Transactions that the store failed at."
+        )
+        self._store_up = gauge("camwright_store_up", "Whether the store has answered just now.")
         self._designs = gauge("camwright_designs", "Designs in the store.", ["status"])
         self._waiting = gauge("camwright_designs_waiting", "Designs waiting for a worker.")
         self._running = gauge("camwright_designs_running", "Designs on a worker.")
+        self._sweeps = gauge("camwright_sweeps_running", "Sweeps that this process works on.")
         self._workers = gauge("camwright_workers", "Workers reachable.")
 
-    def page(self, designs: dict[str, int], waiting: int, running: int, workers: int) -> bytes:
-        """The text for Prometheus, with the current state."""
+    def page(
+        self, designs: dict[str, int] | None, waiting: int, running: int, sweeps: int, workers: int
+    ) -> bytes:
+        """The text for Prometheus, with the current state; ``designs`` None: no store answers."""
+        self._store_up.set(designs is not None)
         self._designs.clear()
-        for status, count in designs.items():
+        for status, count in (designs or {}).items():
             self._designs.labels(status).set(count)
         self._waiting.set(waiting)
         self._running.set(running)
+        self._sweeps.set(sweeps)
         self._workers.set(workers)
         return generate_latest(self._registry)
-
-
-class JsonLine(logging.Formatter):
-    """A record as one JSON object: its ``fields``, event, level, logger, time and exception."""
-
-    def format(self, record: logging.LogRecord) -> str:
-        time_utc = datetime.fromtimestamp(record.created, UTC).replace(tzinfo=None)
-        line = {
-            **getattr(record, "fields", {}),
-            "event": record.getMessage(),
-            "level": record.levelname.lower(),
-            "logger": record.name,
-            "timestamp": f"{time_utc.isoformat()}Z",
-        }
-        if record.exc_info:
-            line["exception"] = self.formatException(record.exc_info)
-        return json.dumps(line)
-
-
-def configure_logs(level: str) -> None:
-    """One JSON object a line on standard error: the service's own logs, and others' warnings."""
-    handler = logging.StreamHandler()
-    handler.setFormatter(JsonLine())
-    logging.basicConfig(level=logging.WARNING, handlers=[handler], force=True)
-    logging.getLogger("camwright").setLevel(level.upper())
 
 
 class Observe:
@@ -105,7 +108,9 @@ class Observe:
             await self._app(scope, receive, send)
             return
         id = Headers(scope=scope).get("x-request-id", "")
-        scope["request_id"] = id if VALID_ID.fullmatch(id) else uuid.uuid4().hex
+        scope["request_id"] = id = id if VALID_ID.fullmatch(id) else uuid.uuid4().hex
+        ids.set({"request_id": id, **trace_ids(traceparent())})
+        trace.get_current_span().set_attribute("camwright.request_id", id)
         started, status = time.perf_counter(), 0
 
         async def send_with_headers(message: Message) -> None:
@@ -138,7 +143,6 @@ class Observe:
                 "path": scope["path"],
                 "status": status,
                 "ms": round(1e3 * seconds, 1),
-                "request_id": scope["request_id"],
             }
             if (caller := scope.get("caller")) is not None and caller.key is not None:
                 fields |= {"owner": caller.owner, "key": caller.key}

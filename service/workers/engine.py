@@ -17,8 +17,12 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Any, Protocol, TypeVar
 
 from service.settings import Settings
-from service.wire.errors import ProblemType
+from service.wire.errors import ProblemType, ServiceError
+from service.wire.logs import ids
+from service.wire.observe import Metrics
+from service.wire.tracing import past_span, span, traceparent
 from service.workers.local import local_workers
+from service.workers.measured import Solve, measured
 from service.workers.tasks import Answer, Task, solve_design, warm_up
 from synthesis.errors import TimeBudgetExceeded
 
@@ -59,8 +63,9 @@ class Workers(Protocol):
 class Engine:
     """Runs tasks on workers; refuses what would wait too long, and cancels what overruns."""
 
-    def __init__(self, workers: Workers, settings: Settings, task: Task) -> None:
+    def __init__(self, workers: Workers, settings: Settings, task: Task, metrics: Metrics) -> None:
         self._workers, self._settings, self.task = workers, settings, task
+        self._metrics = metrics
         self._slot_free = asyncio.Condition()
         self._endings: set[asyncio.Task[None]] = set()
         self.waiting = 0
@@ -103,16 +108,35 @@ class Engine:
             budget_s: time that it has. low_priority: whether all other work goes first.
             name: to cancel it by; unique.
         """
-        await self._acquire_slot(low_priority)
+        kind = "sweep" if low_priority else "single"
+        with span("queue"), self._metrics.queue.labels(kind).time():
+            await self._acquire_slot(low_priority)
         key = name or new_task_name()
-        result = asyncio.ensure_future(self._workers.run(key, work, *arguments))
-        try:
-            return await self._wait_for(key, result, budget_s)
-        finally:
-            # The slot is free again when the worker is.
-            ending = asyncio.create_task(self._end(key, result))
-            self._endings.add(ending)
-            ending.add_done_callback(self._endings.discard)
+        with span("worker"), self._metrics.work.labels(kind).time():
+            result: asyncio.Future[tuple[T, list[Solve]]] = asyncio.ensure_future(
+                self._workers.run(key, measured, dict(ids.get()), traceparent(), work, *arguments)
+            )
+            try:
+                value, solves = await self._wait_for(key, result, budget_s)
+            except ServiceError as error:
+                self._metrics.lost.inc(error.problem is ProblemType.WORKER_LOST)
+                raise
+            finally:
+                # The slot is free again when the worker is.
+                ending = asyncio.create_task(self._end(key, result))
+                self._endings.add(ending)
+                ending.add_done_callback(self._endings.discard)
+            for solve in solves:
+                self._tell(solve)
+        return value
+
+    def _tell(self, solve: Solve) -> None:
+        """Count what the core did, and put it into the trace."""
+        self._metrics.solves.labels(solve.status).observe(solve.seconds)
+        for stage in solve.stages:
+            self._metrics.stages.labels(stage.kind).observe(stage.seconds)
+        parts = [(stage.name, stage.seconds, stage.told) for stage in solve.stages]
+        past_span("core", solve.ended_ns, solve.seconds, parts, status=solve.status)
 
     async def cancel(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
         """Cancel work, repeatedly; whether its result is there within ``CANCEL_S``.
@@ -195,11 +219,14 @@ def ignore_result(result: asyncio.Future[Any]) -> None:
 
 @asynccontextmanager
 async def running_engine(
-    settings: Settings, task: Task = solve_design, prepare: Callable[[], None] = warm_up
+    settings: Settings,
+    metrics: Metrics,
+    task: Task = solve_design,
+    prepare: Callable[[], None] = warm_up,
 ) -> AsyncIterator[Engine]:
     """An engine for as long as the service runs."""
     async with _workers_of(settings, prepare) as workers:
-        engine = Engine(workers, settings, task)
+        engine = Engine(workers, settings, task, metrics)
         watcher = asyncio.create_task(engine.watch())
         try:
             yield engine

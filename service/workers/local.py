@@ -29,6 +29,7 @@ from typing import Any, TypeVar
 import cloudpickle
 
 from service.wire.errors import ProblemType
+from service.wire.logs import configure_logs
 from service.workers import prefork
 from synthesis.numerics import clock
 
@@ -272,6 +273,7 @@ def resident_bytes(process: int) -> int:
 def serve(connection: Connection, prepare: Callable[[], None]) -> None:
     """Run tasks from a pipe until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, but the service stops it
+    configure_logs("warning")
     tasks: SimpleQueue[tuple[str, Any]] = SimpleQueue()
     events: dict[str, Event] = {}
     Thread(target=_listen, args=(connection, tasks, events), daemon=True).start()

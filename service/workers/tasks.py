@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel
 
 from service.wire.errors import ProblemType
+from service.workers.measured import note
 from synthesis.catalogue.objectives import Objective
 from synthesis.design.analysis import Analysis
-from synthesis.design.design import Design
+from synthesis.design.design import Design, Effort
 from synthesis.exporters import (
     DRAWINGS,
     MOTION_FORMATS,
@@ -92,9 +93,11 @@ def _answer(
     summary: Mapping[str, Any],
     path: str = "",
     files: Iterable[str] = (),
+    stages: Sequence[Effort] = (),
     **more: Any,
 ) -> Answer:
     """An answer as it is stored; where its collection's path is given, with links to its files."""
+    note(status, time.monotonic() - started, stages)
     if path:
         files = list(files)
         result = result.model_copy(update={"links": links_to(path, result.id, files)})
@@ -146,7 +149,7 @@ def design_answer(
     others = [name for name, each in PICTURES.items() if has_cam or each.without_cam]
     return _answer(
         design, design.status, started, summary, "/v1/designs",
-        [*(points if has_cam else ()), *others, "proof.json"],
+        [*(points if has_cam else ()), *others, "proof.json"], design.report.stages,
         quantities=quantities, id=design.id, warm_start=neighbours[-1] if neighbours else None,
     )  # fmt: skip
 
@@ -159,7 +162,8 @@ def solve_cam_set(spec: bytes, budget_s: float) -> Answer:
     result = synthesise_set(CamSetSpec.model_validate_json(spec), deadline=started + budget_s)
     summary = {"cams": len(result.cams), "solved": sum(cam.has_cam for cam in result.cams)}
     files = ("timing.svg", "bundle.zip") if result.has_cams else ()
-    return _answer(result, result.status, started, summary, "/v1/cam-sets", files)
+    stages = [stage for cam in result.cams for stage in cam.design.report.stages]
+    return _answer(result, result.status, started, summary, "/v1/cam-sets", files, stages)
 
 
 def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
@@ -171,7 +175,8 @@ def solve_spatial_cam(spec: bytes, budget_s: float) -> Answer:
     result = synthesise_spatial(question, deadline=started + budget_s)
     summary = {"machine": result.machine, "dimensions": result.dimensions}
     files = formats_of(result.machine) if result.motion else ()
-    return _answer(result, result.status, started, summary, "/v1/spatial-cams", files)
+    stages = result.report.stages
+    return _answer(result, result.status, started, summary, "/v1/spatial-cams", files, stages)
 
 
 def compute_train_response(spec: bytes, budget_s: float) -> Answer:

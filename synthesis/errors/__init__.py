@@ -89,6 +89,7 @@ EXTRAS = {
     "parquet": 170,
     "plots": 95,
     "postgres": 13,
+    "traces": 13,
 }
 """What may be installed besides, by the names in pyproject.toml, and its size on disk [MB].
 

@@ -35,7 +35,7 @@ def test_smaller_locks_have_the_versions_that_are_tested(name: str) -> None:
 def test_every_extra_that_the_image_promises_is_locked() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     found = locked(IMAGE)
-    for extra in ("dxf", "parquet", "postgres"):
+    for extra in ("dxf", "parquet", "postgres", "traces"):
         for wanted in project["optional-dependencies"][extra]:
             assert re.split(r"[\[>=<;]", wanted)[0] in found
     assert {"psycopg-binary", *locked(PLAIN)} <= found.keys()

@@ -17,7 +17,7 @@ import uvicorn
 from service.app import create_app
 from service.server import server_config
 from service.settings import Settings, listening_socket
-from service.wire.observe import configure_logs
+from service.wire.logs import configure_logs
 from service.workers.engine import running_engine
 from tests.service import fake_core
 

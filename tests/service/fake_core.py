@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from service.settings import Settings
+from service.wire.observe import Metrics
 from service.workers.engine import Engine, running_engine
 from service.workers.tasks import Answer, design_answer
 from synthesis.design.design import Certificate, Design, Report
@@ -24,9 +25,9 @@ from synthesis.spec.design_spec import DesignSpec
 LOG = "FAKE_CORE_LOG"
 
 
-def engine(settings: Settings) -> AbstractAsyncContextManager[Engine]:
+def engine(settings: Settings, metrics: Metrics) -> AbstractAsyncContextManager[Engine]:
     """An engine whose workers have this core."""
-    return running_engine(settings, task, prepare)
+    return running_engine(settings, metrics, task, prepare)
 
 
 def prepare() -> None:

@@ -22,7 +22,7 @@ if __name__ == "__main__":
     from service.workers import prefork
     prefork.start_fork_server()
     from service.app import create_app
-    from service.wire.observe import configure_logs
+    from service.wire.logs import configure_logs
     from service.settings import Settings, listening_socket
     from service.server import server_config
     from tests.service import fake_core
