@@ -86,7 +86,8 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
     engine, counts = parts.engine, await parts.jobs[DESIGNS.path].answers.counts()
-    page = parts.metrics.page(counts, engine.waiting, engine.running, await engine.workers())
+    queue = engine.queue
+    page = parts.metrics.page(counts, queue.waiting, queue.running, await engine.workers())
     return Response(page, media_type="text/plain; version=0.0.4")
 
 

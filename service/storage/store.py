@@ -29,6 +29,7 @@ from sqlalchemy.orm import Session, defer, sessionmaker
 from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
+from service.wire.fair_queue import FairQueue
 
 UNANSWERED = ("accepted", "failed")
 # What an answer that has ended says of itself, and that nobody works on it any more.
@@ -66,6 +67,7 @@ class Store:
             self._engine = create_engine(url, pool_pre_ping=True, pool_size=threads)
         self._session = sessionmaker(self._engine, expire_on_commit=False)
         self._threads = ThreadPoolExecutor(threads, "store")
+        self._queue = FairQueue(lambda: threads)
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         migrate(self._engine)
 
@@ -85,10 +87,11 @@ class Store:
                 return work(session)
 
         loop = asyncio.get_running_loop()
-        try:
-            return await loop.run_in_executor(self._threads, transaction)
-        except IntegrityError:
-            return await loop.run_in_executor(self._threads, transaction)
+        async with self._queue.turn():
+            try:
+                return await loop.run_in_executor(self._threads, transaction)
+            except IntegrityError:
+                return await loop.run_in_executor(self._threads, transaction)
 
     async def reachable(self) -> bool:
         """Whether the database answers."""
@@ -164,6 +167,11 @@ class Answers:
         """Let nobody else begin or end to hold an answer until the transaction ends."""
         answer = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
         session.execute(answer.with_for_update())
+
+    async def first_owner(self, id: str) -> str:
+        """Whoever was first to ask of those who hold it; "" where nobody does."""
+        query = select(HoldingRow.owner).filter_by(id=id).order_by(HoldingRow.sequence).limit(1)
+        return await self._do(lambda session: session.scalar(query)) or ""
 
     async def is_held(self, id: str, owner: str) -> bool:
         """Whether an owner has asked the question and not deleted it, answered or not."""

@@ -26,6 +26,7 @@ from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import STATUSES, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
+from service.wire.fair_queue import whose
 from service.wire.problem import problem_of
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
 from service.workers.engine import Engine, new_task_name
@@ -96,6 +97,7 @@ class SweepRunner:
     async def _run(self) -> None:
         """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
+        whose.set(whose.get() or self._row.belongs_to)
         try:
             self._spec = await spec_of(self._row)
             self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)

@@ -3,7 +3,7 @@
 The workers are processes of the service's own (`local`), or belong to a Dask scheduler elsewhere
 (`remote`). Each design, or chunk of a sweep, is one task on a process with one thread. No more
 tasks are sent than there are workers, so that a task's time budget begins when the task does; the
-rest waits here. Single designs go before sweeps.
+rest waits in a `FairQueue`, by owner. Of one owner single designs go before sweeps.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Any, Protocol, TypeVar
 
 from service.settings import Settings
-from service.wire.errors import ProblemType
+from service.wire.fair_queue import FairQueue, Turn
 from service.workers.local import local_workers
 from service.workers.tasks import Answer, Task, solve_design, warm_up
 from synthesis.errors import TimeBudgetExceeded
@@ -61,10 +61,8 @@ class Engine:
 
     def __init__(self, workers: Workers, settings: Settings, task: Task) -> None:
         self._workers, self._settings, self.task = workers, settings, task
-        self._slot_free = asyncio.Condition()
+        self.queue = FairQueue(lambda: self.slots, settings.max_waiting, "questions")
         self._endings: set[asyncio.Task[None]] = set()
-        self.waiting = 0
-        self.running = 0
         self.closing = False
 
     @property
@@ -75,14 +73,6 @@ class Engine:
     async def workers(self) -> int:
         """Workers that can be reached now."""
         return await self._workers.count()
-
-    def admit(self) -> None:
-        """Refuse a design that would have to wait behind too many others."""
-        if self.waiting >= self._settings.max_waiting and self.running >= self.slots:
-            raise ProblemType.BUSY(
-                f"{self.waiting} designs are waiting already. Try again in a few seconds.",
-                {"Retry-After": "5"},
-            )
 
     async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
         """Run a task: that of designs, or another. Raises what the core does, or ServiceError."""
@@ -100,17 +90,17 @@ class Engine:
 
         Args:
             work: a function that a worker can import. arguments: of it.
-            budget_s: time that it has. low_priority: whether all other work goes first.
+            budget_s: time that it has. low_priority: whether its owner's other work goes first.
             name: to cancel it by; unique.
         """
-        await self._acquire_slot(low_priority)
+        turn = await self.queue.acquire(urgent=not low_priority)
         key = name or new_task_name()
         result = asyncio.ensure_future(self._workers.run(key, work, *arguments))
         try:
             return await self._wait_for(key, result, budget_s)
         finally:
             # The slot is free again when the worker is.
-            ending = asyncio.create_task(self._end(key, result))
+            ending = asyncio.create_task(self._end(key, result, turn))
             self._endings.add(ending)
             ending.add_done_callback(self._endings.discard)
 
@@ -126,18 +116,6 @@ class Engine:
             await asyncio.wait({result}, timeout=CANCEL_AGAIN_S)
         return result.done()
 
-    async def _acquire_slot(self, low_priority: bool) -> None:
-        async with self._slot_free:
-            self.waiting += not low_priority
-            try:
-                await self._slot_free.wait_for(
-                    lambda: self.running < self.slots and not (low_priority and self.waiting)
-                )
-                self.running += 1
-            finally:
-                self.waiting -= not low_priority
-                self._slot_free.notify_all()
-
     async def _wait_for(self, key: str, result: asyncio.Future[T], budget_s: float) -> T:
         allowed = budget_s + self._settings.grace_s
         done, _ = await asyncio.wait({result}, timeout=allowed)
@@ -152,7 +130,7 @@ class Engine:
             raise TimeBudgetExceeded(budget_s)
         return result.result()
 
-    async def _end(self, key: str, result: asyncio.Future[Any]) -> None:
+    async def _end(self, key: str, result: asyncio.Future[Any], turn: Turn) -> None:
         """Cancel a task that nobody waits for, stop its worker if need be, and free its slot."""
         try:
             if not self.closing and not await self.cancel([key], result):
@@ -163,9 +141,7 @@ class Engine:
         finally:
             result.add_done_callback(ignore_result)  # stopping is what lost it
             result.cancel()
-            async with self._slot_free:
-                self.running -= 1
-                self._slot_free.notify_all()
+            self.queue.release(turn)
 
     async def close(self) -> None:
         """Wait for no task any more."""
@@ -178,8 +154,7 @@ class Engine:
         """Let waiting work look again how many workers there are."""
         while True:
             await asyncio.sleep(WATCH_S)
-            async with self._slot_free:
-                self._slot_free.notify_all()
+            self.queue.look_again()
 
 
 def new_task_name() -> str:
