@@ -35,6 +35,9 @@ NEWEST = 0.2  # weight of the last work in the average of costs: about the last 
 # clients wait a little longer rather than less.
 KEPT_S = 2.0
 MOST_TOLD = 1024  # places that are kept of one owner: as many as there may be connections
+# Times as long as measured that places are taken for to get free: so a fifth of them is left for
+# whoever comes unannounced, and work that takes longer makes nobody come in vain.
+SPARE = 1.25
 LEAST_PLACE_S = (
     1e-3  # that a place is taken for to get free after: costs of nothing say nothing [s]
 )
@@ -187,11 +190,13 @@ class FairQueue:
         free = max(self._most - self.waiting, self._most // owners - flow.places)
         # Places of his get free as his work begins: by what it takes, and his share of the slots.
         busy = 1 + sum(1 for each in flows if each is not flow and (each.running or each.waits))
-        place_s = max(flow.mean_s * busy / max(1, self._slots()), LEAST_PLACE_S)
+        place_s = max(SPARE * flow.mean_s * busy / max(1, self._slots()), LEAST_PLACE_S)
         flow.told = [each for each in flow.told if each > now - KEPT_S]
-        if flow.told and flow.told[0] <= now:  # it is taken for one of those who were told
+        if free > 0 and flow.told and flow.told[0] <= now:  # he is taken for one who was told
             del flow.told[0]
-        # Room for him, where there is also some for everyone who was told, when they come.
+        # Others find room where some is left for everyone who was told, by the time that they come:
+        # free are the places of today without this one, and those that get free until then.
+        # Otherwise their place is the one after those.
         elif any(free - 1 + (each - now) / place_s < k + 1 for k, each in enumerate(flow.told)):
             free = min(free, len(flow.told)) - len(flow.told)
         if free > 0:

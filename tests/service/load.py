@@ -1,4 +1,4 @@
-"""Load table: how long a quiet owner waits beside a loud one, by the number of the loud one's clients.
+"""Load table: how long a quiet owner waits beside a loud one with many clients.
 
     python -m tests.service.load [clients] ...
 
@@ -65,7 +65,8 @@ async def ask(
     sent = b"" if body is None else json.dumps(body).encode()
     head = (
         f"{method} {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {key}\r\n"
-        f"Content-Type: application/json\r\nContent-Length: {len(sent)}\r\nConnection: close\r\n\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(sent)}\r\n"
+        "Connection: close\r\n\r\n"
     )
     reader, writer = await asyncio.open_connection("127.0.0.1", port)
     try:
@@ -97,7 +98,10 @@ async def keep_asking(port: int, key: str, asked: Asked, end: float) -> None:
         told = status == 429
         if told:
             asked.counts["refused"] += 1
-            await asyncio.sleep(float(headers["retry-after"]))
+            again_s = float(headers["retry-after"])
+            if time.monotonic() + again_s > end:
+                break
+            await asyncio.sleep(again_s)
         elif status == 200:
             asked.times.append(time.monotonic() - began)
         else:
@@ -147,10 +151,10 @@ def main() -> None:
             **os.environ, "CAMWRIGHT_PORT": str(port), "CAMWRIGHT_LOG_LEVEL": "error",
             "CAMWRIGHT_DATABASE_URL": f"sqlite:///{folder}/designs.db",
         }  # fmt: skip
-        make = [sys.executable, "-m", "service", "keys", "create"]
+        make = [sys.executable, "-m", "service.cli", "keys", "create"]
         keys = [
             subprocess.run([*make, name, "--owner", name], env=environment, check=True,
-                           stdout=subprocess.PIPE, text=True).stdout
+                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
             for name in ("quiet", "loud")
         ]  # fmt: skip
         keys = [next(word for word in text.split() if "camwright_" in word) for text in keys]
@@ -173,8 +177,9 @@ async def _measure_all(port: int, session: int, keys: list[str]) -> None:
                 break
         await asyncio.sleep(0.1)
     sys.stdout.write(
-        "| clients | quiet: answers | p50 p95 p99 [ms] | loud: answers | p50 p95 p99 [ms] | refused"
-        " | found room | quiet: refused | errors | MiB |\n|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
+        "| clients | quiet: answers | p50 p95 p99 [ms] | loud: answers | p50 p95 p99 [ms] | "
+        "refused | found room | quiet: refused | errors | MiB |\n"
+        f"{10 * '|--:'}|\n"
     )
     for clients in [int(word) for word in sys.argv[1:]] or CLIENTS:
         sys.stdout.write(await measure(port, session, keys, clients) + "\n")
