@@ -17,6 +17,7 @@ import asyncio
 import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -145,6 +146,7 @@ async def measure(port: int, session: int, keys: list[str], clients: int) -> str
 
 def main() -> None:
     """Measure for each number of clients."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that the service ends too
     with tempfile.TemporaryDirectory() as folder:
         port = free_port()
         environment = {
