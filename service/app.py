@@ -28,6 +28,7 @@ from service.wire import problem
 from service.wire.access import Caller, Guard
 from service.wire.conditional import Heads, Ranges, TagEncodings
 from service.wire.errors import ProblemType
+from service.wire.fair_queue import TakeTurns
 from service.wire.observe import Metrics, Observe
 from service.wire.places import Places
 from service.wire.tracing import telemetry
@@ -121,6 +122,7 @@ def create_app(
             allow_headers=["*"],
             expose_headers=EXPOSED,
         )
+    app.add_middleware(TakeTurns)
     app.add_middleware(Observe, metrics=metrics)
     app.openapi = partial(describe, app)  # type: ignore[method-assign]
     return app

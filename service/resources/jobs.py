@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import hashlib
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
 
@@ -18,6 +20,7 @@ from service.storage.leases import Leases
 from service.storage.store import Answers, LeaseLost, Store
 from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
+from service.wire.fair_queue import whose
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
 from service.wire.tracing import tracer
@@ -127,6 +130,15 @@ class Jobs:
             "POST the spec again to make it anew."
         )
 
+    @contextmanager
+    def room(self, id: str) -> Iterator[None]:
+        """A place in the queue for a question that is being accepted; ServiceError: there is none.
+
+        One that is in the queue already takes no other.
+        """
+        with contextlib.nullcontext() if id in self._attempts else self.engine.queue.room():
+            yield
+
     async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:
         """Work on a question, or wait for whoever does: its answer, or that it failed.
 
@@ -139,9 +151,7 @@ class Jobs:
                 await self._accepted.start(row)
             attempt = self._attempts.get(id)
             if attempt is not None or row is None or row.state != "accepted":
-                if attempt is None:
-                    self.engine.admit()
-                attempt = self._attempt(id, spec)
+                attempt = self._attempt(id, spec, whose.get() or owner)
                 try:
                     return await asyncio.shield(attempt.task)
                 except asyncio.CancelledError:
@@ -161,8 +171,6 @@ class Jobs:
 
     async def accept(self, spec: Any) -> AnswerRow:
         """Note a question as accepted, so that it outlives this process, and start it."""
-        if self.resource.id_of(spec) not in self._attempts:
-            self.engine.admit()
         return await self._accept(spec)
 
     async def _accept(self, spec: Any) -> AnswerRow:
@@ -174,7 +182,8 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
-            attempt = self._attempt(row.id, kept_question(row.name, row.spec))
+            owner = whose.get() or await self.answers.first_owner(row.id)
+            attempt = self._attempt(row.id, kept_question(row.name, row.spec), owner)
             attempt.sequence = row.sequence
             return attempt
         try:
@@ -183,13 +192,13 @@ class Jobs:
             await self.answers.fail(row.id, problem_of(error))
         return None
 
-    def _attempt(self, id: str, spec: Any) -> Attempt:
+    def _attempt(self, id: str, spec: Any, owner: str) -> Attempt:
         attempt = self._attempts.get(id)
         if attempt is None or attempt.failed:
             attempt = self._attempts[id] = Attempt(
                 self._settings.budget_s(getattr(spec, "time_budget_s", None))
             )
-            attempt.task = asyncio.create_task(self._run(attempt, id, spec))
+            attempt.task = asyncio.create_task(self._run(attempt, id, spec, owner))
             begun = attempt
             begun.task.add_done_callback(lambda _: self._remove(id, begun))
         return attempt
@@ -221,7 +230,8 @@ class Jobs:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
+    async def _run(self, attempt: Attempt, id: str, spec: Any, owner: str) -> AnswerRow:
+        whose.set(owner)
         with tracer.start_as_current_span("question", record_exception=False) as span:
             span.set_attributes({"kind": self.resource.path, "id": id})
             return await self._work_on(attempt, id, spec)

@@ -7,6 +7,7 @@ from typing import Literal
 
 from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from service.contract.documentation import problems
@@ -81,13 +82,13 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 )
 async def get_metrics(parts: Parts) -> Response:
     """Requests by route, solve times, designs by status, the queue."""
-    engine, sweeps = parts.engine, len(parts.sweeps.work.runners)
+    queue, sweeps = parts.engine.queue, len(parts.sweeps.work.runners)
     try:
         counts = await parts.jobs[DESIGNS.path].answers.counts()
     except SQLAlchemyError:
         counts = None
-    workers = await engine.workers()
-    page = parts.metrics.page(counts, engine.waiting, engine.running, sweeps, workers)
+    workers = await parts.engine.workers()
+    page = parts.metrics.page(counts, queue.waiting, queue.running, sweeps, workers)
     return Response(page, media_type="text/plain; version=0.0.4")
 
 

@@ -95,14 +95,18 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         spec, body = await read_body(request, parts.readers, resource.spec, most)
         await check_key(parts, idempotency_key, body)
         id = resource.id_of(spec)
-        row = await jobs.answers.claim(id, parts.owner)
+        row = await jobs.answers.find(id, parts.owner)
         if row is None or row.state != "done":
             async with parts.quotas.room(parts.caller, id):
-                if "respond-async" in prefer.lower():
-                    accepted = await jobs.accept(spec)
-                    accepted.created = row.created if row else accepted.created  # for this owner
-                    return _accepted(resource, accepted, applied=True)
-                row = await jobs.answer(spec, row, parts.owner)
+                with jobs.room(id):  # who is refused by then holds nothing
+                    row = await jobs.answers.claim(id, parts.owner)
+                    if "respond-async" in prefer.lower() and (row is None or row.state != "done"):
+                        accepted = await jobs.accept(spec)
+                        # As this owner has asked.
+                        accepted.created = row.created if row else accepted.created
+                        return _accepted(resource, accepted, applied=True)
+                if row is None or row.state != "done":
+                    row = await jobs.answer(spec, row, parts.owner)
         return _ended(request, resource, row)
 
     router.add_api_route(
@@ -334,8 +338,9 @@ async def nothing() -> AsyncIterator[bytes]:
 
 async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     """Have a worker make what a path leads to, if there is room: it takes long or much memory."""
-    parts.engine.admit()
     budget_s = parts.settings.budget_s(None)
+    with parts.engine.queue.room():
+        pass
 
     async def making() -> T:
         async with parts.quotas.core(parts.caller, budget_s):

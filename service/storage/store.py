@@ -31,6 +31,7 @@ from sqlalchemy.orm import Session, defer, sessionmaker
 from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, HoldingRow, KeyRow, StoredRow, UsageRow
+from service.wire.fair_queue import FairQueue
 from service.wire.tracing import span
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ class Store:
         self._session = sessionmaker(self._engine, expire_on_commit=False)
         self._threads = ThreadPoolExecutor(threads, "store")
         self._metrics = metrics
+        self._queue = FairQueue(lambda: threads)
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         self._probing, self._probed, self._works = asyncio.Lock(), -math.inf, False
         migrate(self._engine)
@@ -93,19 +95,21 @@ class Store:
             with self._session.begin() as session:
                 return work(session)
 
-        loop, began = asyncio.get_running_loop(), time.perf_counter()
-        with span("store", **{"code.function.name": work.__qualname__}):
-            try:
-                return await loop.run_in_executor(self._threads, transaction)
-            except IntegrityError:
-                return await loop.run_in_executor(self._threads, transaction)
-            except DBAPIError:
-                if self._metrics is not None:
-                    self._metrics.store_failures.inc()
-                raise
-            finally:
-                if self._metrics is not None:
-                    self._metrics.store.observe(time.perf_counter() - began)
+        loop = asyncio.get_running_loop()
+        async with self._queue.turn():
+            began = time.perf_counter()
+            with span("store", **{"code.function.name": work.__qualname__}):
+                try:
+                    return await loop.run_in_executor(self._threads, transaction)
+                except IntegrityError:
+                    return await loop.run_in_executor(self._threads, transaction)
+                except DBAPIError:
+                    if self._metrics is not None:
+                        self._metrics.store_failures.inc()
+                    raise
+                finally:
+                    if self._metrics is not None:
+                        self._metrics.store.observe(time.perf_counter() - began)
 
     async def works(self) -> bool:
         """Whether the database takes what is written, as of at most ``PROBE_S`` ago.
@@ -195,6 +199,11 @@ class Answers:
         """Let nobody else begin or end to hold an answer until the transaction ends."""
         answer = select(AnswerRow.sequence).filter_by(id=id, kind=self._kind)
         session.execute(answer.with_for_update())
+
+    async def first_owner(self, id: str) -> str:
+        """Whoever was first to ask of those who hold it; "" where nobody does."""
+        query = select(HoldingRow.owner).filter_by(id=id).order_by(HoldingRow.sequence).limit(1)
+        return await self._do(lambda session: session.scalar(query)) or ""
 
     async def is_held(self, id: str, owner: str) -> bool:
         """Whether an owner has asked the question and not deleted it, answered or not."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import math
 import time
 from collections import deque
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import STATUSES, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
+from service.wire.fair_queue import whose
 from service.wire.problem import problem_of
 from service.wire.tracing import separate_span
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
@@ -35,6 +37,7 @@ from synthesis.errors import TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
 
 log = logging.getLogger("camwright.sweeps")
+UNKNOWN_S = 10.0  # Retry-After [s] where no sweep is under way for long enough to tell
 WINDOW = 32  # commits over which the rate is taken
 
 
@@ -67,6 +70,11 @@ class Progress:
         change.set()
 
     @property
+    def done(self) -> int:
+        """How many items are in the store."""
+        return self._commits[-1][1] if self._commits else 0
+
+    @property
     def rate_per_s(self) -> float | None:
         """Items a second over the last commits; None until there are two."""
         if len(self._commits) < 2:
@@ -94,9 +102,21 @@ class SweepRunner:
         self.sequence = row.sequence
         self.task: asyncio.Task[Any] = asyncio.create_task(self._run())
 
+    @property
+    def owner(self) -> str:
+        """To whom it belongs."""
+        return self._row.belongs_to
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Time until its last item, by how fast the last ones came [s]; None where few have."""
+        rate = self.progress.rate_per_s
+        return (self._row.size - self.progress.done) / rate if rate else None
+
     async def _run(self) -> None:
         """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
+        whose.set(whose.get() or self._row.belongs_to)
         try:
             self._spec = await spec_of(self._row)
             self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)
@@ -225,11 +245,16 @@ class Sweeps:
 
     async def accept(self, asked: AskedSweep, owner: str) -> SweepRow:
         """Accept an owner's sweep, or join it, or continue one that was dismissed."""
-        running, id = len(self.work.runners), id_of(asked.id, owner)
-        if id not in self.work.runners and running >= self._settings.max_sweeps:
+        runners, id = self.work.runners, id_of(asked.id, owner)
+        most, own = self._settings.max_sweeps, [r for r in runners.values() if r.owner == owner]
+        owners = len({owner, *(runner.owner for runner in runners.values())})
+        if id not in runners and len(runners) >= most and len(own) >= most // owners:
+            left = [runner.seconds_left for runner in own or runners.values()]
+            again_s = math.ceil(min((s for s in left if s is not None), default=UNKNOWN_S))
             raise ProblemType.BUSY(
-                f"{running} sweeps are running already. Try again when one has ended, or stop one.",
-                {"Retry-After": "10"},
+                f"{len(runners)} sweeps are running already, {len(own)} of them yours. Try again "
+                f"in {again_s} s, when one may have ended, or stop one.",
+                {"Retry-After": str(max(1, again_s))},
             )
         return await self._accept(asked, owner)
 

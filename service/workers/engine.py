@@ -3,7 +3,7 @@
 The workers are processes of the service's own (`local`), or belong to a Dask scheduler elsewhere
 (`remote`). Each design, or chunk of a sweep, is one task on a process with one thread. No more
 tasks are sent than there are workers, so that a task's time budget begins when the task does; the
-rest waits here. Single designs go before sweeps.
+rest waits in a `FairQueue`, by owner. Of one owner single designs go before sweeps.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any, Protocol, TypeVar
 
 from service.settings import Settings
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.fair_queue import FairQueue, Turn
 from service.wire.logs import ids
 from service.wire.observe import Metrics
 from service.wire.tracing import past_span, span, traceparent
@@ -66,10 +67,8 @@ class Engine:
     def __init__(self, workers: Workers, settings: Settings, task: Task, metrics: Metrics) -> None:
         self._workers, self._settings, self.task = workers, settings, task
         self._metrics = metrics
-        self._slot_free = asyncio.Condition()
+        self.queue = FairQueue(lambda: self.slots, settings.max_waiting, "questions")
         self._endings: set[asyncio.Task[None]] = set()
-        self.waiting = 0
-        self.running = 0
         self.closing = False
 
     @property
@@ -80,14 +79,6 @@ class Engine:
     async def workers(self) -> int:
         """Workers that can be reached now."""
         return await self._workers.count()
-
-    def admit(self) -> None:
-        """Refuse a design that would have to wait behind too many others."""
-        if self.waiting >= self._settings.max_waiting and self.running >= self.slots:
-            raise ProblemType.BUSY(
-                f"{self.waiting} designs are waiting already. Try again in a few seconds.",
-                {"Retry-After": "5"},
-            )
 
     async def solve(self, spec: bytes, budget_s: float, task: Task | None = None) -> Answer:
         """Run a task: that of designs, or another. Raises what the core does, or ServiceError."""
@@ -105,12 +96,12 @@ class Engine:
 
         Args:
             work: a function that a worker can import. arguments: of it.
-            budget_s: time that it has. low_priority: whether all other work goes first.
+            budget_s: time that it has. low_priority: whether its owner's other work goes first.
             name: to cancel it by; unique.
         """
         kind = "sweep" if low_priority else "single"
         with span("queue"), self._metrics.queue.labels(kind).time():
-            await self._acquire_slot(low_priority)
+            turn = await self.queue.acquire(urgent=not low_priority)
         key = name or new_task_name()
         with span("worker"), self._metrics.work.labels(kind).time():
             result: asyncio.Future[tuple[T, list[Solve]]] = asyncio.ensure_future(
@@ -123,7 +114,7 @@ class Engine:
                 raise
             finally:
                 # The slot is free again when the worker is.
-                ending = asyncio.create_task(self._end(key, result))
+                ending = asyncio.create_task(self._end(key, result, turn))
                 self._endings.add(ending)
                 ending.add_done_callback(self._endings.discard)
             for solve in solves:
@@ -135,7 +126,7 @@ class Engine:
         self._metrics.solves.labels(solve.status).observe(solve.seconds)
         for stage in solve.stages:
             self._metrics.stages.labels(stage.kind).observe(stage.seconds)
-        parts = [(stage.name, stage.seconds, stage.told) for stage in solve.stages]
+        parts = [(stage.name, stage.seconds, stage.attributes) for stage in solve.stages]
         past_span("core", solve.ended_ns, solve.seconds, parts, status=solve.status)
 
     async def cancel(self, names: Sequence[str], result: asyncio.Future[Any]) -> bool:
@@ -149,18 +140,6 @@ class Engine:
             await self._workers.cancel(names)
             await asyncio.wait({result}, timeout=CANCEL_AGAIN_S)
         return result.done()
-
-    async def _acquire_slot(self, low_priority: bool) -> None:
-        async with self._slot_free:
-            self.waiting += not low_priority
-            try:
-                await self._slot_free.wait_for(
-                    lambda: self.running < self.slots and not (low_priority and self.waiting)
-                )
-                self.running += 1
-            finally:
-                self.waiting -= not low_priority
-                self._slot_free.notify_all()
 
     async def _wait_for(self, key: str, result: asyncio.Future[T], budget_s: float) -> T:
         allowed = budget_s + self._settings.grace_s
@@ -176,7 +155,7 @@ class Engine:
             raise TimeBudgetExceeded(budget_s)
         return result.result()
 
-    async def _end(self, key: str, result: asyncio.Future[Any]) -> None:
+    async def _end(self, key: str, result: asyncio.Future[Any], turn: Turn) -> None:
         """Cancel a task that nobody waits for, stop its worker if need be, and free its slot."""
         try:
             if not self.closing and not await self.cancel([key], result):
@@ -187,9 +166,7 @@ class Engine:
         finally:
             result.add_done_callback(ignore_result)  # stopping is what lost it
             result.cancel()
-            async with self._slot_free:
-                self.running -= 1
-                self._slot_free.notify_all()
+            self.queue.release(turn)
 
     async def close(self) -> None:
         """Wait for no task any more."""
@@ -202,8 +179,7 @@ class Engine:
         """Let waiting work look again how many workers there are."""
         while True:
             await asyncio.sleep(WATCH_S)
-            async with self._slot_free:
-                self._slot_free.notify_all()
+            self.queue.look_again()
 
 
 def new_task_name() -> str:

@@ -25,7 +25,7 @@ class Stage:
 
     name: str
     seconds: float
-    told: Mapping[str, Any]
+    attributes: Mapping[str, Any]
 
     @property
     def kind(self) -> str:

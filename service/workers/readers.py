@@ -16,10 +16,12 @@ from typing import Any, TypeVar
 
 from service.settings import Settings
 from service.wire.errors import ProblemType
+from service.wire.fair_queue import FairQueue
 from service.workers import prefork
 
 T = TypeVar("T")
 ENDED = getattr(signal, "SIGPROF", 0)  # by this signal the kernel ends a reader that takes too long
+TIMED = hasattr(signal, "setitimer")
 PATIENCE = 6.0  # times its limit of processor time that a reader may take on a busy machine
 AGAIN = {"Retry-After": "2"}  # [s]: by then others have been read
 
@@ -28,11 +30,11 @@ class Readers:
     """Some processes, each started when it is first needed, with a thread that waits for it."""
 
     def __init__(self, settings: Settings) -> None:
-        self._limit_s, self._most = settings.reading_s, settings.max_waiting
+        self._limit_s = settings.reading_s
+        self._queue = FairQueue(lambda: settings.readers, settings.max_waiting, "long bodies")
         self._threads = ThreadPoolExecutor(settings.readers, "reader")
         self._own = local()  # of each thread: its process and the pipe to it
         self._processes: set[Any] = set()
-        self._under_way = 0
 
     async def run(self, work: Callable[..., T], *arguments: Any) -> T:
         """What a function makes of its arguments in another process; ServiceError on limits.
@@ -40,18 +42,10 @@ class Readers:
         Args:
             work: a function that a process can import.
         """
-        if self._under_way >= self._most:
-            raise ProblemType.BUSY(
-                f"{self._under_way} long bodies are waiting to be read. Try again shortly.", AGAIN
-            )
-        self._under_way += 1
-        try:
-            loop = asyncio.get_running_loop()
-            succeeded, answer = await loop.run_in_executor(
-                self._threads, self._exchange, (work, arguments)
-            )
-        finally:
-            self._under_way -= 1
+        with self._queue.room():
+            loop, asked = asyncio.get_running_loop(), (work, arguments)
+        async with self._queue.turn():
+            succeeded, answer = await loop.run_in_executor(self._threads, self._exchange, asked)
         if not succeeded:
             raise answer
         made: T = answer
@@ -68,7 +62,9 @@ class Readers:
                 answer: tuple[bool, Any] = pipe.recv()
                 return answer
             process.kill()
-            too_long = True
+            too_long = (
+                not TIMED
+            )  # where the kernel measures, the machine was busy with other things
         except (EOFError, OSError):
             process.join()
             too_long = process.exitcode == -ENDED
@@ -82,7 +78,8 @@ class Readers:
                 "limit of this server. Send less at once: fewer segments, windows, cams or values."
             )
         return False, ProblemType.WORKER_LOST(
-            "The process that read the body died, perhaps for lack of memory. Send less at once.",
+            "The process that read the body died, perhaps for lack of memory, or had no time on a "
+            "busy machine. Send it again, or less at once.",
             AGAIN,
         )
 
@@ -112,19 +109,18 @@ def serve(pipe: Any, limit_s: float) -> None:
     The kernel ends the process where something takes more than ``limit_s`` of processor time [s]:
     on a busy machine the clock on the wall would refuse what is sensible.
     """
-    timed = hasattr(signal, "setitimer")
     pipe.send(None)
     while True:
         try:
             work, arguments = pipe.recv()
         except (EOFError, OSError):
             return
-        if timed:
+        if TIMED:
             signal.setitimer(signal.ITIMER_PROF, limit_s)
         try:
             answer = True, work(*arguments)
         except Exception as error:  # it belongs to the caller
             answer = False, error
-        if timed:
+        if TIMED:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
         pipe.send(answer)

@@ -67,8 +67,8 @@ def test_a_reader_that_dies_is_replaced(readers: Readers) -> None:
 
 def test_few_bodies_may_wait(readers: Readers) -> None:
     async def run() -> None:
-        waiting = [asyncio.create_task(readers.run(time.sleep, 0.05)) for _ in range(2)]
-        await asyncio.sleep(0)
+        waiting = [asyncio.create_task(readers.run(time.sleep, 0.2)) for _ in range(3)]
+        await asyncio.sleep(0.01)
         with pytest.raises(ServiceError, match="2 long bodies are waiting") as raised:
             await readers.run(os.getpid)
         assert raised.value.problem.status == 429

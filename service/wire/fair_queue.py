@@ -1,0 +1,261 @@
+"""Turns at what many share: workers, readers, files, the store, the event loop.
+
+Start-time fair queueing (Goyal, Vin, Cheng: IEEE/ACM Transactions on Networking 5(5), 1997, pages
+690-704) by who asks. Each has a start tag, the time [s] that he has been served, on a common scale.
+Whoever has the least is served next; his tag then grows by what that costs. The virtual time is the
+tag of whoever was served last, and who comes anew begins there: he owes nothing and is owed
+nothing. So all who wait have tags from there on, and before a newcomer's first work each of them
+has at most one of theirs begun: that one takes its owner's tag beyond the newcomer's.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import time
+from bisect import insort
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from ipaddress import ip_network
+
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from service.wire.errors import ProblemType
+
+# For whom the work at hand is done: the owner of a key, or an address; "": the service itself.
+# Tasks inherit it from whoever makes them, so that it need not pass through every call.
+whose: ContextVar[str] = ContextVar("whose", default="")
+UNMEASURED_S = 0.1  # cost of a work until one was measured: of the order of a usual design [s]
+NEWEST = 0.2  # weight of the last work in the average of costs: about the last ten count
+# How long a place is kept for who was told to come back [s]: Retry-After has whole seconds, and
+# clients wait a little longer rather than less.
+KEPT_S = 2.0
+MOST_RETURNS = 1024  # places that are kept of one owner: as many as there may be connections
+# Times as long as measured that places are taken for to get free: so a fifth of them is left for
+# whoever comes unannounced, and work that takes longer makes nobody come in vain.
+SPARE = 1.25
+LEAST_PLACE_S = (
+    1e-3  # that a place is taken for to get free after: costs of nothing say nothing [s]
+)
+SUBSCRIBER = (
+    64  # bits of an IPv6 address that name a network: RFC 6177 gives each site at least one
+)
+
+
+@dataclass(eq=False)
+class _Flow:
+    """The work of one owner: ``tag``, ``mean_s`` of his urgent work [s], what waits and runs.
+
+    ``expected``: places that work takes which is being accepted. ``return_times``: when those are to come
+    back who found no room, in order.
+    """
+
+    tag: float
+    mean_s: float
+    urgent: deque[asyncio.Future[Turn]] = field(default_factory=deque)
+    rest: deque[asyncio.Future[Turn]] = field(default_factory=deque)
+    running: int = 0
+    expected: int = 0
+    return_times: list[float] = field(default_factory=list)
+
+    @property
+    def places(self) -> int:
+        """Places of the queue that he has."""
+        return len(self.urgent) + self.expected
+
+    @property
+    def waits(self) -> bool:
+        """Whether some of his work could begin."""
+        return bool(self.urgent or self.rest)
+
+
+@dataclass(eq=False)
+class Turn:
+    """A turn that somebody has: since when, and the cost [s] that it was begun with."""
+
+    flow: _Flow
+    urgent: bool
+    cost: float
+    began: float
+
+
+class FairQueue:
+    """Who is served next by something that serves so many at once; see above.
+
+    Of one owner urgent work goes before the rest, and what came first before what came later.
+
+    Args:
+        slots: how many are served at once; it may change.
+        most: urgent works that may wait. what: they are, in the plural.
+    """
+
+    def __init__(self, slots: Callable[[], int], most: int = 0, what: str = "") -> None:
+        self._slots, self._most, self._what = slots, most, what
+        self._flows: dict[str, _Flow] = {}
+        self._virtual, self._mean_s = 0.0, UNMEASURED_S
+        self.running = 0
+
+    @property
+    def waiting(self) -> int:
+        """Urgent works that wait, or are being accepted."""
+        return sum(flow.places for flow in self._flows.values())
+
+    @asynccontextmanager
+    async def turn(self, *, urgent: bool = True) -> AsyncIterator[None]:
+        """While something is served, once it is its turn."""
+        turn = await self.acquire(urgent=urgent)
+        try:
+            yield
+        finally:
+            self.release(turn)
+
+    async def acquire(self, *, urgent: bool = True) -> Turn:
+        """Wait for a turn, which has to be released."""
+        flow = self._flow()
+        place: asyncio.Future[Turn] = asyncio.get_running_loop().create_future()
+        line = flow.urgent if urgent else flow.rest
+        line.append(place)
+        self.look_again()
+        try:
+            return await place
+        except asyncio.CancelledError:
+            if place.cancelled():
+                with contextlib.suppress(ValueError):  # it may have been dropped already
+                    line.remove(place)
+            else:  # its turn had come
+                self.release(place.result(), served=False)
+            raise
+
+    def release(self, turn: Turn, *, served: bool = True) -> None:
+        """Give a turn back, and begin with what is next; what it cost is known now."""
+        flow, cost = turn.flow, time.monotonic() - turn.began if served else 0.0
+        flow.running -= 1
+        self.running -= 1
+        # Never below the virtual time: who was charged too much is not owed several turns at once.
+        flow.tag = max(flow.tag + cost - turn.cost, self._virtual)
+        if turn.urgent and served:
+            self._mean_s += NEWEST * (cost - self._mean_s)
+            flow.mean_s += NEWEST * (cost - flow.mean_s)
+        self.look_again()
+
+    def look_again(self) -> None:
+        """Begin what can begin: somebody has come or gone, or there are more slots."""
+        while self.running < self._slots():
+            waiting = [flow for flow in self._flows.values() if flow.waits]
+            if not waiting:
+                break
+            flow = min(waiting, key=lambda each: each.tag)
+            urgent = bool(flow.urgent)
+            place = (flow.urgent if urgent else flow.rest).popleft()
+            if place.cancelled():
+                continue
+            self._virtual = flow.tag
+            turn = Turn(flow, urgent, flow.mean_s, time.monotonic())
+            flow.tag += turn.cost
+            flow.running += 1
+            self.running += 1
+            place.set_result(turn)
+
+    @contextmanager
+    def room(self) -> Iterator[None]:
+        """A place in the queue, until the work that is being accepted takes it itself.
+
+        ServiceError where there is none for whoever asks: the queue is full, and he has as many
+        places as there are for each of those who have some.
+        """
+        flow = self._flow()
+        again_s = self._until_room(flow)
+        if again_s:
+            raise ProblemType.BUSY(
+                f"{self.waiting} {self._what} are waiting already, {flow.places} of them yours. By "
+                f"what they take, there is room in {again_s} s.",
+                {"Retry-After": str(again_s)},
+            )
+        flow.expected += 1
+        try:
+            yield
+        finally:
+            flow.expected -= 1
+
+    def _until_room(self, flow: _Flow) -> int:
+        """After how many seconds there is room for one more work of an owner; 0: there is now."""
+        flows, now = self._flows.values(), time.monotonic()
+        if self.running < self._slots() and not any(each.waits for each in flows):
+            return 0
+        owners = 1 + sum(1 for each in flows if each is not flow and each.places)
+        free = max(self._most - self.waiting, self._most // owners - flow.places)
+        # Places of his get free as his work begins: by what it takes, and his share of the slots.
+        busy = 1 + sum(1 for each in flows if each is not flow and (each.running or each.waits))
+        place_s = max(SPARE * flow.mean_s * busy / max(1, self._slots()), LEAST_PLACE_S)
+        flow.return_times = [each for each in flow.return_times if each > now - KEPT_S]
+        if (
+            free > 0 and flow.return_times and flow.return_times[0] <= now
+        ):  # he is taken for one who was told
+            del flow.return_times[0]
+        # Others find room where some is left for everyone who was told, by the time that they come:
+        # free are the places of today without this one, and those that get free until then.
+        # Otherwise their place is the one after those.
+        elif any(
+            free - 1 + (each - now) / place_s < k + 1 for k, each in enumerate(flow.return_times)
+        ):
+            free = min(free, len(flow.return_times)) - len(flow.return_times)
+        if free > 0:
+            return 0
+        again_s = math.ceil((1 - free) * place_s)
+        if len(flow.return_times) < MOST_RETURNS:
+            insort(flow.return_times, now + again_s)
+        return again_s
+
+    def _flow(self) -> _Flow:
+        """Whose work it is; one who had nothing under way begins at the virtual time."""
+        name = whose.get()
+        flow = self._flows.get(name)
+        if flow is None:
+            self._forget()
+            flow = self._flows[name] = _Flow(self._virtual, self._mean_s)
+        elif not (flow.running or flow.waits):
+            flow.tag = max(flow.tag, self._virtual)
+        return flow
+
+    def _forget(self) -> None:
+        """Drop those of whom nothing need be known: they would begin anew as they would go on."""
+        now = time.monotonic() - KEPT_S
+        self._flows = {
+            name: flow for name, flow in self._flows.items()
+            if flow.running or flow.waits or flow.expected or (flow.return_times and flow.return_times[-1] > now)
+            or (flow.tag > self._virtual and self.running)
+        }  # fmt: skip
+
+
+class TakeTurns:
+    """Middleware: one request at a time begins in the event loop, by turns of clients' addresses.
+
+    A request that has begun goes on by itself: what it waits for has queues of its own. So who
+    floods the service with requests delays others by one of them, not by as many as he sends.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app, self._queue = app, FairQueue(lambda: 1)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            whose.set(address_of(scope))
+            turn = await self._queue.acquire()
+            asyncio.get_running_loop().call_soon(self._queue.release, turn)
+        await self._app(scope, receive, send)
+
+
+def address_of(scope: Scope) -> str:
+    """The address that a request comes from; of IPv6 the network, which is one subscriber's."""
+    client = scope.get("client")
+    address = client[0] if client else ""
+    if ":" not in address:
+        return str(address)
+    try:
+        return str(ip_network((address, SUBSCRIBER), strict=False))
+    except ValueError:  # no address of IPv6 after all
+        return str(address)

@@ -1,0 +1,152 @@
+"""Turns by owner: who comes anew waits for one work of each other at most; refusals are honest."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine
+from typing import Any
+
+import pytest
+
+from service.wire.errors import ServiceError
+from service.wire.fair_queue import FairQueue, address_of, whose
+
+
+class Clock:
+    """Time that passes when a test says so."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 1000.0
+        monkeypatch.setattr("service.wire.fair_queue.time.monotonic", lambda: self.now)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    return Clock(monkeypatch)
+
+
+async def waits(work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+    task = asyncio.create_task(work)
+    await asyncio.sleep(0)
+    return task
+
+
+def test_a_newcomer_waits_for_one_work_of_each_other_at_most(clock: Clock) -> None:
+    begun: list[str] = []
+
+    async def run() -> None:
+        queue = FairQueue(lambda: 1)
+
+        async def work(owner: str, seconds: float, urgent: bool = True) -> None:
+            whose.set(owner)
+            async with queue.turn(urgent=urgent):
+                begun.append(owner if urgent else f"{owner}'s sweep")
+                await asyncio.sleep(0)
+                clock.now += seconds
+            if len(begun) == 4:
+                newcomer.set_result(None)
+
+        async def late() -> None:
+            await newcomer
+            await work("quiet", 1.0)
+
+        newcomer: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        first = await queue.acquire()
+        tasks = [await waits(work("loud", 1.0, urgent=False)) for _ in range(3)]
+        tasks += [await waits(work("loud", 3.0)) for _ in range(6)]
+        tasks += [await waits(work("other", 6.0)) for _ in range(3)]
+        tasks.append(await waits(late()))
+        queue.release(first)
+        await asyncio.gather(*tasks)
+        at = begun.index("quiet")
+        assert {"loud", "other"} >= set(begun[4:at])
+        assert at - 4 <= 2
+        # Urgent work of an owner goes first, and time is shared, not turns: 6 s here as there.
+        assert begun[-3:] == ["loud's sweep"] * 3
+        assert begun[:9].count("loud") >= 5
+
+    asyncio.run(run())
+
+
+def test_who_leaves_while_he_waits_blocks_nobody() -> None:
+    async def run() -> None:
+        queue = FairQueue(lambda: 1)
+        first = await queue.acquire()
+        gone = [asyncio.create_task(queue.acquire()) for _ in range(2)]
+        await asyncio.sleep(0)
+        gone[0].cancel()  # while it waits
+        queue.release(first)
+        gone[1].cancel()  # when its turn has come
+        await asyncio.gather(*gone, return_exceptions=True)
+        assert (queue.waiting, queue.running) == (0, 0)
+        queue.release(await queue.acquire())
+
+    asyncio.run(run())
+
+
+def test_a_full_queue_has_room_for_who_has_none_yet(clock: Clock) -> None:
+    async def run() -> None:
+        queue = FairQueue(lambda: 1, 4, "questions")
+        for _ in range(5):
+            await waits(queue.acquire())  # type: ignore[arg-type]
+        with pytest.raises(ServiceError, match="4 questions are waiting already, 4 of them yours"):
+            queue.room().__enter__()
+        whose.set("quiet")
+        with queue.room():
+            assert queue.waiting == 5
+
+    asyncio.run(run())
+
+
+def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
+    """Forty clients of one owner for a queue of four: each asks anew at once when answered."""
+
+    async def run() -> None:
+        queue, found = FairQueue(lambda: 1, 4, "questions"), [0, 0]
+        due = [clock.now] * 40
+        told = [False] * 40
+        serving: list[tuple[float, int, Any]] = []
+        for _ in range(4000):
+            clock.now += 0.05
+            for client, time in enumerate(due):
+                if time > clock.now:
+                    continue
+                try:
+                    with queue.room():
+                        pass
+                except ServiceError as refused:
+                    found[0] += told[client]
+                    told[client] = True
+                    due[client] = clock.now + float(refused.headers["Retry-After"])
+                    continue
+                found[0] += told[client]
+                found[1] += told[client]
+                told[client], due[client] = False, float("inf")
+                task = asyncio.create_task(queue.acquire())
+                await asyncio.sleep(0)
+                serving.append((0.0, client, task))
+            # A work takes 0.3 s; who is answered asks anew.
+            for i, (began, client, task) in enumerate(list(serving)):
+                if task.done() and not began:
+                    serving[i] = (clock.now, client, task)
+                elif began and clock.now - began >= 0.3:
+                    queue.release(task.result())
+                    await asyncio.sleep(0)
+                    due[client] = clock.now
+                    serving.remove((began, client, task))
+                    break
+        for _, _, task in serving:
+            task.cancel()
+        came, room = found
+        assert came > 100
+        assert room > 0.8 * came
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize(
+    ("client", "name"),
+    [(None, ""), (("10.0.0.7", 1), "10.0.0.7"), (("2001:db8::7:1", 1), "2001:db8::/64")],
+)
+def test_clients_are_told_apart_by_address(client: Any, name: str) -> None:
+    assert address_of({"client": client}) == name
