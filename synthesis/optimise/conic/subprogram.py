@@ -47,11 +47,12 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     fixed = sum(low == high for low, high in model.problem.sizing.bounds)
     rows += range(at, at + fixed)
     still = list[VibrationTerm]()
-    for k, run in enumerate(model.vibration_equalities):
-        mine = run.of_laws(number)
-        if mine is not None:
-            still.append(mine)
-            rows += range(at + fixed + 2 * k, at + fixed + 2 * k + 2)
+    for number_of_run, run in enumerate(model.vibration_equalities):
+        first = at + fixed + 2 * number_of_run
+        own = run.of_laws(number)
+        if own is not None:
+            still.append(own)
+            rows += range(first, first + 2)
     every = [
         (at, block if k is None else replace(block, segment=number[k]))
         for at, block in model.numbered_blocks
@@ -66,10 +67,10 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     at = model.program.equalities + model.program.inequalities
     for cone in model.cone_blocks:
         first, at = at, at + 1 + len(cone.shift)
-        run = None if cone.vibration is None else cone.vibration.of_laws(number)
-        if run is not None:
+        own = None if cone.vibration is None else cone.vibration.of_laws(number)
+        if own is not None:
             rows += range(first, at)
-            cones.append(replace(cone, vibration=run))
+            cones.append(replace(cone, vibration=own))
     # 2. Its columns: the coefficients of the laws, and the size.
     parts = [*(model.columns[k] for k in positions), model.size]
     kept = np.concatenate([np.arange(part.start, part.stop) for part in parts])

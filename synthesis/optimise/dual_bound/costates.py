@@ -82,8 +82,8 @@ def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order:
     gradients = list(gradients)
     for vibration, y in model.vibration_multipliers(z):
         for share, of_law in zip(vibration.law_terms, vibration.rows, strict=True):
-            k = share.position
-            gradients[k] = gradients[k] + y @ of_law[:, last[k]]
+            law = share.position
+            gradients[law] = gradients[law] + y @ of_law[:, last[law]]
     for at, block in model.numbered_blocks:
         own, k = z[:, at : at + len(block.rhs)], block.segment
         if block.law_matrix is not None and k is not None and np.count_nonzero(own):
