@@ -114,16 +114,17 @@ class ConicModel:
         return x
 
     def vibration_multipliers(self, z: Array) -> list[tuple[VibrationTerm, Array]]:
-        """Those of the two rows of every run that has a limit on residual vibration."""
+        """Of multipliers z (…, m) those of the two rows of every run with a limit: (…, 2)."""
         at = self.program.equalities - sum(len(block.rhs) for block in self.equality_blocks)
         at -= 2 * len(self.vibration_equalities)
         result = [
-            (one, z[at + 2 * k : at + 2 * k + 2]) for k, one in enumerate(self.vibration_equalities)
+            (one, z[..., at + 2 * k : at + 2 * k + 2])
+            for k, one in enumerate(self.vibration_equalities)
         ]
         at = self.program.equalities + self.program.inequalities
         for cone in self.cone_blocks:
             if cone.vibration is not None:
-                result.append((cone.vibration, -z[at + 1 : at + 3]))
+                result.append((cone.vibration, -z[..., at + 1 : at + 3]))
             at += 1 + len(cone.shift)
         return result
 

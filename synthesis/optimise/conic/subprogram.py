@@ -14,7 +14,9 @@ import numpy as np
 from scipy import sparse
 
 from synthesis.numerics.solvers.clarabel import ConeProgram
+from synthesis.optimise.conic.assembly import ConeBlock
 from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.problem.residual_vibration import VibrationTerm
 
 
 def coupled_laws(model: ConicModel, position: int) -> tuple[int, ...]:
@@ -28,9 +30,13 @@ def coupled_laws(model: ConicModel, position: int) -> tuple[int, ...]:
 
 
 def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
-    """The laws at these positions alone, numbered anew; without cones and objective."""
+    """The laws at these positions alone, numbered anew; without an objective.
+
+    Of the cones it has those on residual vibration after runs of these laws.
+    """
     number = {position: k for k, position in enumerate(positions)}
-    # 1. Its rows: junctions, fixed sizes, equalities, inequalities; of the size, then law by law.
+    # 1. Its rows: junctions, fixed sizes, vibrations, equalities, inequalities (of the size, then
+    #    law by law), cones.
     rows, junctions, at = list[int](), [], 0
     for junction in model.junctions:
         first, at = at, at + max(junction.highest - junction.lowest + 1, 0)
@@ -38,7 +44,15 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
             rows += range(first, at)
             before, after = number[junction.before], number[junction.after]
             junctions.append(replace(junction, before=before, after=after))
-    rows += range(at, at + sum(low == high for low, high in model.problem.sizing.bounds))
+    fixed = sum(low == high for low, high in model.problem.sizing.bounds)
+    rows += range(at, at + fixed)
+    still = list[VibrationTerm]()
+    for number_of_run, run in enumerate(model.vibration_equalities):
+        first = at + fixed + 2 * number_of_run
+        own = run.of_laws(number)
+        if own is not None:
+            still.append(own)
+            rows += range(first, first + 2)
     every = [
         (at, block if k is None else replace(block, segment=number[k]))
         for at, block in model.numbered_blocks
@@ -49,6 +63,14 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     for at, block in (*exact, *others):
         rows += range(at, at + len(block.rhs))
     inequalities = sum(len(block.rhs) for _, block in others)
+    equalities, cones = len(rows) - inequalities, list[ConeBlock]()
+    at = model.program.equalities + model.program.inequalities
+    for cone in model.cone_blocks:
+        first, at = at, at + 1 + len(cone.shift)
+        own = None if cone.vibration is None else cone.vibration.of_laws(number)
+        if own is not None:
+            rows += range(first, at)
+            cones.append(replace(cone, vibration=own))
     # 2. Its columns: the coefficients of the laws, and the size.
     parts = [*(model.columns[k] for k in positions), model.size]
     kept = np.concatenate([np.arange(part.start, part.stop) for part in parts])
@@ -59,7 +81,7 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     matrix.sort_indices()
     program = ConeProgram(
         sparse.csc_matrix((width, width)), np.zeros(width), matrix, whole.rhs[rows],
-        len(rows) - inequalities, inequalities, (),
+        equalities, inequalities, tuple(len(cone.shift) + 1 for cone in cones),
     )  # fmt: skip
     free = tuple(model.problem.free[k] for k in positions)
     return replace(
@@ -68,6 +90,7 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
         boundary_states=tuple(model.boundary_states[k] for k in positions),
         junctions=tuple(junctions), columns=tuple(columns), size=size, epigraph=None,
         energy_columns=slice(width, width), equality_blocks=tuple(block for _, block in exact),
-        blocks=tuple(block for _, block in others), cone_blocks=(), energy=None, program=program,
-        vibration_equalities=(),
+        blocks=tuple(block for _, block in others),
+        cone_blocks=tuple(replace(cone, matrix=cone.matrix[:, kept]) for cone in cones),
+        energy=None, program=program, vibration_equalities=tuple(still),
     )  # fmt: skip

@@ -31,6 +31,7 @@ from synthesis.optimise.dual_bound.costates import end_coefficients, end_costate
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import fixed_size_rows, row_functionals
 from synthesis.optimise.dual_bound.switching import mean_absolute
+from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +100,8 @@ def dual_bounds(
     Args:
         controls: caps of every free law's control, of one order m. sizes: ranges of the size
             [length].
-        multipliers: (q, m) of the model's rows without its cones; any, good ones bound well.
+        multipliers: (q, m) of the model's rows, of its cones those on residual vibration alone;
+            any, good ones bound well.
         costates: (q, laws, m) costates of the laws' ends (``solve_boundary_costates``); any.
     """
     # 1. The quantities and the rows times their multipliers: linear in all unknowns.
@@ -108,7 +110,7 @@ def dual_bounds(
     # 2. Least over every law: ∫ ψ w with |w| ≤ cap where w switches with the sign of ψ.
     for k, control in enumerate(controls):
         integral = control.cap * np.sum(_absolute_pieces(lagrangian, k)[1], axis=1)
-        total = total - integral
+        total = total - integral - control.cap * lagrangian.psi_error[:, k]
         magnitude = magnitude + integral + control.cap * lagrangian.psi_magnitude[:, k]
     total = total - unknown_initial_values(lagrangian, [0.5 * c.cap for c in controls])
     # 3. What is left of the size: linear, so least at an end of each range.
@@ -123,8 +125,9 @@ def _lagrangian(
     model: ConicModel, quantities: Quantities, multipliers: Array, costates: Array
 ) -> Lagrangian:
     """The quantities, and the rows times their multipliers projected on λ ≥ 0."""
-    z = np.array(multipliers[:, : model.program.equalities + model.program.inequalities])
-    z[:, model.program.equalities :] = np.maximum(z[:, model.program.equalities :], 0.0)
+    z, first = np.array(multipliers), model.program.equalities
+    last = first + model.program.inequalities
+    z[:, first:last] = np.maximum(z[:, first:last], 0.0)
     order = costates.shape[2]
     lagrangian = Lagrangian(model, order, len(z))
     lagrangian.size += quantities.size
@@ -137,7 +140,8 @@ def _lagrangian(
     for one in row_functionals(model, order):
         own = z[:, one.first_row : one.first_row + one.count]
         lagrangian.add_rows(one.point_rows(), own)
-    for rows, mass in fixed_size_rows(model, z):
+    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
+    for rows, mass in (*fixed_size_rows(model, z), *vibrations):
         lagrangian.add_rows(rows, mass)
     lagrangian.reduce()
     lagrangian.add_boundary_costates(project_costates(model, lagrangian.initial_costates, costates))
@@ -148,6 +152,9 @@ def _absolute_pieces(lagrangian: Lagrangian, position: int) -> tuple[Array, Arra
     """∫ |ψ| of one law, piece by piece: breaks (n+1,) and integrals (q, n)."""
     breaks, poly = lagrangian.psi_pieces(position)
     flat = poly.reshape(-1, poly.shape[2])
+    if poly.shape[2] > 3:
+        shares = mean_absolute(flat).reshape(poly.shape[:2])
+        return breaks, shares * np.diff(breaks)
     parabolas = np.zeros((len(flat), 3))
     parabolas[:, : flat.shape[1]] = flat
     shares = mean_absolute(parabolas, exact=True).reshape(poly.shape[:2])

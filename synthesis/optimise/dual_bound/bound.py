@@ -56,6 +56,7 @@ from synthesis.optimise.dual_bound.costates import (
 )
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
+from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 from synthesis.optimise.recovery.closed_form import inverse_matrix
 
 ROUNDING = 1e-12
@@ -141,7 +142,7 @@ def _bound_of_rows(
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     order = controls[0].order if controls else 3
     lagrangian = Lagrangian(model, order)
-    vibrations, lagrangian.psi_error = terms.vibration_terms(model, order, z)
+    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
     for other, mass in (*terms.energy_tangents(model, solution, order), *vibrations):
         lagrangian.add_rows(other, mass)
     # Rows act at their points, or as densities between these.
@@ -238,7 +239,7 @@ def _minimum(
     if np.count_nonzero(lagrangian.initial_costates):
         integrals = _control_integrals(model, solution, controls)
         total -= float(unknown_initial_values(lagrangian, integrals)[0])
-    blur = ROUNDING * lagrangian.psi_magnitude[0] + lagrangian.psi_error
+    blur = ROUNDING * lagrangian.psi_magnitude[0] + lagrangian.psi_error[0]
     total -= sum(
         each * (c.cap if c.cap < inf else (p.magnitude_bound + each) / (2.0 * c.weight))
         for each, p, c in zip(blur, psi, controls, strict=True)

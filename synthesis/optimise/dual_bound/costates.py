@@ -61,9 +61,6 @@ def boundary_multipliers(
     """The solver's costates of g to g^(order − 1) at the end of every law: (1, laws, order)."""
     z = nonnegative_multipliers(model, solution) if z is None else z
     gradients = [np.zeros((1, len(boundary.end))) for boundary in model.boundary_states]
-    for vibration, y in model.vibration_multipliers(z):
-        for share, rows in zip(vibration.law_terms, vibration.rows, strict=True):
-            gradients[share.position] += y @ rows[:, end_coefficients(model, share.position)]
     if model.energy is not None:
         laws, _ = model.recover(solution.x)
         for k, (factor, law) in enumerate(zip(model.energy.factors, laws, strict=True)):
@@ -77,12 +74,16 @@ def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order:
     """The costates (q, laws, order) that multipliers (q, m) imply.
 
     Those of known values make the eliminated last coefficients stationary; those of values that
-    two laws share are the multipliers of their junction's rows. ``gradients``: of all but rows and
-    junctions in every law's last coefficients, (q, r) each.
+    two laws share are the multipliers of their junction's rows. ``gradients``: of all but rows,
+    vibrations and junctions in every law's last coefficients, (q, r) each.
     """
     costates = np.zeros((len(z), len(gradients), order))
     last = [end_coefficients(model, position) for position in range(len(gradients))]
     gradients = list(gradients)
+    for vibration, y in model.vibration_multipliers(z):
+        for share, of_law in zip(vibration.law_terms, vibration.rows, strict=True):
+            law = share.position
+            gradients[law] = gradients[law] + y @ of_law[:, last[law]]
     for at, block in model.numbered_blocks:
         own, k = z[:, at : at + len(block.rhs)], block.segment
         if block.law_matrix is not None and k is not None and np.count_nonzero(own):

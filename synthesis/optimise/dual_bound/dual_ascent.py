@@ -28,6 +28,7 @@ from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import stationarity_conditions
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, shared_derivatives, sums_at_start
+from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 from synthesis.optimise.problem.grid import SplineLaw
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
@@ -119,7 +120,7 @@ class _DualProgram:
                 position, np.ones(order), np.eye(order), rhs, sizes, signed=True
             )
             groups.append(ends)
-        vibrations, psi_error = terms.vibration_terms(model, order, z)
+        vibrations, psi_error = vibration_terms(model, order, z)
         fixed = [*terms.energy_tangents(model, solution, order), *vibrations]
         return cls(model, solution, controls, order, tuple(groups), fixed, psi_error)
 

@@ -33,7 +33,7 @@ class Lagrangian:
         size: (q, n_size) factor of ζ. level: (q,) factor of π.
         size_magnitude, psi_magnitude: (q, n_size) and (q, laws), sums of the absolute values of
             what went into ``size`` and into every ψ.
-        psi_error: (laws,) bound of |true ψ − its polynomials|, from residual vibration.
+        psi_error: (q, laws) bounds of |true ψ − its polynomials|, from residual vibration.
     """
 
     def __init__(self, model: ConicModel, order: int, count: int = 1) -> None:
@@ -42,7 +42,7 @@ class Lagrangian:
         self.constant, self.magnitude, self.level = np.zeros((3, count))
         self.size, self.size_magnitude = np.zeros((2, count, sizes))
         self.initial_costates = np.zeros((count, laws, order))
-        self.psi_magnitude, self.psi_error = np.zeros((count, laws)), np.zeros(laws)
+        self.psi_magnitude, self.psi_error = np.zeros((2, count, laws))
         self._functionals: list[list[tuple[Array, Array]]] = [[] for _ in range(laws)]
         self._densities: list[list[tuple[Array, Array]]] = [[] for _ in range(laws)]
         self._reduced = [0] * laws

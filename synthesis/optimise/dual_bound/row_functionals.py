@@ -9,10 +9,6 @@ v · (M ζ + m) ≤ ‖v‖ r, by Cauchy and Schwarz, whatever v.
 Mean square: (g^(k))² ≥ 2 y g^(k) − y² for any y, with equality where g^(k) = y. So where the
 objective weighs a lower derivative than the one that is capped, this tangent takes its place: it
 is linear in the law and never above the objective.
-
-Residual vibration: the two rows of a run are integrals of the law against a damped wave, so that ψ
-gets a wave. In pieces of a quarter of a radian it is a polynomial of degree 4 but for an error that
-is bounded, and that the dual bound pays for.
 """
 
 from __future__ import annotations
@@ -30,7 +26,6 @@ from synthesis.numerics.solvers.clarabel import ConeSolution
 from synthesis.optimise.conic.control import MeanSquareCap
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.problem.residual_vibration import switching_contribution
 
 Which = NDArray[Any] | slice
 EVERY = slice(None)
@@ -376,25 +371,3 @@ def energy_tangents(model: ConicModel, solution: ConeSolution, order: int) -> Te
         terms.append((linear, 0.5 * np.concatenate([width * y[:-1], width * y[1:]])))
         terms.append((constant, np.ones(1)))
     return terms
-
-
-def vibration_terms(model: ConicModel, order: int, z: Array) -> tuple[Terms, Array]:
-    """Limits on residual vibration, and how far the laws' true ψ may be from theirs: (laws,)."""
-    terms, error, sizes = Terms(), np.zeros(len(model.grids)), len(model.problem.sizing.bounds)
-    for vibration, y in model.vibration_multipliers(z):
-        if not y.any():
-            continue
-        rhs = np.array([np.linalg.norm(y) * vibration.radius - y @ vibration.shift])
-        terms.append((WeightedRows.of_size(rhs, np.zeros((1, sizes))), np.ones(1)))
-        for share in vibration.law_terms:
-            part = switching_contribution(share, y, order)
-            count = len(part.spans)
-            weights = np.zeros((count, order))
-            weights[0] = part.initial
-            rows = WeightedRows(
-                share.position, np.zeros(count), weights, np.zeros(count),
-                np.zeros((count, sizes)), signed=True, spans=part.spans, poly=part.poly,
-            )  # fmt: skip
-            terms.append((rows, np.ones(count)))
-            error[share.position] += part.error
-    return terms, error

@@ -10,8 +10,8 @@ the motion: |W| ≤ … is a cone, and W = 0 are two equalities.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import sqrt
 
@@ -59,6 +59,13 @@ class VibrationTerm:
     shift: Array
     radius: float
     source: str
+
+    def of_laws(self, number: Mapping[int, int]) -> VibrationTerm | None:
+        """The same where laws are numbered anew; None where it speaks of others, too."""
+        if any(share.position not in number for share in self.law_terms):
+            return None
+        shares = (replace(one, position=number[one.position]) for one in self.law_terms)
+        return replace(self, law_terms=tuple(shares))
 
 
 def vibration_term(

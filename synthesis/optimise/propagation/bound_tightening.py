@@ -17,9 +17,11 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
+from scipy import sparse
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers.clarabel import ConeProgram
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.control import Control
@@ -133,18 +135,15 @@ class _LawSubproblem:
         wanted, units = quantities.scaled()
         unit = self.model.scales.size
         full = with_rows(self.model, [*region.half_spaces.blocks(unit), *self.implied])
-        program, infinite = full.program, np.full(full.program.matrix.shape[1], inf)
-        count = program.equalities + program.inequalities
+        infinite = np.full(full.program.matrix.shape[1], inf)
         low, high = -infinite, infinite.copy()
         low[full.size], high[full.size] = (np.array(region.sizes) / unit).T
         # 1. A linear program for each: its multipliers, at the points where rows are written.
-        rows = LinearRows(
-            program.matrix[:count], program.rhs[:count], program.equalities, low, high
-        )
+        rows = _linear_rows(full.program, low, high)
         result = minimise_each(rows, wanted.objectives(full), until - clock.now())
         if result[-1].stopped is not StopReason.SOLVED:
             return None
-        z = np.stack([each.multipliers for each in result])
+        z = _of_cones(full.program, np.stack([each.multipliers for each in result]))
         # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
         order = self.controls[0].order
         between = MultiplierDensity.of(full, self.denser, SPREAD, order)
@@ -153,6 +152,31 @@ class _LawSubproblem:
         # 3. Their bound over all laws, whatever the multipliers are.
         values = dual_bounds(between.model, self.controls, region.sizes, wanted, masses, ends)
         return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
+
+
+def _linear_rows(program: ConeProgram, low: Array, high: Array) -> LinearRows:
+    """A program's rows, low ≤ x ≤ high, and in place of every cone ‖w‖ ≤ r the box |w_k| ≤ r."""
+    count = program.equalities + program.inequalities
+    parts, rhs, at = [program.matrix[:count]], [program.rhs[:count]], count
+    for length in program.cones:
+        # w = rhs − matrix · x in the rows below the first, whose right-hand side is r
+        matrix, known = program.matrix[at + 1 : at + length], program.rhs[at + 1 : at + length]
+        parts += [-matrix, matrix]
+        rhs += [program.rhs[at] - known, program.rhs[at] + known]
+        at += length
+    matrix = sparse.csc_matrix(sparse.vstack(parts)) if program.cones else parts[0]
+    return LinearRows(matrix, np.concatenate(rhs), program.equalities, low, high)
+
+
+def _of_cones(program: ConeProgram, z: Array) -> Array:
+    """Multipliers (q, …) of these rows as those of the program: of a cone (‖y‖, −y) each."""
+    count = program.equalities + program.inequalities
+    parts, at = [z[:, :count]], count
+    for length in program.cones:
+        above, below = z[:, at : at + length - 1], z[:, at + length - 1 : at + 2 * length - 2]
+        y, at = above - below, at + 2 * length - 2
+        parts += [np.linalg.norm(y, axis=1, keepdims=True), -y]
+    return np.hstack(parts)
 
 
 def _box_within_cones(model: ConicModel, sizes: Sizes) -> Sizes:
