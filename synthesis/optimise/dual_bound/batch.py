@@ -305,7 +305,8 @@ class MultiplierDensity:
             # 2. The least squares of relative changes: each is linear in these effects.
             own = masses[:, here]
             missing = (points[:, here] - own) @ effect
-            gram = np.einsum("qn,nc,nd->qcd", own, effect, effect)
+            squares = (effect[:, :, None] * effect[:, None]).reshape(len(effect), -1)
+            gram = (own @ squares).reshape(len(own), *2 * (effect.shape[1],))
             change = np.einsum("qcd,qd->qc", np.linalg.pinv(gram, hermitian=True), missing)
             result[:, here] = own * np.maximum(1.0 + change @ effect.T, 0.0)
         return result
