@@ -322,18 +322,21 @@ def solve_relaxation(
         between = node.region.rows_between(model, SPREAD, sparing=True)
         density = MultiplierDensity.of(model, between, SPREAD, task.order)
         ends = boundary_multipliers(model, solution, task.order)
-        distributed = replace(
-            solution, multipliers=density.distribute_single(solution.multipliers, ends)
-        )
+        distributed = [
+            replace(solution, multipliers=masses)
+            for masses in density.distribute_single(solution.multipliers, ends)
+        ]
         if solution.stopped is StopReason.INFEASIBLE:
-            node = node.with_bound(infeasibility_bound(density.model, distributed, ends))
+            for each in distributed:
+                node = node.with_bound(infeasibility_bound(density.model, each, ends))
             if node.is_empty or state.time_left <= 0.0:
                 break
             grids = halve_intervals(problem, grids)
             continue
         if solution.stopped not in USABLE:
             return node
-        bound = dual_bound(density.model, distributed, ends)
+        bounds = [dual_bound(density.model, each, ends) for each in distributed]
+        bound = max(bounds, key=lambda each: each.value)
         if not bound.switching:
             return node
         # 3. The solution is where the next rows are tangent.

@@ -28,8 +28,12 @@ from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.bound import ROUNDING, unknown_initial_values
 from synthesis.optimise.dual_bound.costates import end_coefficients, end_costates, project_costates
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian
-from synthesis.optimise.dual_bound.row_functionals import fixed_size_rows, row_functionals
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
+from synthesis.optimise.dual_bound.row_functionals import (
+    RowFunctional,
+    fixed_size_rows,
+    row_functionals,
+)
 from synthesis.optimise.dual_bound.switching import mean_absolute
 from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 
@@ -283,11 +287,43 @@ class MultiplierDensity:
                 chosen.append(runs.sum_between(*spread[k]) < runs.sum_between(*points[k]))
         return self._masses(z, chosen)
 
-    def distribute_single(self, z: Array, costates: Array) -> Array:
-        """The same for one set of multipliers (m,) that is for the model's own objective."""
+    def balance(self, masses: Array, z: Array, order: int) -> Array:
+        """Distributed masses (q, m), in total worth as much as the multipliers z (q, m') were.
+
+        Rows between two points differ from those at the points, and the centre of what is spread
+        is not where it came from. So ψ gets a polynomial on all that lies before an arc, by far the
+        larger part of a law, and the size another factor. Of every block the masses are changed by
+        the least, relative to each of them, that makes both what the points made of them. On fine
+        knots that is a better bound; on coarse ones it may be a worse one.
+        """
+        points = self._masses(z, [0.0] * len(self.point_runs))
+        result, at = masses.copy(), self.model.program.equalities
+        for runs, block in zip(self.point_runs, self.model.blocks, strict=True):
+            here, at = slice(at, at + len(block.rhs)), at + len(block.rhs)
+            if runs is None:
+                continue
+            # 1. What a unit of each row comes to: the powers of ψ before it, and in the size.
+            rows = RowFunctional(self.model, block, here.start, order).point_rows()
+            about = 0.5 * (rows.x[0] + rows.x[-1])
+            effect = sums_at_start((rows.x - about)[:, None], rows.weights[:, None])
+            effect = np.hstack([effect, rows.size])
+            effect = effect[:, np.any(effect, axis=0)]
+            effect = effect / np.max(np.abs(effect), axis=0)
+            # 2. The least squares of relative changes: each is linear in these effects.
+            own = masses[:, here]
+            missing = (points[:, here] - own) @ effect
+            squares = (effect[:, :, None] * effect[:, None]).reshape(len(effect), -1)
+            gram = (own @ squares).reshape(len(own), *2 * (effect.shape[1],))
+            change = np.einsum("qcd,qd->qc", np.linalg.pinv(gram, hermitian=True), missing)
+            result[:, here] = own * np.maximum(1.0 + change @ effect.T, 0.0)
+        return result
+
+    def distribute_single(self, z: Array, costates: Array) -> tuple[Array, Array]:
+        """The same for one set of multipliers (m,) for the model's own objective; and balanced."""
         none = np.zeros((1, len(self.model.problem.sizing.bounds)))
         nothing = Quantities(np.zeros(1, dtype=int), np.zeros(1), np.zeros((1, 3)), none)
-        return np.asarray(self.distribute(nothing, z[None], costates)[0])
+        masses = self.distribute(nothing, z[None], costates)
+        return masses[0], self.balance(masses, z[None], costates.shape[2])[0]
 
     def _masses(self, z: Array, chosen: Sequence[NDArray[Any] | float]) -> Array:
         """Multipliers of all rows, spread where chosen, block by block."""

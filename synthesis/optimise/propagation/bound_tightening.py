@@ -149,8 +149,11 @@ class _LawSubproblem:
         between = MultiplierDensity.of(full, self.denser, SPREAD, order)
         ends = solve_boundary_costates(full, wanted, z, order)
         masses = between.distribute(wanted, z, ends)
-        # 3. Their bound over all laws, whatever the multipliers are.
-        values = dual_bounds(between.model, self.controls, region.sizes, wanted, masses, ends)
+        # 3. Their bound over all laws, whatever the multipliers are: the better one.
+        values = np.maximum(*(
+            dual_bounds(between.model, self.controls, region.sizes, wanted, each, ends)
+            for each in (masses, between.balance(masses, z, order))
+        ))  # fmt: skip
         return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
 
 

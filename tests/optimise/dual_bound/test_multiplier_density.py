@@ -12,7 +12,7 @@ from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.batch import MultiplierDensity
 from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian, dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
-from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (
     cone_rows,
     fixed_size_rows,
@@ -33,15 +33,41 @@ def test_any_multipliers_of_spread_rows_give_a_bound(seed: int) -> None:
     answer = direct(question, uneven(question, seed))
     between = MultiplierDensity.of(answer.model, [], EACH, 3)
     ends = boundary_multipliers(answer.model, answer.solution, 3)
-    own = between.distribute_single(answer.solution.multipliers, ends)
+    own, _ = between.distribute_single(answer.solution.multipliers, ends)
     shaken = own * np.random.default_rng(seed).uniform(0.5, 1.5, len(own))
+    balanced = between.balance(own[None], answer.solution.multipliers[None], 3)[0]
     values = [
         dual_bound(between.model, replace(answer.solution, multipliers=z), ends).value
-        for z in (own, shaken)
+        for z in (own, shaken, balanced)
     ]
     fine = direct(question, even(question, 100)).value
     assert max(values) <= fine * (1.0 + 1e-9)
     assert values[0] > dual_bound(answer.model, answer.solution).value - 0.01 * fine
+
+
+def test_what_is_balanced_comes_to_what_the_points_did() -> None:
+    """Or ψ would get a polynomial on all that lies before an arc, and the bound pay for it."""
+    question = problem(SCENE)
+    model = direct(question, uneven(question, 0)).model
+    # rows of s'' with motion and speed beside it, as curvature implies them
+    mixed = np.array([0.4, 0.3, 0.0, 0.0])
+    model = replace(model, blocks=tuple(replace(b, alpha=b.alpha + mixed) for b in model.blocks))
+    between, z = MultiplierDensity.of(model, [], EACH, 3), np.zeros((1, len(model.program.rhs)))
+    for one in (one for one in row_functionals(model, 3) if one.uniform and one.jumps):
+        z[0, one.first_row : one.first_row + one.count] = np.linspace(1.0, 2.0, one.count)
+    spread, totals = between._masses(z, [1.0] * len(between.point_runs)), []
+    for each, masses in (
+        (model, z), (between.model, spread), (between.model, between.balance(spread, z, 3))
+    ):  # fmt: skip
+        total = []
+        for one in (one for one in row_functionals(each, 3) if one.uniform and one.jumps):
+            mass = masses[0, one.first_row : one.first_row + one.count]
+            assert np.min(mass) > -1e-12
+            rows = one.point_rows()
+            total.append(mass @ sums_at_start(rows.x[:, None], rows.weights[:, None]))
+        totals.append(np.array(total))
+    assert np.max(np.abs(totals[1] - totals[0])) > 1e-3
+    assert totals[2] == pytest.approx(totals[0], rel=1e-9)
 
 
 def test_densities_lie_between_points_that_ascend() -> None:
@@ -93,7 +119,7 @@ def test_a_distributed_density_is_bounded_as_it_is(seed: int) -> None:
     answer = direct(question, uneven(question, seed))
     between = MultiplierDensity.of(answer.model, [], EACH, 3)
     ends = boundary_multipliers(answer.model, answer.solution, 3)
-    own = between.distribute_single(answer.solution.multipliers, ends)
+    own, _ = between.distribute_single(answer.solution.multipliers, ends)
     spread = replace(answer.solution, multipliers=own)
     lagrangian = Lagrangian(between.model, 3)
     z = nonnegative_multipliers(between.model, spread)

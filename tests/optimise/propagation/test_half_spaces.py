@@ -159,7 +159,9 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
         "with_rows": lambda model, rows: SimpleNamespace(program=program, size=slice(0, 2)),
         "minimise_each": lambda *_: [solved],
         "MultiplierDensity": SimpleNamespace(
-            of=lambda *_: SimpleNamespace(model=None, distribute=lambda *_: None)
+            of=lambda *_: SimpleNamespace(
+                model=None, distribute=lambda *_: None, balance=lambda *_: None
+            )
         ),
         "solve_boundary_costates": lambda *_: None,
         "dual_bounds": lambda *_: values,
