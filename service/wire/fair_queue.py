@@ -50,8 +50,8 @@ SUBSCRIBER = (
 class _Flow:
     """The work of one owner: ``tag``, ``mean_s`` of his urgent work [s], what waits and runs.
 
-    ``expected``: places that work takes which is being accepted. ``return_times``: when those are to come
-    back who found no room, in order.
+    ``expected``: places that work takes which is being accepted. ``returns``: when those who
+    found no room are to come back, in order.
     """
 
     tag: float
@@ -60,7 +60,7 @@ class _Flow:
     rest: deque[asyncio.Future[Turn]] = field(default_factory=deque)
     running: int = 0
     expected: int = 0
-    return_times: list[float] = field(default_factory=list)
+    returns: list[float] = field(default_factory=list)
 
     @property
     def places(self) -> int:
@@ -191,23 +191,19 @@ class FairQueue:
         # Places of his get free as his work begins: by what it takes, and his share of the slots.
         busy = 1 + sum(1 for each in flows if each is not flow and (each.running or each.waits))
         place_s = max(SPARE * flow.mean_s * busy / max(1, self._slots()), LEAST_PLACE_S)
-        flow.return_times = [each for each in flow.return_times if each > now - KEPT_S]
-        if (
-            free > 0 and flow.return_times and flow.return_times[0] <= now
-        ):  # he is taken for one who was told
-            del flow.return_times[0]
+        flow.returns = [each for each in flow.returns if each > now - KEPT_S]
+        if free > 0 and flow.returns and flow.returns[0] <= now:  # he is taken for one who was told
+            del flow.returns[0]
         # Others find room where some is left for everyone who was told, by the time that they come:
         # free are the places of today without this one, and those that get free until then.
         # Otherwise their place is the one after those.
-        elif any(
-            free - 1 + (each - now) / place_s < k + 1 for k, each in enumerate(flow.return_times)
-        ):
-            free = min(free, len(flow.return_times)) - len(flow.return_times)
+        elif any(free - 1 + (each - now) / place_s < k + 1 for k, each in enumerate(flow.returns)):
+            free = min(free, len(flow.returns)) - len(flow.returns)
         if free > 0:
             return 0
         again_s = math.ceil((1 - free) * place_s)
-        if len(flow.return_times) < MOST_RETURNS:
-            insort(flow.return_times, now + again_s)
+        if len(flow.returns) < MOST_RETURNS:
+            insort(flow.returns, now + again_s)
         return again_s
 
     def _flow(self) -> _Flow:
@@ -226,7 +222,8 @@ class FairQueue:
         now = time.monotonic() - KEPT_S
         self._flows = {
             name: flow for name, flow in self._flows.items()
-            if flow.running or flow.waits or flow.expected or (flow.return_times and flow.return_times[-1] > now)
+            if flow.running or flow.waits or flow.expected
+            or (flow.returns and flow.returns[-1] > now)
             or (flow.tag > self._virtual and self.running)
         }  # fmt: skip
 

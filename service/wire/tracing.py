@@ -88,8 +88,8 @@ def past_span(
     at = ended_ns - round(1e9 * seconds)
     whole = tracer.start_span(name, start_time=at, attributes=attributes)
     within = trace.set_span_in_context(whole)
-    for part, part_s, attributes in parts:
-        part_span = tracer.start_span(part, within, start_time=at, attributes=attributes)
+    for part, part_s, known in parts:
+        part_span = tracer.start_span(part, within, start_time=at, attributes=known)
         at += round(1e9 * part_s)
         part_span.end(at)
     whole.end(ended_ns)
