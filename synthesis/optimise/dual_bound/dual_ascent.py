@@ -121,7 +121,8 @@ class _DualProgram:
             )
             groups.append(ends)
         vibrations, psi_error = vibration_terms(model, order, z)
-        fixed = [*terms.energy_tangents(model, solution, order), *vibrations]
+        tangents = terms.energy_tangents(model, solution, order)
+        fixed = [*tangents, *((rows, mass[0]) for rows, mass in vibrations)]
         return cls(model, solution, controls, order, tuple(groups), fixed, psi_error)
 
     @cached_property

@@ -151,7 +151,7 @@ def test_bounds_of_a_level_are_loosened(value: float, monkeypatch: pytest.Monkey
 def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> None:
     values, units = np.array([-7e5, -0.3, 0.0, 0.3, 7e5]), np.array([1.0, 2.0, 30.0, 0.1, 5.0])
     program = SimpleNamespace(
-        matrix=np.eye(2), rhs=np.zeros(2), equalities=0, inequalities=2
+        matrix=np.eye(2), rhs=np.zeros(2), equalities=0, inequalities=2, cones=()
     )  # fmt: skip
     wanted = SimpleNamespace(objectives=lambda full: [])
     solved = SimpleNamespace(stopped=StopReason.SOLVED, multipliers=np.zeros(2))

@@ -14,6 +14,7 @@ from service.resources.quotas import UsedQuotas
 from service.routes.resource_routes import in_worker
 from service.state import NOBODY
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.fair_queue import FairQueue
 from synthesis.errors import TimeBudgetExceeded
 from tests.service.specs import spec
 
@@ -100,7 +101,7 @@ def test_a_file_that_is_not_made_says_where_to_get_it_later(
     async def run(*_: Any, **__: Any) -> None:
         raise raised
 
-    engine = SimpleNamespace(admit=lambda: None, run=run)
+    engine = SimpleNamespace(queue=FairQueue(lambda: 1), run=run)
     parts: Any = SimpleNamespace(
         engine=engine, settings=SimpleNamespace(budget_s=lambda _: 30.0),
         quotas=UsedQuotas(SimpleNamespace(do=None)), caller=NOBODY,  # type: ignore[arg-type]
