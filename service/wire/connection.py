@@ -15,6 +15,7 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from service.settings import Settings
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.observe import SECURITY
 from service.wire.places import Places
 from service.wire.problem import MEDIA_TYPE, problem_of
 
@@ -144,7 +145,7 @@ class Connection(HttpToolsProtocol):
             body = json.dumps(problem, ensure_ascii=False).encode("utf-8", "replace")
             headers = {
                 "Content-Type": MEDIA_TYPE, "Content-Length": str(len(body)),
-                "Connection": "close", **error.headers,
+                "Connection": "close", **SECURITY, **error.headers,
             }  # fmt: skip
             status = f"HTTP/1.1 {error.problem.status} {error.problem.title}"
             head = "\r\n".join([status, *(f"{name}: {value}" for name, value in headers.items())])

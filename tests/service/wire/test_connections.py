@@ -156,7 +156,9 @@ def test_a_body_is_no_part_of_the_head(server: Server) -> None:
 
 @pytest.mark.parametrize("sent", [b"\x16\x03\x01\x02\x00", b"GET  / HTTP/9.9\r\n\r\n"])
 def test_what_is_no_http_is_said_to_be(server: Server, sent: bytes) -> None:
-    assert problem(server.exchange(sent)) == (400, "/problems/not-http")
+    answer = server.exchange(sent)
+    assert problem(answer) == (400, "/problems/not-http")
+    assert b"X-Content-Type-Options: nosniff\r\n" in answer  # it is a response like all others
 
 
 def test_few_requests_may_wait_for_answers(server: Server) -> None:
