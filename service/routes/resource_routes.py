@@ -26,6 +26,7 @@ from service.storage.tables import AnswerRow
 from service.wire.body import read_body
 from service.wire.conditional import IN_PARTS, not_modified, only_head, tag_of
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.observe import SECURITY
 from service.wire.problem import problem_response
 from service.wire.tracing import span
 from synthesis.design.design import WITHOUT_CAM
@@ -40,7 +41,7 @@ BINARY = (
     "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
 )  # fmt: skip
 # A picture runs nothing. A page runs its own script, has no origin, and can reach nothing.
-PICTURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'"
+PICTURE_POLICY = SECURITY["Content-Security-Policy"]
 PAGE_POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
     "frame-ancestors 'self'; sandbox allow-scripts"
