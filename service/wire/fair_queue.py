@@ -90,11 +90,14 @@ class FairQueue:
 
     Args:
         slots: how many are served at once; it may change.
-        most: urgent works that may wait. what: they are, in the plural.
+        most: urgent works that may wait. what: they are, in the plural. clock: the time [s].
     """
 
-    def __init__(self, slots: Callable[[], int], most: int = 0, what: str = "") -> None:
-        self._slots, self._most, self._what = slots, most, what
+    def __init__(
+        self, slots: Callable[[], int], most: int = 0, what: str = "",
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        self._slots, self._most, self._what, self._clock = slots, most, what, clock
         self._flows: dict[str, _Flow] = {}
         self._virtual, self._mean_s = 0.0, UNMEASURED_S
         self.running = 0
@@ -132,7 +135,7 @@ class FairQueue:
 
     def release(self, turn: Turn, *, served: bool = True) -> None:
         """Give a turn back, and begin with what is next; what it cost is known now."""
-        flow, cost = turn.flow, time.monotonic() - turn.began if served else 0.0
+        flow, cost = turn.flow, self._clock() - turn.began if served else 0.0
         flow.running -= 1
         self.running -= 1
         # Never below the virtual time: who was charged too much is not owed several turns at once.
@@ -154,7 +157,7 @@ class FairQueue:
             if place.cancelled():
                 continue
             self._virtual = flow.tag
-            turn = Turn(flow, urgent, flow.mean_s, time.monotonic())
+            turn = Turn(flow, urgent, flow.mean_s, self._clock())
             flow.tag += turn.cost
             flow.running += 1
             self.running += 1
@@ -183,7 +186,7 @@ class FairQueue:
 
     def _until_room(self, flow: _Flow) -> int:
         """After how many seconds there is room for one more work of an owner; 0: there is now."""
-        flows, now = self._flows.values(), time.monotonic()
+        flows, now = self._flows.values(), self._clock()
         if self.running < self._slots() and not any(each.waits for each in flows):
             return 0
         owners = 1 + sum(1 for each in flows if each is not flow and each.places)
@@ -219,7 +222,7 @@ class FairQueue:
 
     def _forget(self) -> None:
         """Drop those of whom nothing need be known: they would begin anew as they would go on."""
-        now = time.monotonic() - KEPT_S
+        now = self._clock() - KEPT_S
         self._flows = {
             name: flow for name, flow in self._flows.items()
             if flow.running or flow.waits or flow.expected

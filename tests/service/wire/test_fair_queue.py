@@ -15,14 +15,16 @@ from service.wire.fair_queue import FairQueue, address_of, whose
 class Clock:
     """Time that passes when a test says so."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self) -> None:
         self.now = 1000.0
-        monkeypatch.setattr("service.wire.fair_queue.time.monotonic", lambda: self.now)
+
+    def __call__(self) -> float:
+        return self.now
 
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    return Clock(monkeypatch)
+def clock() -> Clock:
+    return Clock()
 
 
 async def waits(work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
@@ -35,7 +37,7 @@ def test_a_newcomer_waits_for_one_work_of_each_other_at_most(clock: Clock) -> No
     begun: list[str] = []
 
     async def run() -> None:
-        queue = FairQueue(lambda: 1)
+        queue = FairQueue(lambda: 1, clock=clock)
 
         async def work(owner: str, seconds: float, urgent: bool = True) -> None:
             whose.set(owner)
@@ -86,7 +88,7 @@ def test_who_leaves_while_he_waits_blocks_nobody() -> None:
 
 def test_a_full_queue_has_room_for_who_has_none_yet(clock: Clock) -> None:
     async def run() -> None:
-        queue = FairQueue(lambda: 1, 4, "questions")
+        queue = FairQueue(lambda: 1, 4, "questions", clock)
         for _ in range(5):
             await waits(queue.acquire())  # type: ignore[arg-type]
         with pytest.raises(ServiceError, match="4 questions are waiting already, 4 of them yours"):
@@ -102,7 +104,7 @@ def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
     """Forty clients of one owner for a queue of four: each asks anew at once when answered."""
 
     async def run() -> None:
-        queue, found = FairQueue(lambda: 1, 4, "questions"), [0, 0]
+        queue, found = FairQueue(lambda: 1, 4, "questions", clock), [0, 0]
         due = [clock.now] * 40
         told = [False] * 40
         serving: list[tuple[float, int, Any]] = []
