@@ -68,7 +68,9 @@ def improve_multipliers(
         result = latest
         # 3. Keep the best; the next iteration knows where its ψ changes sign.
         best = max(best, result, key=lambda each: each.value)
-        if is_sufficient(best) or result.value - value <= GAIN * (best.value - known.value):
+        if is_sufficient(best) or not result.value > value:  # both may be −∞
+            break
+        if result.value - value <= GAIN * (best.value - known.value):
             break
     return best
 
