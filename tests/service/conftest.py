@@ -6,7 +6,6 @@ import asyncio
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +36,11 @@ class Running:
         self._thread = threading.Thread(target=self._run)
 
     def _run(self) -> None:
-        asyncio.run(self.server.serve([self._socket]))
+        asyncio.run(self._serve())
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        await self.server.serve([self._socket])
 
     def __enter__(self) -> Running:
         self._thread.start()
@@ -47,10 +50,9 @@ class Running:
         return self
 
     def new_key(self, owner: str, **more: Any) -> str:
-        """The text of a new key of an owner; in a thread: some tests have an event loop."""
+        """The text of a new key of an owner; made in the service's loop, as its store is that's."""
         made = self.app.state.parts.keys.create(f"of {owner}", owner, **more)
-        with ThreadPoolExecutor(1) as thread:
-            return str(thread.submit(asyncio.run, made).result()[1])
+        return str(asyncio.run_coroutine_threadsafe(made, self._loop).result()[1])
 
     def __exit__(self, *_: object) -> None:
         self.client.close()
