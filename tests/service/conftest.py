@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +51,11 @@ class Running:
 
     def new_key(self, owner: str, **more: Any) -> str:
         """The text of a new key of an owner; made in the service's loop, as its store is that's."""
-        made = self.app.state.parts.keys.create(f"of {owner}", owner, **more)
-        return str(asyncio.run_coroutine_threadsafe(made, self._loop).result()[1])
+        return str(self.run(self.app.state.parts.keys.create(f"of {owner}", owner, **more))[1])
+
+    def run(self, work: Coroutine[Any, Any, Any]) -> Any:
+        """What some work in the service's event loop comes to."""
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result()
 
     def __exit__(self, *_: object) -> None:
         self.client.close()

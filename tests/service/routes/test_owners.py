@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import uuid
 from collections.abc import Iterator
@@ -49,8 +48,8 @@ def kept_for(service: Running, owner: str) -> dict[str, str]:
             state="failed", spec=b"{}", summary={}, problem=problem,
         )  # fmt: skip
         answers = service.app.state.parts.jobs[path].answers
-        asyncio.run(answers.accept(row))
-        asyncio.run(answers.claim(ids[path], owner))
+        service.run(answers.accept(row))
+        service.run(answers.claim(ids[path], owner))
     return ids
 
 
