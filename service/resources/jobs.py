@@ -107,7 +107,7 @@ class Jobs:
             ) from None
         current = await self.answers.find(self.resource.id_of(spec), owner)
         if current is None:
-            current = await self._accept(spec)
+            current = await self.accept(spec)
         await self.answers.supersede(id, current.id)
         return current
 
@@ -171,9 +171,6 @@ class Jobs:
 
     async def accept(self, spec: Any) -> AnswerRow:
         """Note a question as accepted, so that it outlives this process, and start it."""
-        return await self._accept(spec)
-
-    async def _accept(self, spec: Any) -> AnswerRow:
         row = await self.answers.accept(self._row(self.resource.id_of(spec), spec, "accepted"))
         if row.state == "accepted":
             await self._accepted.start(row)

@@ -84,12 +84,16 @@ async def _proof(
     """The proof file of a finished design, made once; accepted alone where nobody waits for it."""
     jobs, asked = parts.jobs[PROOFS.path], proof_question(row, design)
     id = PROOFS.id_of(asked)
-    kept = await jobs.answers.claim(id, parts.owner)
+    kept = await jobs.answers.find(id, parts.owner)
     if kept is not None and kept.state == "done":
         return kept
     async with parts.quotas.room(parts.caller, id):
-        if not wait:
-            return await jobs.accept(asked)
+        with jobs.room(id):  # who is refused by then holds nothing
+            kept = await jobs.answers.claim(id, parts.owner)
+            if kept is not None and kept.state == "done":
+                return kept
+            if not wait:
+                return await jobs.accept(asked)
         budget_s = parts.settings.budget_s(None)
         answer = jobs.answer(asked, kept, parts.owner)
         return await with_words_for_files(request, budget_s, answer)

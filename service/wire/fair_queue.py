@@ -38,12 +38,9 @@ MOST_RETURNS = 1024  # places that are kept of one owner: as many as there may b
 # Times as long as measured that places are taken for to get free: so a fifth of them is left for
 # whoever comes unannounced, and work that takes longer makes nobody come in vain.
 SPARE = 1.25
-LEAST_PLACE_S = (
-    1e-3  # that a place is taken for to get free after: costs of nothing say nothing [s]
-)
-SUBSCRIBER = (
-    64  # bits of an IPv6 address that name a network: RFC 6177 gives each site at least one
-)
+# After which a place is taken to get free at the soonest [s]: a measured cost of 0 says nothing.
+LEAST_PLACE_S = 1e-3
+SUBSCRIBER = 64  # bits of an IPv6 address that name a network (RFC 6177: each site has one or more)
 
 
 @dataclass(eq=False)
