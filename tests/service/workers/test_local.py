@@ -41,7 +41,10 @@ def ports(family: list[int]) -> set[int]:
     inodes = set()
     for process in family:
         for descriptor in Path(f"/proc/{process}/fd").iterdir():
-            target = str(descriptor.readlink())
+            try:
+                target = str(descriptor.readlink())
+            except FileNotFoundError:  # closed since it was listed
+                continue
             if target.startswith("socket:"):
                 inodes.add(target.removeprefix("socket:[").removesuffix("]"))
     found = set()
