@@ -21,6 +21,7 @@ from operator import mul
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.numerics.piecewise import Array
 
@@ -80,6 +81,12 @@ class PointInequalities:
     coefficients: Array
     size: Array
     upper: Array
+
+    def select(self, which: NDArray[Any]) -> PointInequalities:
+        """Those at some of the points."""
+        return PointInequalities(
+            self.coefficients[:, which], self.size[:, which], self.upper[which]
+        )
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that no tightening bel
 AUTO_PROGRAMS = 100
 """Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
 0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
+THOROUGH_PROGRAMS = 600  # the same of a thorough proof whose spec gives no time: 12 to 24 s
 SWITCHING = 3  # degree of splines whose highest derivative may step at a knot as the best law's
 OWN_SHARE = 0.1  # of an allowance: how near to the least value that objective itself is brought
 AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
@@ -337,12 +338,12 @@ def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
 def _proof_budget(spec: DesignSpec, *, is_last: bool) -> ProofBudget:
     """What may be spent on a proof; of an objective with others after it no more than their share.
 
-    ``auto`` spends part of the time that the spec gives; where it gives none, a number of programs,
-    so that the answer depends on no machine's speed.
+    ``thorough`` spends the time that the spec gives, ``auto`` part of it; where it gives none, a
+    number of programs, so that the answer depends on no machine's speed.
     """
-    programs = AUTO_PROGRAMS if spec.time_budget_s is None else inf
-    auto = ProofBudget(programs, AUTO_SHARE)
-    budget = {"quick": QUICK, "auto": auto, "thorough": THOROUGH}[spec.proof]
+    most = (AUTO_PROGRAMS, THOROUGH_PROGRAMS) if spec.time_budget_s is None else (inf, inf)
+    auto, thorough = ProofBudget(most[0], AUTO_SHARE), replace(THOROUGH, programs=most[1])
+    budget = {"quick": QUICK, "auto": auto, "thorough": thorough}[spec.proof]
     return budget if is_last else replace(budget, share=min(budget.share, AUTO_SHARE))
 
 

@@ -9,7 +9,6 @@ import pytest
 from synthesis import synthesise
 from synthesis.design.design import Design
 from synthesis.numerics import clock
-from synthesis.optimise.branching import traced_node
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.state import solvers_of
@@ -60,10 +59,9 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     assert exits(synthesise(EASY)) == ["tolerance"]
     rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-4)
     assert exits(synthesise(rough)) == ["the lowest node is not divided"]
-    for name in ("MAX_NODES", "FIRST_ITERATIONS", "ITERATIONS", "GAIN"):
-        monkeypatch.setattr(traced_node, name, 1)
+    monkeypatch.setattr(attempt, "THOROUGH_PROGRAMS", 50)
     sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 1e-4})
-    assert exits(synthesise(sharp)) == ["node limit"]
+    assert exits(synthesise(sharp)) == ["budget of the proof"]
 
 
 def test_every_objective_has_an_end_of_its_own() -> None:

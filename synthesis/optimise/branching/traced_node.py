@@ -53,8 +53,7 @@ MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 which take longer."""
 SPREAD = 28  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
-MAX_NODES, FEW_NODES = 21, 3
-"""Nodes at most: of a thorough proof, and of another one where the gap is wide."""
+FEW_NODES = 3  # at most, where the budget of a proof is spent and the gap is wide
 WIDE = 0.05  # relative gap that is wide
 VALUE_SPLIT = 0.4  # of the widest size: values of a node farther apart than that are divided first
 
@@ -109,7 +108,7 @@ class TracedNode(Node):
 
     def node_limit(self, state: SolveState) -> float:
         if state.thorough:
-            return MAX_NODES
+            return inf
         return FEW_NODES if self.lower < (1.0 - WIDE) * self.task.target else 1
 
     def is_pruned(self, state: SolveState) -> bool:
@@ -314,12 +313,12 @@ def solve_relaxation(
         bare = formulate(problem, grids)
         given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
         given += size_rows.least_norm_rows(problem, sizes, bare.scales)
-        implied = node.region.rows(bare, sparing=True)
-        model = with_rows(bare, [*given, *implied])
+        implied = node.region.rows(bare, SPREAD, sparing=True)
+        model = with_rows(bare, [*given, *(block for block, _, _ in implied)])
         solution = solve(model.program, state.time_left)
         # 2. Its multipliers, distributed over points between the knots: the implied rows hold
         #    there too, and a smoother multiplier gives a better bound over all laws.
-        between = node.region.rows_between(model, SPREAD, sparing=True)
+        between = [(denser, runs) for _, denser, runs in implied]
         density = MultiplierDensity.of(model, between, SPREAD, task.order)
         ends = boundary_multipliers(model, solution, task.order)
         distributed = [

@@ -235,11 +235,12 @@ class MultiplierDensity:
     """A model with rows between the points of another's, where they hold too.
 
     Attributes:
-        model: for bounds, not to be solved.
+        model: for bounds, not to be solved. solved: the other one, whose multipliers are known.
         point_runs: of every block, None where it has no more points.
     """
 
     model: ConicModel
+    solved: ConicModel
     point_runs: tuple[PointRuns | None, ...]
 
     @classmethod
@@ -269,13 +270,17 @@ class MultiplierDensity:
         result += denser
         dense = tuple(block for block, _ in result)
         program = replace(model.program, inequalities=sum(len(block.rhs) for block in dense))
-        return cls(replace(model, blocks=dense, program=program), tuple(runs for _, runs in result))
+        both = replace(model, blocks=dense, program=program), model
+        return cls(*both, tuple(runs for _, runs in result))
 
     def distribute(self, quantities: Quantities, z: Array, costates: Array) -> Array:
         """The other model's multipliers z (q, m) of some quantities as this one's."""
         # ∫ |ψ| between every two rows, with their multipliers at points, and spread between them.
-        sets = (self._masses(z, [share] * len(self.point_runs)) for share in (0.0, 1.0))
-        both = [_lagrangian(self.model, quantities, masses, costates) for masses in sets]
+        every = self._masses(z, [1.0] * len(self.point_runs))
+        both = [
+            _lagrangian(self.solved, quantities, z, costates),
+            _lagrangian(self.model, quantities, every, costates),
+        ]
         laws = range(len(self.model.grids))
         points, spread = ([_absolute_pieces(one, k) for k in laws] for one in both)
         chosen: list[NDArray[Any] | float] = []

@@ -126,7 +126,8 @@ class _LawSubproblem:
         part, own = with_rows(submodel(whole, positions), more), region.for_laws(positions)
         caps = tuple(controls[k] for k in positions)
         law = positions.index(position)
-        return cls(part, law, caps, own.rows(part), own.rows_between(part, SPREAD))
+        rows = own.rows(part, SPREAD)
+        return cls(part, law, caps, [x for x, _, _ in rows], [(y, runs) for _, y, runs in rows])
 
     def lower_bounds(
         self, quantities: Quantities, region: ImprovingRegion, until: float

@@ -221,23 +221,20 @@ class ImprovingRegion:
             if law == position
         ]
 
-    def rows(self, model: ConicModel, *, sparing: bool = False) -> list[LinearBlock]:
+    def rows(
+        self, model: ConicModel, each: int, *, sparing: bool = False
+    ) -> list[tuple[LinearBlock, LinearBlock, PointRuns | None]]:
         """Rows that limits imply within the bounds: tight in the middle, and at the reference.
 
-        ``sparing``: those with s'' at the reference alone, where there is one: multipliers of two
-        that say nearly the same at a knot alternate, and the bound pays for it.
-        """
-        return [block for block, _ in self.rows_between(model, 0, sparing=sparing)]
+        ``each``: points between two of the knots where they are written; none of rows without s'',
+        whose multipliers at points serve the bound as well as densities. ``sparing``: those with
+        s'' at the reference alone, where there is one: multipliers of two that say nearly the same
+        at a knot alternate, and the bound pays for it.
 
-    def rows_between(
-        self, model: ConicModel, each: int, *, sparing: bool = False
-    ) -> list[tuple[LinearBlock, PointRuns | None]]:
-        """The same rows between the points where they are written, too.
-
-        ``each``: points between two of these; none of rows without s'', whose multipliers at points
-        serve the bound as well as densities.
+        Returns:
+            rows; the same between these points, too, for bounds over all laws; and these points.
         """
-        result = list[tuple[LinearBlock, PointRuns | None]]()
+        result = list[tuple[LinearBlock, LinearBlock, PointRuns | None]]()
         for position, implied, bounds in self._traced_limits(model.problem):
             segment, breaks = model.problem.free[position], model.grids[position].space.breaks
             spans, runs = None, None
@@ -257,7 +254,9 @@ class ImprovingRegion:
                 points = PointRuns.of(own, bounds.parts, each if jumps else 0)
                 x, (low, high) = points.points, bounds.at(points.points)
                 runs = points if jumps else None
-            grid = Grid(model.grids[position].space, x)
+            grid = solved = Grid(model.grids[position].space, x)
+            if runs is not None:
+                solved = Grid(grid.space, x[runs.rows])
             near = list[tuple[Array, Vector]]()  # s, s' and s'' of the reference, and its size
             if self.reference is not None:
                 near.append(self.reference.at(position, segment, x))
@@ -265,11 +264,18 @@ class ImprovingRegion:
                 traced = None if about is None else np.stack(implied.coordinates.evaluate(*about))
                 motion = self._motion_bounds(segment, implied, bounds, x, (low, high), about)
                 for cut in implied.linear_relaxation(low, high, traced, motion):
+                    at_knots = cut if runs is None else cut.select(runs.rows)
                     block = cuts.cut_block(
-                        cut, implied.source, position, segment, grid, model.scales, Tightening(),
-                        spans, bare=each > 0,
+                        at_knots, implied.source, position, segment, solved, model.scales, Tightening(),
+                        spans,
                     )  # fmt: skip
-                    result.append((block, runs))
+                    denser = block
+                    if runs is not None:
+                        denser = cuts.cut_block(
+                            cut, implied.source, position, segment, grid, model.scales,
+                            Tightening(), bare=True,
+                        )  # fmt: skip
+                    result.append((block, denser, runs))
         return result
 
     def _traced_limits(self, problem: Problem) -> Iterator[tuple[int, BoxBound, PointBounds]]:

@@ -91,6 +91,10 @@ def _remove_excluded_slices(problem: Problem, sizes: Ends) -> Ends:
     boxes = np.repeat(ends[:, :, None], pieces, axis=2)
     boxes[0] = np.stack([cuts[:-1], cuts[1:]])
     step, gone = np.ptp(boxes[-1], axis=0), np.zeros(pieces, dtype=bool)
+    slices = boxes.copy()
+    slices[-1, 1] = slices[-1, 0] + step * 0.5**SLICES
+    if not np.any(is_excluded(problem, slices)):
+        return sizes  # nor is any thicker slice, which holds one of these
     for _ in range(SLICES):
         slices = boxes.copy()
         slices[-1, 1] = np.minimum(boxes[-1, 0] + step, boxes[-1, 1])
