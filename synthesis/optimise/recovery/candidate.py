@@ -56,15 +56,17 @@ def recover_cam(
 
 
 def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Candidate:
-    """The cam with this size, raised to the least prime radius and off the rows that bind it."""
-    follower, size = problem.machine.follower, project_size(problem, size)
-    clear = CLEARANCE * follower.radius_norm().value(size)
-    size = enlarged(size, min(clear, problem.max_enlargement(size)))
+    """The cam with this size, off the rows that bind it, and raised to the least prime radius."""
+    size = project_size(problem, size, CLEARANCE)
     return Candidate(problem, tuple(laws), size, objective_value(problem, size))
 
 
-def project_size(problem: Problem, size: Vector) -> Vector:
-    """The size within its bounds and cones, which a solver keeps to its tolerance only."""
+def project_size(problem: Problem, size: Vector, clear: float = 0.0) -> Vector:
+    """The size within its bounds and cones, which a solver keeps to its tolerance only.
+
+    ``clear``: relative, by how much it is raised off rows. A size that the least radius raises as
+    much is off them by that; so of tiny cams the least radius asked for does not add up with it.
+    """
     bounds, cones = problem.sizing.bounds, problem.norm_bounds
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
     # back into cones that it has left by no more than the solver's tolerance
@@ -72,7 +74,10 @@ def project_size(problem: Problem, size: Vector) -> Vector:
     steps = [(-cone.norm.growth(size, cone.upper), OUTSIDE * cone.upper) for cone in outside]
     inwards = max((step for step, most in steps if 0.0 < step <= most), default=0.0)
     norm = problem.machine.follower.radius_norm()
-    size = enlarged_to(enlarged(size, -inwards), norm, problem.searched_norm)
+    size = enlarged(size, -inwards)
+    off_rows = clear * max(norm.value(size), problem.searched_norm)
+    size = enlarged(size, min(off_rows, problem.max_enlargement(size)))
+    size = enlarged_to(size, norm, problem.searched_norm)
     return enlarged(size, max((cone.growth_to_lower(size) for cone in cones), default=0.0))
 
 
