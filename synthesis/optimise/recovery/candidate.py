@@ -56,17 +56,29 @@ def recover_cam(
 
 
 def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Candidate:
-    """The cam with this size, off the rows that bind it, and raised to the least prime radius."""
-    size = project_size(problem, size, CLEARANCE)
+    """The cam with this size, raised to the least prime radius and off the rows that bind it."""
+    follower, size = problem.machine.follower, project_size(problem, size)
+    clear = CLEARANCE * follower.radius_norm().value(size)
+    if not _is_least_and_off_rows(problem, size, clear):
+        size = enlarged(size, min(clear, problem.max_enlargement(size)))
     return Candidate(problem, tuple(laws), size, objective_value(problem, size))
 
 
-def project_size(problem: Problem, size: Vector, clear: float = 0.0) -> Vector:
-    """The size within its bounds and cones, which a solver keeps to its tolerance only.
+def _is_least_and_off_rows(problem: Problem, size: Vector, clear: float) -> bool:
+    """Whether a size is as small as any may be, and no row binds it.
 
-    ``clear``: relative, by how much it is raised off rows. A size that the least radius raises as
-    much is off them by that; so of tiny cams the least radius asked for does not add up with it.
+    Then it is that size that is asked for: of a tiny cam what is added would be a multiple of it.
     """
+    norm, ends = problem.machine.follower.radius_norm(), problem.sizing.bounds[-1]
+    least = problem.searched_norm * (1.0 + ALLOWED)
+    if norm.value(size) > least and size[-1] > ends[0]:
+        return False
+    rows = ((row, s) for s in problem.segments for row in problem.limit_rows(s) if any(row.size))
+    return all(row_excess(row, s, size) < -clear * max(map(abs, row.size)) for row, s in rows)
+
+
+def project_size(problem: Problem, size: Vector) -> Vector:
+    """The size within its bounds and cones, which a solver keeps to its tolerance only."""
     bounds, cones = problem.sizing.bounds, problem.norm_bounds
     size = tuple(min(max(v, low), high) for v, (low, high) in zip(size, bounds, strict=True))
     # back into cones that it has left by no more than the solver's tolerance
@@ -74,10 +86,7 @@ def project_size(problem: Problem, size: Vector, clear: float = 0.0) -> Vector:
     steps = [(-cone.norm.growth(size, cone.upper), OUTSIDE * cone.upper) for cone in outside]
     inwards = max((step for step, most in steps if 0.0 < step <= most), default=0.0)
     norm = problem.machine.follower.radius_norm()
-    size = enlarged(size, -inwards)
-    off_rows = clear * max(norm.value(size), problem.searched_norm)
-    size = enlarged(size, min(off_rows, problem.max_enlargement(size)))
-    size = enlarged_to(size, norm, problem.searched_norm)
+    size = enlarged_to(enlarged(size, -inwards), norm, problem.searched_norm)
     return enlarged(size, max((cone.growth_to_lower(size) for cone in cones), default=0.0))
 
 
