@@ -133,3 +133,29 @@ def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
     assert LEAST <= known.needed <= LEAST + 10.0
     known.confirm()  # nothing nearer was found since
     assert len(asked) == 2
+
+
+def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:
+    """A quick trial without it finds neither a cam nor a proof; the question itself was proven."""
+    first, second = (
+        Relaxable(name, (f"limits/{n}/{name}",), (1.0,), "", "≤") for n, name in enumerate("ab")
+    )
+
+    def trial(*, certified: bool = False, proof: str = "") -> Any:
+        return SimpleNamespace(certified=certified, proof=proof, on_time=True, strained=())
+
+    class Trials:
+        def is_late(self) -> bool:
+            return False
+
+        def without(self, removed: list[Relaxable]) -> Any:
+            return trial(certified=first in removed)
+
+        def proven_without(self, removed: list[Relaxable]) -> Any:
+            return trial(certified=True) if first in removed else trial(proof="proven")
+
+    for original, kept in ((trial(proof="proven"), [first]), (trial(), [first])):
+        members = conflict._irreducible(cast(Oracle, Trials()), [first, second], [first], original)
+        assert members.numbers == kept
+        assert members.trial.proof == original.proof
+        assert not members.unconfirmed
