@@ -30,7 +30,7 @@ def test_laws_without_a_switch_get_no_mesh_of_their_switches(
 
 
 def test_a_law_on_arcs_is_next_to_the_best_to_a_millionth() -> None:
-    """Pressure angles bind along arcs, where what knots cost falls as the square of their number."""
+    """Pressure angles bind along arcs: what knots cost there falls as their number squared."""
     question = problem(scene(PLAIN, angles(31.0, 43.0), jerk(47.0, 71.7)))
     found = optimise(question, 3e-7)
     assert found.covers_all_laws
