@@ -63,7 +63,7 @@ def coarse_conflicts() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(f"{BOUNDARY}.ACCURACY", 1e-2)
         patch.setattr(f"{BOUNDARY}.FINE", 1e-3)
-        patch.setattr(f"{BOUNDARY}.FINEST", dict.fromkeys(("quick", "auto", "thorough"), 1e-3))
+        patch.setattr(f"{BOUNDARY}.FINEST", dict.fromkeys(("quick", "auto", "thorough"), (1e-3,)))
         patch.setattr(f"{CONFLICT}.program_numbers", lambda *_: ())
         yield
 

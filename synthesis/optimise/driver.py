@@ -50,6 +50,7 @@ from synthesis.optimise.state import (
     Stage,
     WarmStart,
 )
+from synthesis.optimise.strategy.idle_caps import for_problem
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 
@@ -147,6 +148,7 @@ def optimise(
             break
         tree = tree.with_children(node, children)
     state = _with_valid_for(tree.next_node.conclude(state, tree))
+    state = for_problem(state, problem)
     return state.with_exit(_exit(state, tree))
 
 

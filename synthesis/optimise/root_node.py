@@ -7,7 +7,7 @@ and what the incumbent then costs above the bound is left to nodes over parts of
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any
@@ -39,6 +39,7 @@ from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
 from synthesis.optimise.state import QUICK, ProofBudget, SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
+from synthesis.optimise.strategy.idle_caps import Optimise, search_without_idle_caps
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
@@ -58,8 +59,6 @@ MARGIN_BITS = 16  # of the margin for rows written at points: it is known no bet
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
 MOST_LEVELS = 12  # of a fractional objective on one mesh
-
-Optimise = Callable[..., SolveState]  # as ``driver.optimise``
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +229,8 @@ class RootNode(Node):
         if not self.dimension_searched:
             if not state.needs_local_search:
                 return state, ()
-            state = local_search(replace(state, margin=0.0))
+            state = search_without_idle_caps(state, self.optimise)
+            problem = state.problem
         pinning = problem.machine.follower.fixable_dimension()
         over = state.is_good_enough or state.time_left <= 0.0
         if over or (pinning is not None and pinning.needed):
@@ -239,10 +239,9 @@ class RootNode(Node):
             return search_sizes(state), ()
         if not self.dimension_searched and without_swift_caps(problem) is not None:
             return state, ()  # all that the proof could do was done without these
-        child: Node | None = TracedNode.root(state)
         by_pivots = self.dimension_searched or problem.omits_curved_rows
-        if child is None and by_pivots and problem.has_curved_limits:
-            child = PivotNode.root(state)
+        pivots = PivotNode if by_pivots and problem.has_curved_limits else None
+        child: Node | None = TracedNode.root(state) or (pivots and pivots.root(state))
         return state, [child] if child is not None else []
 
     def is_pruned(self, state: SolveState) -> bool:

@@ -278,7 +278,7 @@ class SolveState:
 
     @cached_property
     def is_smallest_sought(self) -> bool:
-        """Whether the incumbent is the smallest cam that is sought, of a size that is open below.
+        """Whether the incumbent is the smallest cam that is sought.
 
         Then no search finds a better one; the lower bound holds for all sizes.
         """

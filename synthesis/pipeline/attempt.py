@@ -121,7 +121,7 @@ class Attempt:
         if self.best is None or not self.certified or not self.searches or not is_open:
             return False
         first = replace(self.searches[0], incumbent=self.best)
-        return first.is_smallest_sought
+        return first.problem.is_open_below and first.is_smallest_sought
 
     @property
     def first_bound(self) -> Bounded | None:
@@ -355,7 +355,7 @@ def _nears_open_end(state: SolveState) -> bool:
     """
     problem = state.problem
     at_end = state.lower <= problem.least_norm + ROUNDING * problem.length
-    return at_end and state.is_smallest_sought
+    return at_end and problem.is_open_below and state.is_smallest_sought
 
 
 def _is_least(state: SolveState) -> bool:

@@ -15,30 +15,29 @@ A value is named only if the question with it, put as it stands, has a certified
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
 
-from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
 from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import ALONE, COARSE, ON_KNOTS, Oracle, Trial
-from synthesis.pipeline.relaxable import Relaxable, relaxed, without
+from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
+from synthesis.pipeline.relaxable import Relaxable, relaxed
 from synthesis.pipeline.secants import slope_of, zero_of
 
-FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 1e-5, "thorough": 1e-6}
+FINE, FINEST = 1e-4, {"quick": (1e-4,), "auto": (1e-5, 3e-7), "thorough": (1e-6, 3e-7)}
 """Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
-than the spec's ``proof`` allows, and no smaller than the first where a gap is open anyway."""
+than the spec's ``proof`` allows, at first and at last, and no smaller than the first where a gap is
+open anyway. Cone programs reach the last one, and no less."""
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
-ROUGH, ACCURACY = 1e-2, 5e-4
+ROUGH, ACCURACY = 1e-2, 4e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
 brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-6  # relative: bracket of a value below which it is not narrowed
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
-MISSED = 1e-5  # relative: by what a question as it stands may miss the smallest base radius
 SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""Of the way and of the value: added to a value, until the question as it stands has a cam."""
-STEPS = 8  # of the secant outwards
-STRIPS, BEYOND_STRIP = 3, 1.5
-"""Steps outwards, and the factor of each, where a trial finds neither a cam nor an excess."""
+"""Of the way and of the value: added to a value, until the question as it stands has a cam, where
+no excess says how much is missing."""
+FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
 SECANTS = 8  # inwards, before brackets are halved alone
 CLOSING = 5  # trials at the fine tolerance
@@ -46,12 +45,7 @@ LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that i
 BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
 far will do."""
-FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
-SLOW = 0.1  # of the excess before: where more is left the secant may not end
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
-
-OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
-"""What makes the quantity of a limit small, by the limit's name."""
 
 LATE = "the time budget ended before this was known"
 SUFFICES = "a cam was found with this value"
@@ -72,6 +66,7 @@ class Boundary:
         excesses: by the values tried. levels: the same, with signs where none is known.
         trials: by the values tried.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
+        confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
     """
 
     oracle: Oracle
@@ -82,7 +77,9 @@ class Boundary:
     nearest: tuple[float, Trial] | None = None
     excluded: float | None = None
     needed: float | None = None
+    confirmed: float | None = None
     note: str = LATE
+    finest: float = FINE
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
     trials: dict[float, Trial] = field(default_factory=dict)
@@ -95,23 +92,25 @@ class Boundary:
             self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
             self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
-            self._exclude(self.number.tightest)
+            self.exclude(self.number.tightest)
 
-    def seek_value(self) -> None:
-        """Find a value that suffices, near the least one: steps 1 and 2."""
-        try:
-            if self.number.minimised and self.original.smallest is not None:
-                self._take(self.original.smallest)
-            elif self._minimise() or self._step_outwards() or self._leave_out():
-                self._narrow()
-        except TimeoutError:
-            self.note = LATE
-        self._confirm()
+    def narrow(self) -> None:
+        """Bring the value that suffices nearer to the least one: step 2."""
+        with suppress(TimeoutError):
+            self._narrow()
+        self.confirm()
 
-    def seek_bound(self) -> None:
-        """Bring the value that suffices, and one that is impossible, to the zero: step 3."""
+    def seek_bound(self, last: bool = False) -> None:
+        """Bring the value that suffices, and one that is impossible, to the zero: step 3.
+
+        ``last``: with the finest tolerance, where a gap of the one before was left by that.
+        """
         if self.nearest is None:
             return
+        tolerances = FINEST[self.oracle.spec.proof]
+        if last and (tolerances[-1] == self.finest or self.oracle.open_gap > FINE):
+            return
+        self.finest = tolerances[-1 if last else 0]
         try:
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
@@ -119,23 +118,23 @@ class Boundary:
                 self._close_in()
         except TimeoutError:
             pass
-        self._confirm()
+        self.confirm()
 
     def _minimise_radius(self) -> bool:
         """Whether the smallest cam, sought to the end, is bounded: no more is to be known then."""
         assert self.nearest is not None
         found, _ = self.nearest
-        finer = self._tried(found, self._fine, exactly=True)
+        finer = self.tried(found, self.fine, exactly=True)
         least, trial = self.nearest
-        spare = 0.5 * max(self.accuracy * self._way(least), MISSED * least)
+        spare = 0.5 * max(self.accuracy * self._way(least), self.fine * least)
         self.nearest = min(least + spare, found), trial
         return finer.bound_excess is not None
 
     @property
-    def _fine(self) -> float:
+    def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        excess, proof = self.excesses.get(self.number.tightest, 1.0), self.oracle.spec.proof
-        return min(max(self.accuracy * excess, FINEST[proof], self.oracle.open_gap), FINE)
+        excess, finest = self.excesses.get(self.number.tightest, 1.0), self.finest
+        return min(max(self.accuracy * excess, finest, self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -145,8 +144,8 @@ class Boundary:
         """
         assert self.nearest is not None
         start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
-        slope = self.direction * slope_of(self.excesses, ON_KNOTS if near else 0.0)
-        gap, value = max(self._fine, self.oracle.open_gap, MISSED), abs(self.nearest[0])
+        slope = self._slope(ON_KNOTS if near else 0.0)
+        gap, value = max(self.fine, self.oracle.open_gap), abs(self.nearest[0])
         step = gap / slope if slope > 0.0 else gap * value
         width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
 
@@ -173,10 +172,10 @@ class Boundary:
             reach = REACH * max(width, open_gap)
             if good - bad <= reach:
                 return
-            trial = self._tried(start + self.direction * way, self._fine, exactly=not nearer)
+            trial = self.tried(start + self.direction * way, self.fine, exactly=not nearer)
             if before is not None and trial.excess is not None and before[0] != way:
                 local = (trial.excess - before[1]) / (before[0] - way)
-                slope = local if abs(trial.excess - before[1]) > REACH * self._fine else slope
+                slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
             found = zero(way, trial.excess)
             cam_zero = min(cam_zero, max(way, bad)) if found is None else found
             if nearer:
@@ -193,13 +192,13 @@ class Boundary:
 
     # -- trials ------------------------------------------------------------------------------
 
-    def _tried(self, value: float, tolerance: float = COARSE, *, exactly: bool = False) -> Trial:
+    def tried(self, value: float, tolerance: float = COARSE, *, exactly: bool = False) -> Trial:
         """The question with the number at a value; raises TimeoutError where time is over."""
         if self.oracle.is_late():
             raise TimeoutError
         _, near = min(self.trials.items(), key=lambda pair: abs(pair[0] - value))
         trial = self.oracle.relaxed(self.number, value, tolerance, near, exactly=exactly)
-        self._record(value, trial)
+        self.record(value, trial)
         if not trial.on_time:
             raise TimeoutError
         if exactly:
@@ -207,12 +206,15 @@ class Boundary:
         return trial
 
     def _note_gap(self, trial: Trial, tolerance: float) -> None:
-        """Keep a gap that a tolerance has left open: no smaller one closes it, of any number."""
-        if trial.excess is not None and trial.bound_excess is not None:
-            gap = trial.excess - trial.bound_excess
-            self.oracle.open_gap = LEFT * gap if gap > tolerance else self.oracle.open_gap
+        """Keep a gap that a tolerance has left open: no smaller one closes it, of any number.
 
-    def _record(self, value: float, trial: Trial) -> None:
+        What knots and solvers leave is none: another trial may come nearer.
+        """
+        if trial.excess is not None and trial.bound_excess is not None:
+            gap, open_gap = trial.excess - trial.bound_excess, self.oracle.open_gap
+            self.oracle.open_gap = LEFT * gap if gap > max(tolerance, FINE) else open_gap
+
+    def record(self, value: float, trial: Trial) -> None:
         self.trials[value] = trial
         self.levels[value] = self._level(trial)
         if trial.excess is not None:
@@ -220,21 +222,21 @@ class Boundary:
         if trial.certified:
             self._allow(value, trial)
         if trial.proof:
-            self._exclude(value)
+            self.exclude(value)
         if self.number.minimised and trial.smallest is not None:
-            self._take(trial.smallest)
+            self.take(trial.smallest)
 
-    def _take(self, smallest: Smallest) -> None:
+    def take(self, smallest: Smallest) -> None:
         """Of a maximum of the base radius: the smallest cam is a value, its bound excludes one."""
         self._allow(smallest.radius, Trial(smallest.attempt, smallest, on_time=True))
         if smallest.is_bounded:
-            self._exclude(smallest.lower)
+            self.exclude(smallest.lower)
 
     def _allow(self, value: float, trial: Trial) -> None:
         if self.nearest is None or self._beyond(value, self.nearest[0]) > 0.0:
             self.nearest = value, trial
 
-    def _exclude(self, value: float) -> None:
+    def exclude(self, value: float) -> None:
         if not self.number.monotone:
             return  # values nearer to the request might do
         if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
@@ -247,82 +249,6 @@ class Boundary:
     def _way(self, value: float) -> float:
         """By how much a value differs from the request; of a request that is far out, itself."""
         return min(abs(value - self.number.tightest), abs(value))
-
-    def _step_outwards(self) -> bool:
-        """Whether a value that suffices is found by the secant of the excess."""
-        before = value = self.number.tightest
-        excess = self.excesses.get(value)
-        if self.number.sense in "=±" or excess is None or value == 0.0:
-            return False
-        way, strips = (excess + COARSE) * abs(value) / self.number.power, 0
-        for _ in range(STEPS):
-            value = self.number.tightest + self.direction * way
-            if not self.oracle.is_valid(self.number, value):
-                return False
-            trial = self._tried(value)
-            if trial.certified:
-                return True
-            if trial.excess is None and strips < STRIPS:
-                way, strips = BEYOND_STRIP * way, strips + 1  # next to the least value: beyond it
-                continue
-            if trial.excess is None or trial.excess > FALLING * excess:
-                return False
-            # Trials become dearer as limits are relaxed: does anything suffice at all?
-            slow = self.number.farthest is None and trial.excess > SLOW * excess
-            if slow and not self.oracle.without([self.number]).certified:
-                return False
-            fall = (excess - trial.excess) / abs(value - before)
-            way += (trial.excess + COARSE) / fall
-            before, excess = value, trial.excess
-        return False
-
-    def _minimise(self) -> bool:
-        """Whether the least value is found by making it the objective, which bounds it as well."""
-        objective = OBJECTIVE_OF.get(self.number.limit)
-        spec = self.oracle.spec
-        if objective is None or self.number.paths[0].startswith("program"):
-            return False
-        low, high = spec.requested_radii()
-        if low < high < inf:  # the smallest cam is a sharper measure
-            return False
-        trial = self.oracle.ask(without(spec, [self.number]), self._fine, objective)
-        if not trial.certified:
-            return False
-        if trial.lower is not None:
-            self._exclude(trial.lower)
-        least, _ = self.oracle.value_on(self.number, trial)
-        if least is None:
-            return False
-        for spare in SPARE[1]:
-            value = least * (1.0 + spare)
-            if self._tried(value).certified:
-                self.levels[value] = 0.0  # no nearer one is sought
-                return True
-        return False
-
-    def _leave_out(self) -> bool:
-        """Whether a cam without the number shows a value that suffices."""
-        if self.oracle.is_late():
-            raise TimeoutError
-        if self.number.farthest is not None:  # an excess, if it is known, says more
-            far = self.number.farthest
-            return self.number.tightest not in self.excesses and self._tried(far).certified
-        if self.number.dimension:  # its value on the smallest cam, not on any
-            open_spec = without(self.oracle.spec, [self.number])
-            trial = self.oracle.ask(open_spec, COARSE, BaseRadius())
-        else:
-            trial = self.oracle.without([self.number])
-        if not trial.certified:
-            self.note = ALONE if trial.on_time else LATE
-            return False
-        reached, note = self.oracle.value_on(self.number, trial)
-        self.note = note or ALONE
-        if reached is None:
-            return False
-        if self.number.sense == "=":
-            self.direction = copysign(1.0, reached - self.number.tightest)
-        self._record(reached, trial)  # that cam keeps it
-        return True
 
     def _narrow(self) -> None:
         """Bring the value that suffices nearer to the least one, to an accuracy.
@@ -353,7 +279,7 @@ class Boundary:
                 value = copysign(sqrt(bad * good), good)
             else:
                 value = 0.5 * (bad + good)
-            self._tried(value)
+            self.tried(value)
 
     def _level(self, trial: Trial) -> float:
         """Above 0 where no cam is found; 0, which ends a search, next to the least value."""
@@ -365,25 +291,23 @@ class Boundary:
         near = ROUGH * self.excesses.get(self.number.tightest, 0.0)
         return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
-    def _confirm(self) -> None:
+    def confirm(self) -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the same question as will be asked with the value put back, and the same answer.
         """
-        if self.nearest is None or self.nearest[0] == self.needed:
+        if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
         (nearest, trial), spec = self.nearest, self.oracle.spec
-        missing = 0.0  # of a maximum of the base radius: what the last question exceeds it by
         units = self._way(nearest), abs(nearest)
-        spares = {
+        spares = sorted({
             share * unit for shares, unit in zip(SPARE, units, strict=True) for share in shares
-        }
-        for spare in sorted(spares):
-            if spare < missing * abs(nearest):
-                continue
+        })  # fmt: skip
+        spare = 0.0
+        for _ in range(len(spares)):
             value = nearest + self.direction * spare
             if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
-                return
+                break
             if not self.oracle.is_valid(self.number, value):
                 break
             if self.oracle.is_late():
@@ -392,8 +316,24 @@ class Boundary:
             found = self.oracle.ask_as_it_stands(relaxed(spec, self.number, value))
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
-                self.needed = value
+                self.needed, self.confirmed = value, nearest
                 self.note = (DEVIATION if self.number.sense == "±" else SUFFICES) + note
                 return
-            missing = (found.excess or 0.0) if self.number.minimised else 0.0
+            # Where the slope of the excess is known, it says how far the question is from a cam; of
+            # a search that ends elsewhere each time, it is a guess.
+            slope = self._slope(0.0)
+            known = found.excess is not None and found.excess > 0.0 < slope
+            missing = BEYOND * found.excess / slope if known and found.excess else 0.0
+            farther = max(spare + missing, FARTHER * spare)
+            spare = farther if known else next((x for x in spares if x > spare), inf)
+        self.confirmed = nearest  # as far as that goes
         self.note = self.note if self.needed is not None else UNCONFIRMED
+
+    def _slope(self, noise: float) -> float:
+        """By how much the excess falls per unit of the way; 0 where that is not known.
+
+        A maximum of the base radius is what its own excess is relative to.
+        """
+        if self.number.minimised and self.original.smallest is not None:
+            return 1.0 / abs(self.number.tightest)
+        return self.direction * slope_of(self.excesses, noise)

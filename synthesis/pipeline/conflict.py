@@ -24,6 +24,7 @@ from synthesis.pipeline.attempt import Attempt
 from synthesis.pipeline.boundary import LATE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.outwards import seek_value
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
@@ -60,27 +61,33 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
     # 1. A value of each number that suffices alone.
     boundaries = {number: Boundary(oracle, number, original) for number in numbers}
     for boundary in boundaries.values():
-        boundary.seek_value()
+        seek_value(boundary)
     # 2. The conflict.
     sufficing = [n for n, boundary in boundaries.items() if boundary.nearest is not None]
     members = _irreducible(oracle, numbers, sufficing, original)
-    # 3. The values of its members that are proven impossible.
+    # 3. The least values of its members, and those that are proven impossible.
+    for number in members.numbers:
+        boundaries[number].narrow()
     for number in members.numbers:
         boundaries[number].seek_bound()
-    relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     # 4. Changes of the program, with all limits as they are, that mend it.
     changes = list[Relaxation]()
     for changeable in (
         program_numbers(oracle.spec, attempt.chosen_values) if members.numbers else ()
     ):
         boundary = Boundary(oracle, changeable, original, ROUGH)
-        boundary.seek_value()
+        seek_value(boundary)
         if boundary.needed is not None:
+            boundary.narrow()
             boundary.seek_bound()
             changes += _relaxations(boundary)
+    # 5. With what time is left, both ends of the members' values as near as programs bring them.
+    for number in members.numbers:
+        boundaries[number].seek_bound(last=True)
+    relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     limits = [str(number) for number in members.numbers]
     evidence = _evidence(original, members)
-    # 5. What the certificate refused on the cam at hand, which no member may name.
+    # 6. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]
     if refused:
         values = ", ".join(
@@ -110,12 +117,14 @@ def _irreducible(
         """Whether a question with fewer numbers has no cam either, as surely as the original."""
         return not trial.certified and trial.on_time and bool(trial.proof or not original.proof)
 
+    # What was proven once is proven of fewer numbers by as long a proof, if at all.
+    shown_without = oracle.proven_without if original.proof else oracle.without
     kept, shown = list(numbers), original
     # What phase 1 names, or those that suffice alone, may have no cam by themselves.
     strained = [number for number in numbers if number.limit in original.strained]
     for few in (list(sufficing), strained):
         if 0 < len(few) < len(kept) and not oracle.is_late():
-            trial = oracle.without([number for number in numbers if number not in few])
+            trial = shown_without([number for number in numbers if number not in few])
             if has_none(trial):
                 kept, shown = few, trial
     unconfirmed = list[Relaxable]()
@@ -123,7 +132,8 @@ def _irreducible(
         if oracle.is_late():
             unconfirmed.append(number)
             continue
-        trial = oracle.without([one for one in numbers if one not in kept or one is number])
+        removed = [one for one in numbers if one not in kept or one is number]
+        trial = shown_without(removed)
         if has_none(trial):
             kept.remove(number)
             shown = trial

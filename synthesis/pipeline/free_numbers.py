@@ -15,8 +15,8 @@ from synthesis.catalogue.limits.motion import DerivativeLimit
 from synthesis.design.design import Conflict, Effort
 from synthesis.pipeline.assembly import in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal, prepare
-from synthesis.pipeline.boundary import OBJECTIVE_OF
 from synthesis.pipeline.largest_radius import Smallest
+from synthesis.pipeline.outwards import OBJECTIVE_OF
 from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above a limit by to exclude every cam

@@ -114,15 +114,19 @@ def first_attempt(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt
     return solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
 
 
-def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
+def compare(
+    spec: DesignSpec, goal: Goal, stages: list[Effort], *, finer: bool = False
+) -> tuple[Attempt, Smallest | None]:
     """As ``solve_with_maximum``, but a smallest cam that is too large ends it, best or not.
 
-    For whoever wants to know by how much it is too large.
+    For whoever wants to know by how much it is too large. ``finer``: if a finer tolerance finds no
+    smaller one either. Then a cam that is found here is found by ``solve_with_maximum`` too.
     """
     first = first_attempt(spec, goal, stages)
     if first_question(spec) is not spec:
         first = enlarge_until_simple(first, goal, stages)
         smallest = _smallest(spec, first)
+        smallest = _decided(spec, smallest, goal, stages) if finer else smallest
         if smallest is not None:
             return smallest.attempt, smallest
     return complete(spec, first, goal, stages)

@@ -23,12 +23,13 @@ from synthesis.pipeline.infeasibility import (
     infeasibility_proof,
     mean_velocity_excess,
 )
-from synthesis.pipeline.largest_radius import ANY, Smallest, compare, solve_with_maximum
+from synthesis.pipeline.largest_radius import ANY, Smallest, compare
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
 ON_KNOTS = 1e-2  # relative: of a bound on a neighbour's knots; the cam is a hundred times nearer
+ENOUGH = 0.5  # of an excess: a gap that proves it
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
 ALONE = "no cam was found however far this number alone is relaxed"
 
@@ -119,31 +120,37 @@ class Oracle:
 
     def ask(
         self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None,
-        near: Trial | None = None, *, exactly: bool = False,
+        near: Trial | None = None, *, exactly: bool = False, proof: str = "quick",
     ) -> Trial:  # fmt: skip
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
         For any cam the peak acceleration is minimised, since a law of little acceleration leaves
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
-        is sought to the tolerance though any that is small enough would do.
+        is sought to the tolerance though any that is small enough would do. ``proof``: how far that
+        there is none is sought.
         """
         low, high = spec.requested_radii()
         limited = low < high < inf
         any_other = high if limited else ANY
         enough = -inf if objective is not None or (limited and exactly) else any_other
         objective = objective or (BaseRadius() if limited else PeakAcceleration())
-        tolerance = min(tolerance, COARSE) if limited else tolerance
+        tolerance = min(tolerance, COARSE) if limited and proof == "quick" else tolerance
         mesh = () if near is None or near.smallest is None else near.attempt.mesh(tolerance)
         if mesh and not exactly:  # a cam next to the best comes first, whatever the bound
             tolerance = max(tolerance, ON_KNOTS)
-        changes = {**QUICK, "objective": objective, "tolerance": tolerance}
+        changes = {**QUICK, "objective": objective, "tolerance": tolerance, "proof": proof}
         goal = Goal(self.stop, sufficient=enough, mesh=mesh)
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
     def ask_as_it_stands(self, spec: DesignSpec) -> Trial:
-        """Put a question as anyone would who sends this spec, for a cam and no more proof."""
-        return self._trial(*solve_with_maximum(spec.model_copy(update=QUICK), Goal(self.stop), []))
+        """Put a question as anyone would who sends this spec, for a cam and no more proof.
+
+        Where the smallest cam is too large, no smaller one is sought with the maximum as a
+        constraint: by how much it is too large says which value to try next.
+        """
+        goal = Goal(self.stop)
+        return self._trial(*compare(spec.model_copy(update=QUICK), goal, [], finer=True))
 
     def _trial(self, attempt: Attempt, smallest: Smallest | None) -> Trial:
         return Trial(attempt, smallest, attempt.certified or not self.is_late())
@@ -155,6 +162,17 @@ class Oracle:
             if removed == key or (removed < key and trial.certified):
                 return trial
         return self.known.setdefault(key, self.ask(without(self.spec, numbers)))
+
+    def proven_without(self, numbers: Collection[Relaxable]) -> Trial:
+        """The same question once more, with a proof as long as the spec's own."""
+        known, spec = self.without(numbers), without(self.spec, numbers)
+        if known.certified or known.proof or spec.proof == "quick" or self.is_late():
+            return known
+        # A bound half-way from the maximum to the smallest cam excludes all that are small enough.
+        tolerance = max(spec.tolerance, ENOUGH * (known.excess or 0.0))
+        trial = self.ask(spec, tolerance, exactly=True, proof=spec.proof)
+        self.known[frozenset(numbers)] = trial if trial.certified or trial.proof else known
+        return self.known[frozenset(numbers)]
 
     def relaxed(
         self, number: Relaxable, value: float, tolerance: float, near: Trial, *, exactly: bool

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import pytest
 
 from synthesis import synthesise
 from synthesis.catalogue.fields import Range
 from synthesis.design.design import Conflict
-from synthesis.pipeline import conflict
+from synthesis.pipeline import boundary, conflict
+from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.scenes import PLAIN, angles, jerk, scene
 
-NEAR = 2e-3  # of the way from the request
+NEAR = 1e-3  # of the way from the request
+
+
+@pytest.fixture(autouse=True)
+def _no_program_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Changes of the program have tests of their own."""
+    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
 
 
 def why(spec: DesignSpec) -> Conflict:
@@ -48,7 +59,6 @@ def dimensions(spec: DesignSpec) -> list[Relaxable]:
 
 def test_the_spec_says_how_near(monkeypatch: pytest.MonkeyPatch) -> None:
     """``proof`` buys accuracy: a finer tolerance brings both ends nearer."""
-    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())  # others have their own tests
     monkeypatch.setattr(conflict, "relaxable_numbers", dimensions)
     spec = scene(PLAIN, angles(31.0, 43.0), jerk(47.0, 71.7), base={"max": 1e3})
     radius = synthesise(spec).dimensions["base_radius_mm"]
@@ -62,3 +72,90 @@ def test_the_spec_says_how_near(monkeypatch: pytest.MonkeyPatch) -> None:
         apart.append((found.needed - found.at_least) / (found.needed - found.requested))
     assert apart[1] < 0.8 * apart[0]
     assert apart[1] < 5e-3
+
+
+def test_a_request_that_is_next_to_what_suffices_has_ends_as_near_in_proportion() -> None:
+    """A thousandth of the way, also where the way is a thousandth of the value."""
+    law = {"kind": "modified_sine"}
+    program = [
+        {"kind": "rise", "angle_deg": 102.0, "lift_mm": 23.5, "law": law},
+        {"kind": "dwell", "angle_deg": 48.0},
+        {"kind": "return", "angle_deg": 104.0, "lift_mm": 23.5, "law": law},
+        {"kind": "dwell", "angle_deg": 106.0},
+    ]
+    limit = {"kind": "pressure_angle", "rise_deg": 37.1, "return_deg": 39.4}
+    spec = DesignSpec.model_validate({
+        "program": program, "follower": {"kind": "translating_roller", "roller_radius_mm": 7.0},
+        "limits": [limit],
+    })  # fmt: skip
+    radius = synthesise(spec).dimensions["base_radius_mm"]
+    short = spec.model_copy(update={"base_radius_mm": Range(max=0.9985 * radius)})
+    relaxations = why(short).relaxations
+    assert len(relaxations) == 3
+    for each in relaxations:
+        assert each.needed is not None
+        assert each.at_least is not None
+        assert 0.0 <= (each.needed - each.at_least) / (each.needed - each.requested) < NEAR
+
+
+LEAST = 1300.0  # of a number that is asked to be 1000 at most
+
+
+def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -> Boundary:
+    """What is known of that number, with excesses of questions as they stand by its value."""
+    monkeypatch.setattr(boundary, "relaxed", lambda _spec, _number, value: value)
+
+    def ask(value: float) -> Any:
+        excess = 2e-3 * (LEAST - value) / 1000.0
+        found[value] = excess
+        return SimpleNamespace(certified=excess <= 0.0, excess=excess)
+
+    oracle = SimpleNamespace(
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        is_valid=lambda *_: True, ask_as_it_stands=ask, value_on=lambda *_: (None, ""),
+    )  # fmt: skip
+    number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
+    request = SimpleNamespace(excess=6e-4, bound_excess=None, proof="")
+    known = Boundary(cast(Oracle, oracle), number, cast(Trial, request))
+    known.excesses[1250.0] = 1e-4  # another search came nearer than the question as it stands
+    known.nearest = 1280.0, cast(Trial, request)
+    return known
+
+
+def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: dict[float, float | None] = {}
+    known = bounded(asked, monkeypatch)
+    known.confirm()
+    assert len(asked) == 2
+    assert known.needed is not None
+    assert LEAST <= known.needed <= LEAST + 10.0
+    known.confirm()  # nothing nearer was found since
+    assert len(asked) == 2
+
+
+def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:
+    """A quick trial without it finds neither a cam nor a proof; the question itself was proven."""
+    first, second = (
+        Relaxable(name, (f"limits/{n}/{name}",), (1.0,), "", "≤") for n, name in enumerate("ab")
+    )
+
+    def trial(*, certified: bool = False, proof: str = "") -> Any:
+        return SimpleNamespace(certified=certified, proof=proof, on_time=True, strained=())
+
+    class Trials:
+        def is_late(self) -> bool:
+            return False
+
+        def without(self, removed: list[Relaxable]) -> Any:
+            return trial(certified=first in removed)
+
+        def proven_without(self, removed: list[Relaxable]) -> Any:
+            return trial(certified=True) if first in removed else trial(proof="proven")
+
+    for original, kept in ((trial(proof="proven"), [first]), (trial(), [first])):
+        members = conflict._irreducible(cast(Oracle, Trials()), [first, second], [first], original)
+        assert members.numbers == kept
+        assert members.trial.proof == original.proof
+        assert not members.unconfirmed

@@ -145,6 +145,17 @@ def test_no_bound_lies_above_a_cam_with_named_radii(name: str) -> None:
         assert proof.lower_bound <= smaller.certificate.value
 
 
+@pytest.mark.parametrize("name", ["offset given", "unequal angles"])
+def test_a_range_that_is_named_changes_no_cam_near_an_infimum(name: str) -> None:
+    value = vanishing(name).certificate.value
+    assert value is not None
+    design = answer(VANISHING[name], base_radius_mm={"min": 0.2 * value, "max": 20.0 * value})
+    assert design.certificate.certified
+    assert not design.certificate.infimum
+    assert design.certificate.value == pytest.approx(value, rel=1e-6)
+    assert design.report.stages[-1].exit == "sufficient"  # no more is sought of so small a cam
+
+
 @pytest.mark.parametrize("name", ["offset given", "face", "arm through the axis", "knife edge"])
 def test_the_second_judge_confirms_cams_near_an_infimum(name: str) -> None:
     pytest.importorskip("flint")

@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import inf
 
 from synthesis.catalogue.limits import Limit
+from synthesis.catalogue.limits.motion import DerivativeLimit
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.optimise.problem.problem import Problem
 
@@ -30,6 +31,17 @@ def without_highest_caps(problem: Problem) -> Problem | None:
     caps = highest_caps(problem)
     remaining = replace(problem, limits=tuple(one for one in problem.limits if one not in caps))
     return remaining if caps and highest_caps(remaining) else None
+
+
+def without_lower_caps(problem: Problem) -> Problem | None:
+    """The problem without caps of derivatives lower than the highest capped one; None without any.
+
+    These are limits that linear rows state in full: whether a cam keeps them its rows tell.
+    """
+    kept = highest_caps(problem)
+    lower = [x for x in problem.limits if isinstance(x, DerivativeLimit) and x not in kept]
+    remaining = tuple(limit for limit in problem.limits if limit not in lower)
+    return replace(problem, limits=remaining) if kept and lower else None
 
 
 def without_swift_caps(problem: Problem) -> Problem | None:

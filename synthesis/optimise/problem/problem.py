@@ -229,13 +229,18 @@ class Problem:
         sought = max(self.smallest_sought, self.base_radius_range[0]), self.base_radius_range[1]
         return max(self.machine.follower.searched_norm(sought), self.sizing.min_norm)
 
+    @property
+    def is_open_below(self) -> bool:
+        """Whether sizes below those sought are allowed."""
+        return self.searched_norm > self.least_norm
+
     def is_smallest_sought(self, size: tuple[float, ...], near: float) -> bool:
-        """Whether a size is the least that is sought where smaller ones are allowed.
+        """Whether a size is the least that is sought.
 
         ``near``: relative distance of its norm that counts as none.
         """
-        least, norm = self.searched_norm, self.machine.follower.radius_norm()
-        return norm.value(size) <= least * (1.0 + near) and least > self.least_norm
+        norm = self.machine.follower.radius_norm()
+        return norm.value(size) <= self.searched_norm * (1.0 + near)
 
     def max_enlargement(self, size: tuple[float, ...]) -> float:
         """How far a size can be raised within bounds and cones [length]."""

@@ -59,8 +59,22 @@ def cam_at_size(problem: Problem, laws: Sequence[SplineLaw], size: Vector) -> Ca
     """The cam with this size, raised to the least prime radius and off the rows that bind it."""
     follower, size = problem.machine.follower, project_size(problem, size)
     clear = CLEARANCE * follower.radius_norm().value(size)
-    size = enlarged(size, min(clear, problem.max_enlargement(size)))
+    if not _is_least_and_off_rows(problem, size, clear):
+        size = enlarged(size, min(clear, problem.max_enlargement(size)))
     return Candidate(problem, tuple(laws), size, objective_value(problem, size))
+
+
+def _is_least_and_off_rows(problem: Problem, size: Vector, clear: float) -> bool:
+    """Whether a size is as small as any may be, and no row binds it.
+
+    Then it is that size that is asked for: of a tiny cam what is added would be a multiple of it.
+    """
+    norm, ends = problem.machine.follower.radius_norm(), problem.sizing.bounds[-1]
+    least = problem.searched_norm * (1.0 + ALLOWED)
+    if norm.value(size) > least and size[-1] > ends[0]:
+        return False
+    rows = ((row, s) for s in problem.segments for row in problem.limit_rows(s) if any(row.size))
+    return all(row_excess(row, s, size) < -clear * max(map(abs, row.size)) for row, s in rows)
 
 
 def project_size(problem: Problem, size: Vector) -> Vector:

@@ -39,7 +39,7 @@ from synthesis.optimise.state import SolveState, Stage
 MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
 COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
-POLISH_INTERVALS: Final = (48, 144)
+POLISH_INTERVALS: Final = (48, 432)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
 48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
 POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4  # by the same square: over the root of a tolerance
@@ -179,14 +179,10 @@ def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState
     (fewest, _), cam, grids = POLISH_INTERVALS, state.relaxed, tuple[Grid, ...]()
     if polish_intervals(state.tolerance) > fewest and cam is not None:
         grids = grids_on_switches(state.problem, cam, fewest)
-    if grids:
-        coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
-        state = replace(
-            _with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation
-        )
-        if state.is_close(state.relaxed):
-            return state
-    return _with_best_multipliers(state)
+    if not grids:
+        return _with_best_multipliers(state)
+    coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
+    return replace(_with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation)
 
 
 def _with_best_multipliers(state: SolveState) -> SolveState:
