@@ -178,7 +178,7 @@ class Program:
                 for side in (1, -1):
                     if self._bends(limit):
                         continue
-                    found = self.question.row(segment, limit, side, *self.judge.C, 1)
+                    found = self.question.row(segment, limit, side)
                     found = self.judge.scaled(segment, found)
                     if found is None or (segment.free and any(found[0][ORDER:])):
                         continue
