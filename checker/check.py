@@ -190,8 +190,7 @@ class Question:
         rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
         demand(rate > 0, "the speed is not positive")
         follower = self.follower = get(body, "follower", dict)
-        self.kind = kind_of(follower, *FOLLOWERS)
-        self.face, self.arm = (self.kind == kind for kind in FOLLOWERS[1:])
+        self.face, self.arm = (kind_of(follower, *FOLLOWERS) == kind for kind in FOLLOWERS[1:])
         program, limits, chosen = (
             [turned(each) for each in found] if self.arm else found
             for found in (get(body, "program", list), get(body, "limits", list), chosen))
@@ -350,6 +349,10 @@ class Question:
         self.bent[place] = scaled(segment, row)
         return self.bent[place]
 
+    def bends(self, limit):
+        """Whether a limit gives rows in rounds alone."""
+        return not (self.face or self.arm) and limit["kind"] in ("profile_radius", "cutter_radius")
+
     def row(self, segment, limit, side):
         """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
         kind, none, (low, high) = limit["kind"], [ZERO] * 2, C
@@ -357,7 +360,7 @@ class Question:
             k = ORDERS[kind]
             return [side * ONE if i == k else ZERO for i in range(4)], none, (
                 get(limit, FIELDS[kind]) / self.rate**k)
-        if kind == "pressure_angle" and self.kind == FOLLOWERS[0] and (
+        if kind == "pressure_angle" and not (self.face or self.arm) and (
                 limit[f"{segment.sense}_deg"] is not None):
             # side u <= X tan, times c; both sides together say that X is not negative
             slope = tangent(limit[f"{segment.sense}_deg"])[1] * high
@@ -924,8 +927,7 @@ def half_plane(question, proof, aim=None):
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
             limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
-            bends = question.kind == FOLLOWERS[0] and (
-                limit["kind"] in ("profile_radius", "cutter_radius"))
+            bends = question.bends(limit)
             row = None if bends else scaled(segment, question.row(segment, limit, side))
             of, factor = squares.get(name, (0, ZERO))
             if 0 < of < order:  # of factor (s^(k))^2, tangents
@@ -1089,7 +1091,7 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
-    demand(question.kind == FOLLOWERS[0] or not {"rounds", "cases"} & {*body},
+    demand(not (question.face or question.arm) or not {"rounds", "cases"} & {*body},
            "rounds of a flat face, or an arm")
     if question.heights[1] is None:
         question.heights[1] = question.highest()

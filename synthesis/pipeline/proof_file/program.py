@@ -6,6 +6,7 @@ says what their multipliers prove. Nothing here has to be right: what is wrong p
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -31,6 +32,7 @@ SMALL = 1e-9  # of the largest multiplier: what is left out
 FINE = 16  # points of an interval at which ψ is looked at
 LEAST = 4e-4  # of a law: width of an interval
 LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
+NEARER = 4  # halvings of what lies around a place of a given law
 FAR = 1e3  # lifts: where nothing else bounds a size
 
 
@@ -93,6 +95,7 @@ class Program:
     def __init__(self, question: Any, knots: dict[int, Array]) -> None:
         judge = checker()
         self.question, self.judge, self.laws = question, judge, list[Law]()
+        self.knots = knots  # of free laws, and places of others where their rows are looked at
         self.jerk, width = float(question.jerk or 0.0), 0
         free = [s for s in question.turning if s.free]
         for s in free:
@@ -170,13 +173,16 @@ class Program:
     def _points(self, segment: Any) -> Array:
         if segment.free:
             return self.by_index[segment.index].knots
-        return np.round(np.linspace(0.0, 1.0, SAMPLES), 9) if segment.lift else np.zeros(1)
+        if not segment.lift:
+            return np.zeros(1)
+        coarse = np.round(np.linspace(0.0, 1.0, SAMPLES), 9)
+        return self.knots.get(segment.index, coarse)
 
     def _linear_rows(self) -> Iterator[Row]:
         for name, limit in self.question.limits.items():
             for segment in self.question.turning:
                 for side in (1, -1):
-                    if self._bends(limit):
+                    if self.question.bends(limit):
                         continue
                     found = self.question.row(segment, limit, side)
                     found = self.judge.scaled(segment, found)
@@ -202,14 +208,11 @@ class Program:
             row, most = matrix.mean(axis=0), float(upper.mean())
             yield Row(segment.index, name, side, a, b, row, most, at, alpha)
 
-    def _bends(self, limit: Json) -> bool:
-        return self.question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
-
     def bend_rows(self, zones: dict[int, list[tuple[float, float]]]) -> Iterator[Row]:
         """Rows of radii: of free laws in their zones, of others all along."""
         judge, question = self.judge, self.question
         for name, limit in question.limits.items():
-            if not self._bends(limit):
+            if not self.question.bends(limit):
                 continue
             for segment in question.turning:
                 points = self._points(segment)
@@ -301,8 +304,23 @@ class Program:
         return answers
 
     def finer(self, nu: Array, z: Array, rows: Sequence[Row], least: float) -> dict[int, Array]:
-        """Knots where ψ changes its sign, and in the middle of intervals that lose by it."""
-        result = {}
+        """Knots where ψ changes its sign, and in the middle of intervals that lose by it.
+
+        Of given laws places around those whose rows have multipliers.
+        """
+        result, active = {}, defaultdict[int, list[float]](list)
+        for row, value in zip(rows, z, strict=True):
+            if value > SMALL * float(z.max(initial=0.0)):
+                active[row.segment].append(row.x)
+        for segment in self.question.turning:
+            if not segment.free and segment.lift:
+                old = self._points(segment)
+                at = np.searchsorted(old, np.unique(active[segment.index]))
+                near = np.diff(old, prepend=old[0] - old[1], append=2.0 * old[-1] - old[-2])
+                new = [old[at] + side * near[at + (side > 0)] / 2.0**k for side in (-1, 1)
+                       for k in range(1, NEARER)]  # fmt: skip
+                new = np.clip(np.concatenate([old, *new]), 0.0, 1.0)
+                result[segment.index] = thinned(new, LEAST)
         for law in self.laws:
             x, index = law.knots, law.segment.index
             tau = x[:-1, None] + np.diff(x)[:, None] * (np.arange(FINE) + 0.5) / FINE

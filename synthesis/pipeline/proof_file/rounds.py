@@ -49,7 +49,8 @@ def in_rounds(
     judge = checker()
     judge.spent.clear()
     question = judge.Question(judge.read(asked))
-    if not question.roller or (question.jerk is None and any(s.free for s in question.turning)):
+    free = any(s.free for s in question.turning)
+    if question.face or question.arm or (question.jerk is None and free):
         return None
     radius = Fraction(repr(target)) + question.gap
     question.radii[1] = min(radius, question.radii[1] or radius)
@@ -97,8 +98,9 @@ def in_rounds(
         loss = least - float(radius) - excess
         if excess > 0.0 or loss < FINE_ENOUGH * abs(excess):
             break
-        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * abs(excess)))
-        program = Program(question, finer)
+        # intervals that lose more than half of what they lose in the mean
+        count = sum(len(law.knots) for law in program.laws) or 1
+        program = Program(question, program.finer(nu, z, rows, loss / (2 * count)))
     return reached
 
 
