@@ -21,6 +21,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from synthesis import DesignSpec, proof, synthesise
 from synthesis.design.design import Design
 from synthesis.errors import TimeBudgetExceeded
@@ -83,8 +85,8 @@ def outcome(number: int, seed: int, mutants: int, others: deque[Any]) -> Outcome
     body = question(chance)
     try:
         design = synthesise(DesignSpec.model_validate(body))
-    except TimeBudgetExceeded:
-        found.claims["no time"] += 1
+    except (TimeBudgetExceeded, ValidationError) as error:
+        found.claims[f"no design: {type(error).__name__}"] += 1
         return found
     document = json.loads(json.dumps(proof(design)))
     started = time.process_time()

@@ -4,7 +4,6 @@ import copy
 import json
 import math
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 import pytest

@@ -65,6 +65,7 @@ PEAKS = {"peak_acceleration": 2, "peak_jerk": 3}  # the derivative that is minim
 COUNTER = ("counter_distance_mm", "counter_angle_deg")  # of the counter roller, from the main one
 CHOSEN = ("angle_deg", "lift_mm", "lift_deg")  # of a segment of the cam
 NO_WITNESS = "no multipliers are known for it"
+OF_ARM = "no rows are known of an arm's size and pressure angle"
 
 
 def proof_file(design: Design) -> Json:
@@ -116,7 +117,7 @@ def _claim(place: str, objection: str, **witness: Any) -> Json:
 
 def _of_all_cams(body: Json, place: str, design: Design, spent: Counter[str]) -> Json:
     """A claim about all cams: the best that the checker accepts after what others have spent."""
-    reason = NO_WITNESS
+    reason = OF_ARM if isinstance(design.spec.follower, OscillatingRoller) else NO_WITNESS
     for witness in _attempts(place, design):
         claim = _claim(place, "", **witness)
         reason = objections(as_bytes({**body, "claims": [claim]}), spent)[place]
