@@ -2,6 +2,7 @@
 
 import json
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -222,5 +223,5 @@ def test_powers_that_are_cut_off_are_added_as_what_they_come_to() -> None:
 def bernstein_value(coefficients: Any, t: float) -> float:
     b = [float(x) for x in coefficients]
     while len(b) > 1:
-        b = [(1 - t) * x + t * y for x, y in zip(b, b[1:], strict=False)]
+        b = [(1 - t) * x + t * y for x, y in pairwise(b)]
     return b[0]

@@ -45,6 +45,17 @@ def impossible() -> Any:
         return proof_of("infeasible-on-purpose")
 
 
+def test_a_pair_without_a_cam_has_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    conflict = Conflict(limits=[], relaxations=[], evidence="", proven=True)
+    monkeypatch.setattr(f"{synthesise.__module__}.explain", lambda *_: conflict)
+    monkeypatch.setattr(f"{synthesise.__module__}.over_all_numbers", lambda *_: conflict)
+    jerk = {"kind": "jerk", "max_mm_per_s3": 10.0}
+    angle = {"kind": "pressure_angle", "rise_deg": 40.0, "return_deg": 40.0}
+    document = proof_of("conjugate", limits=[jerk, angle])
+    assert document["cam"] is None
+    assert [claim["place"] for claim in document["claims"]] == ["infeasible"]
+
+
 def claims(document: Any) -> dict[str, Any]:
     return {claim["place"]: claim for claim in document["claims"]}
 

@@ -204,7 +204,7 @@ def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
 
 def _cam(design: Design) -> Json | None:
     """The cam as it was delivered, but for rounding at the ends of laws; None where none fits."""
-    if not design.motion or design.status == "infeasible":
+    if not _has_cam(design):
         return None
     laws: list[Any] = [
         each.spline and each.spline.model_dump(exclude_none=True) for each in design.motion
@@ -213,6 +213,10 @@ def _cam(design: Design) -> Json | None:
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
     return {"size": _size(design), "laws": laws, "program": _chosen(design)}
+
+
+def _has_cam(design: Design) -> bool:
+    return bool(design.motion) and design.status != "infeasible"
 
 
 def _size(design: Design) -> list[float]:
@@ -228,6 +232,8 @@ def _size(design: Design) -> list[float]:
 
 def _chosen(design: Design) -> list[Json]:
     """Of every segment the angle and the lift that were chosen, where the question has a range."""
+    if not _has_cam(design):
+        return []
     asked = design.spec.model_dump(mode="json")["program"]
     made = design.completed_spec.model_dump(mode="json")["program"]
     return [

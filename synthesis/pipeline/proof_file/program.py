@@ -6,7 +6,6 @@ says what their multipliers prove. Nothing here has to be right: what is wrong p
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -32,7 +31,6 @@ SMALL = 1e-9  # of the largest multiplier: what is left out
 FINE = 16  # points of an interval at which ψ is looked at
 LEAST = 4e-4  # of a law: width of an interval
 LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
-NEARER = 4  # halvings of what lies around a place of a given law
 FAR = 1e3  # lifts: where nothing else bounds a size
 
 
@@ -170,7 +168,7 @@ class Program:
         matrix[:, -1] += float(size[1])
         return matrix, rest
 
-    def _points(self, segment: Any) -> Array:
+    def points(self, segment: Any) -> Array:
         if segment.free:
             return self.by_index[segment.index].knots
         if not segment.lift:
@@ -190,7 +188,7 @@ class Program:
                         continue
                     if not segment.free and not any(found[1]):
                         continue
-                    x, jumps = self._points(segment), segment.free and found[0][2]
+                    x, jumps = self.points(segment), segment.free and found[0][2]
                     matrix, upper = self._row(segment, x, *found)
                     alpha = np.array([[float(a) for a in found[0][:ORDER]]])
                     for at, row, most in zip(x.tolist(), matrix, upper, strict=True):
@@ -215,7 +213,7 @@ class Program:
             if not self.question.bends(limit):
                 continue
             for segment in question.turning:
-                points = self._points(segment)
+                points = self.points(segment)
                 if segment.free:
                     inside = [
                         (a <= points) & (points <= b) for a, b in zones.get(segment.index, ())
@@ -304,23 +302,8 @@ class Program:
         return answers
 
     def finer(self, nu: Array, z: Array, rows: Sequence[Row], least: float) -> dict[int, Array]:
-        """Knots where ψ changes its sign, and in the middle of intervals that lose by it.
-
-        Of given laws places around those whose rows have multipliers.
-        """
-        result, active = {}, defaultdict[int, list[float]](list)
-        for row, value in zip(rows, z, strict=True):
-            if value > SMALL * float(z.max(initial=0.0)):
-                active[row.segment].append(row.x)
-        for segment in self.question.turning:
-            if not segment.free and segment.lift:
-                old = self._points(segment)
-                at = np.searchsorted(old, np.unique(active[segment.index]))
-                near = np.diff(old, prepend=old[0] - old[1], append=2.0 * old[-1] - old[-2])
-                new = [old[at] + side * near[at + (side > 0)] / 2.0**k for side in (-1, 1)
-                       for k in range(1, NEARER)]  # fmt: skip
-                new = np.clip(np.concatenate([old, *new]), 0.0, 1.0)
-                result[segment.index] = thinned(new, LEAST)
+        """Knots where ψ changes its sign, and in the middle of intervals that lose by it."""
+        result = {}
         for law in self.laws:
             x, index = law.knots, law.segment.index
             tau = x[:-1, None] + np.diff(x)[:, None] * (np.arange(FINE) + 0.5) / FINE

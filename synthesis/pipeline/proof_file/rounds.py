@@ -7,6 +7,7 @@ checker derives the rows of the next round.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import product
@@ -18,7 +19,7 @@ from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
-from synthesis.pipeline.proof_file.program import DEGREE, Json, Program, Row, thinned
+from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Json, Program, Row, thinned
 
 KNOTS = 24  # equal intervals of a law, at least
 PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
@@ -30,6 +31,7 @@ FINE_ENOUGH = 0.15  # of what is missing: what coarse knots may lose
 SHARE = 0.01  # of what is missing: what one interval may lose
 WIDTH = 2e-3  # of a law: least distance of the first knots
 MARGIN = 0.02  # of a law: by which parts with small radii are widened
+NEARER = 4  # halvings of what lies around a place of a given law
 GAIN = 0.1  # of what is missing: a round that gains less is the last
 JOINED = 30  # samples: parts that are no farther apart are one
 
@@ -75,8 +77,8 @@ def in_rounds(
             return None
         ((least, nu, z),) = last
         missing = abs(least - float(radius))
-        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * missing))
-        program = Program(question, finer)
+        least_lost = max(LOST * target, SHARE * missing)
+        program = _finer(program, nu, z, rows, least_lost)
         # 3. Until nothing is left to gain. The first bounds of the size gain nothing by themselves.
         if least > float(radius) or (number > 1 and least - before < GAIN * missing):
             break
@@ -100,8 +102,31 @@ def in_rounds(
             break
         # intervals that lose more than half of what they lose in the mean
         count = sum(len(law.knots) for law in program.laws) or 1
-        program = Program(question, program.finer(nu, z, rows, loss / (2 * count)))
+        program = _finer(program, nu, z, rows, loss / (2 * count))
     return reached
+
+
+def _finer(
+    program: Program, nu: Array, z: Array, rows: Sequence[Row], least_lost: float
+) -> Program:
+    """The same program on finer knots, and with more places around those that bind elsewhere."""
+    found, active = program.finer(nu, z, rows, least_lost), defaultdict[int, list[float]](list)
+    for row, value in zip(rows, z, strict=True):
+        if value > SMALL * float(z.max(initial=0.0)):
+            active[row.segment].append(row.x)
+    for segment in program.question.turning:
+        if segment.free or not segment.lift:
+            continue
+        old = program.points(segment)
+        at = np.searchsorted(old, np.unique(active[segment.index]))
+        width = np.diff(old, prepend=old[0] - old[1], append=2.0 * old[-1] - old[-2])
+        new = [
+            old[at] + side * width[at + (side > 0)] / 2.0**k
+            for side in (-1, 1)
+            for k in range(1, NEARER)
+        ]
+        found[segment.index] = thinned(np.clip(np.concatenate([old, *new]), 0.0, 1.0), LEAST)
+    return Program(program.question, found)
 
 
 def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
