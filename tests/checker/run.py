@@ -29,6 +29,7 @@ from synthesis.errors import TimeBudgetExceeded
 from synthesis.pipeline.proof_file.checker import checker, checker_path
 from tests.checker.mutations import mutated
 from tests.checker.questions import question
+from tests.checker.schema import conforms
 from tests.checker.truth import contradiction
 
 OTHERS = 10  # files before one, from which changed ones may take a part
@@ -93,8 +94,9 @@ def outcome(number: int, seed: int, mutants: int, others: deque[Any]) -> Outcome
     code, said = verdict(document)
     found.seconds = time.process_time() - started
     found.size = len(json.dumps(document, separators=(",", ":")))
-    if code:
-        found.faults.append(f"refused: {said} {json.dumps(body)}")
+    schema = json.loads(checker_path().with_name("proof.schema.json").read_text("utf-8"))
+    if code or not conforms(document, schema, schema):
+        found.faults.append(f"refused, or of another form: {said} {json.dumps(body)}")
     elif false := contradiction(document):
         found.faults.append(f"false: {false} {json.dumps(body)}")
     found.claims[design.status] += 1
