@@ -653,6 +653,7 @@ class Cam:
         self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
         if question.arm:
             arm = size.pop() if free else get(follower, "arm_mm")
+            demand(arm > 0, "an arm without a length")
             sense, (p, q) = (1, -1)[follower["sense"] == "same"], size[:2]
             self.ranges += [(arm, range_of(follower["arm_mm"]), 1),
                             (p * p + q * q, range_of(follower["centre_distance_mm"]), 2)]
