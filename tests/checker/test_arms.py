@@ -2,6 +2,7 @@
 
 import json
 import math
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -194,9 +195,12 @@ def test_what_is_true_of_an_arm_is_accepted() -> None:
         )
 
 
-def test_a_series_of_an_angle_lies_around_its_sine() -> None:
+@pytest.mark.parametrize("terms", [3, 4, 10])
+def test_a_series_of_an_angle_lies_around_its_sine(
+    terms: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     judge = checker()
-    judge.spent.clear()
+    monkeypatch.setattr(judge, "TERMS", terms)
     for degrees in ([0, 0.3, 0.1], [44.4, 45.2, 45.9, 45.7], [-1.5, 1.5], [179.9, 180.2]):
         exact = [judge.Fraction(repr(float(x))) for x in degrees]
         for found, wave in zip(judge.waves(judge.enclose(exact)), (np.sin, np.cos), strict=True):
@@ -206,18 +210,31 @@ def test_a_series_of_an_angle_lies_around_its_sine() -> None:
                     bernstein_value([pair[k] / judge.UNIT for pair in found], t) for k in (0, 1)
                 )
                 assert low - 1e-15 <= wave(math.radians(angle)) <= high + 1e-15
-            assert degrees[0] or all(high - low <= judge.SHARP for low, high in found)
+            assert degrees[0] or terms < 10 or all(y - x <= judge.SHARP for x, y in found)
 
 
 def test_powers_that_are_cut_off_are_added_as_what_they_come_to() -> None:
     judge, high = checker(), 14
-    b = [(round((k % 3 - 1) * judge.UNIT),) * 2 for k in range(high + 1)]
+    b = [((k % 3 - 1) * judge.UNIT, (k % 3 - 1) * judge.UNIT + judge.UNIT * k) for k in range(15)]
     found = judge.cut(b)
-    assert len(found) == judge.TERMS + 1
+    assert high + 1 == len(b) > len(found) == judge.TERMS + 1
     for t in np.linspace(0.0, 1.0, 9):
-        value = bernstein_value([x / judge.UNIT for x, _ in b], t)
         low, most = (bernstein_value([pair[k] / judge.UNIT for pair in found], t) for k in (0, 1))
-        assert low <= value <= most
+        for k in (0, 1):
+            assert low <= bernstein_value([pair[k] / judge.UNIT for pair in b], t) <= most
+    narrow = [(x, x + 1000) for x, _ in b[:5]]  # nothing is cut off
+    found = judge.cut(narrow)
+    assert all(y - x < 1100 for x, y in found)
+    assert all(x <= z <= w <= y for (x, y), (z, w) in zip(found[::4], narrow[::4], strict=True))
+
+
+def test_sines_of_known_angles_lie_between_both_numbers() -> None:
+    judge, half = checker(), Fraction(1, 2)
+    for degrees, wave, value in ((30, 0, half), (150, 0, half), (60, 1, half), (300, 1, half),
+                                 (-30, 0, -half), (180, 1, -1), (360, 0, 0)):  # fmt: skip
+        low, high = judge.circle(Fraction(degrees))[wave]
+        assert low < value < high or (low <= value <= high and abs(value) != half)
+        assert high - low < Fraction(1, 10**32)
 
 
 def bernstein_value(coefficients: Any, t: float) -> float:

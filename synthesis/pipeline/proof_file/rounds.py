@@ -28,6 +28,7 @@ NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
 LOST = 2e-5  # of the least radius, in mm: what an interval may lose to a ψ that changes its sign
 ROUNDS, MESHES = 6, 4  # at most; meshes of the last rows, each finer than the one before
 FINE_ENOUGH = 0.15  # of what is missing: what coarse knots may lose
+HALVINGS, WORK = "halvings of intervals", 0.7  # the checker's work; rounds' share of what it may be
 SHARE = 0.01  # of what is missing: what one interval may lose
 WIDTH = 2e-3  # of a law: least distance of the first knots
 MARGIN = 0.02  # of a law: by which parts with small radii are widened
@@ -60,16 +61,17 @@ def in_rounds(
     own = {s.index: _knots(laws[s.index]) for s in question.turning if s.free}
     zones = {s.index: _zones(question, s, laws[s.index], size) for s in question.turning if s.free}
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, before = list[list[Json]](), -np.inf
+    rounds, before, work = list[list[Json]](), -np.inf, 0
     for number in range(ROUNDS):
         # 1. Bounds of the size, then of the path as well, from the rows known so far.
         if number:
             rows = program.fixed + list(program.bend_rows(zones))
             steps = list(_round(program, rows, zones, with_places=number > 1 or not own))
-            if not steps:
+            work += sum(taken for *_, taken in steps)
+            if not steps or work > WORK * judge.MOST[HALVINGS]:
                 break
-            rounds.append([step for step, _ in steps])
-            judge.narrow(question, [bound for _, bound in steps])
+            rounds.append([step for step, *_ in steps])
+            judge.narrow(question, [bound for _, bound, _ in steps])
         # 2. The least radius under the rows that follow, and finer knots where these lose much.
         rows = program.fixed + list(program.bend_rows(zones))
         last = program.minimise((), rows, None)
@@ -130,7 +132,10 @@ def _finer(
 
 
 def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
-    """Steps that narrow what is known of the size, and of X and U at places, with their bounds."""
+    """Steps that narrow what is known of the size, and of X and U at places.
+
+    With their bounds, and the halvings that they take of the checker.
+    """
     judge, question, width = program.judge, program.question, program.width
     aims, costs = list[Json](), list[Array]()
     for k in range(4):
@@ -157,7 +162,8 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
     for aim, (_, nu, z) in zip(aims, found, strict=True):
         step = {**aim, "multipliers": program.stated(nu, z, rows)}
         judge.spent.clear()
-        yield step, judge.bound_of(question, judge.read(as_bytes(step)))
+        bound = judge.bound_of(question, judge.read(as_bytes(step)))
+        yield step, bound, judge.spent[HALVINGS]
 
 
 def _knots(law: Json | None) -> Array:
