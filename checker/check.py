@@ -365,12 +365,19 @@ class Question:
             # side u <= X tan, times c; both sides together say that X is not negative
             slope = tangent(limit[f"{segment.sense}_deg"])[1] * high
             return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
-        if kind == "face_width" and not self.tilt and limit["reach"][side > 0] is not None:
-            most = limit["reach"][side > 0] + side * self.follower["offset_mm"]
-            return [ZERO, side, ZERO, ZERO], none, max(most * low, most * high)  # times c
         if kind == "forward" and segment.forward and side > 0:
             return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
         known = segment.forward or not segment.free  # s >= 0
+        if kind == "face_width" and limit["reach"][side > 0] is not None and (
+                known or not self.tilt):
+            # side (s' - (s + Rb/cos) tan - offset/cos^2) <= reach/cos, times c
+            away, lean = side * self.tilt, [1 / x for x in circle(self.tilt)[1]]
+            slope = (-tangent(away)[1] * high if away > 0 else
+                     tangent(-away)[0] * low if away < 0 else ZERO)
+            offset = side * self.follower["offset_mm"]
+            most = [limit["reach"][side > 0] + offset * k for k in lean]
+            return [slope, side, ZERO, ZERO], [ZERO, slope], max(
+                c * k * m for c, k, m in product(C, lean, most))
         if kind == "profile_radius" and self.face and side > 0 and known:
             # Rb + (s + s'') cos tilt >= least, times c^2/cos tilt
             least = get(limit, "min_mm") / circle(self.tilt)[1][1]
