@@ -851,7 +851,8 @@ class Cam:
         square, most = sum(x * x for x in self.size), max(self.question.gap, ZERO)
         good, miss = self.size[1] >= 0 and square > most**2, ZERO
         for value, ends, power in [*self.ranges, (square, self.question.radii, 2)]:
-            low, high = (value if end is None else end**power for end in ends)
+            low, high = (value if end is None else end if power == 1 else max(end, ZERO) ** 2
+                         for end in ends)
             over = max(low - value, value - high)
             miss = max(miss, over / value if over > 0 and power == 2 else over)
             good = good and (power == 2 or over <= 0)

@@ -136,6 +136,8 @@ WRONG: dict[str, tuple[Json, str]] = {
     "the pivot's distance is not as asked": (arm(centre_distance_mm=100.001), "not within"),
     "the pivot's distance is beyond its range": (
         arm(centre_distance_mm={"min": 101, "max": None}), "not within"),
+    "the pivot's distance is less than nothing": (
+        arm(centre_distance_mm={"min": None, "max": -100}), "not within"),
     "the base radius is not as asked": (
         {**arm(), "question": {**arm()["question"], "base_radius_mm": 60}}, "not within"),
     "the arm is not chosen": (arm(arm_mm={"min": 70, "max": 90}), "as many laws or sizes"),
