@@ -30,6 +30,7 @@ MOST = {"numbers": 200_000, "halvings of intervals": 500_000, "coefficients": 1_
 SLICES, FINE = 8, 1 << 70  # of a density of rows that differ from place to place; what is rounded
 DEEPEST, BITS = 60, 120  # halvings of one piece; enclosures are rounded outwards to 1/UNIT
 UNIT, ZERO, ONE = 1 << BITS, Fraction(0), Fraction(1)
+TERMS, SHARP = 10, UNIT >> 44  # of series, and powers of polynomials along arms; how well known
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
 ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
@@ -42,12 +43,15 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "chosen": "angle_deg lift_mm",  # of a segment of the cam
     "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
     "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
-    "groove": "clearance_mm rim_mm", "conjugate": "roller_radius_mm offset_mm distance_mm",
+    "groove": "clearance_mm rim_mm",
+    "conjugate": "roller_radius_mm offset_mm distance_mm arm_mm angle_deg",
     "windows": "from_deg to_deg travel_mm velocity_mm_per_s acceleration_mm_per_s2 jerk_mm_per_s3",
     "points": "angle_deg travel_mm tolerance_mm tolerance_deg velocity_mm_per_s",
     "named law": "inflection",
     "translating_roller": "roller_radius_mm closure offset_mm",
     "translating_flat_face": "offset_mm tilt_deg",
+    "oscillating_roller": "roller_radius_mm closure arm_mm centre_distance_mm sense "
+                          "pivot_direction_deg",
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "outer_radius": "max_mm", "counter_base_radius": "min_mm",
@@ -63,11 +67,15 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
     "parabolic": (0, 40, 0), "simple_harmonic": (0, 0, 40), "cycloidal": (20, 0, 20),
     "modified_trapezoid": (10, 20, 10), "modified_sine": (10, 0, 30), "mcv50_makino": (5, 0, 15),
     "cv50_half_sine": (10, 0, 10), "cv50_modified_trapezoid": (5, 10, 5), "scca_cv20": (8, 16, 8)}
+FOLLOWERS = "translating_roller", "translating_flat_face", "oscillating_roller"
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
         "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
+TWINS = {name.format(one): name.format(other) for one, other in (("mm", "deg"), ("deg", "mm"))
+         for name in ("lift_{}", "velocity_{}_per_s", "max_{}_per_s", "max_{}_per_s2",
+                      "max_{}_per_s3")}
 spent = Counter()
 
 class Failure(Exception):
@@ -142,6 +150,10 @@ def choose(asked, chosen):
     return chosen
 
 # Step 2. The question. Levels are measured from the lowest position.
+def turned(body):
+    """What is said of an arm in degrees, in the place of what is said of others in mm."""
+    return {TWINS.get(name, name): value for name, value in body.items()}
+
 class Segment:
     def __init__(self, index, body, rate, chosen):
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
@@ -177,7 +189,11 @@ class Question:
         kind_of(body, "question")
         rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
         demand(rate > 0, "the speed is not positive")
-        program, limits = get(body, "program", list), get(body, "limits", list)
+        follower = self.follower = get(body, "follower", dict)
+        self.face, self.arm = (kind_of(follower, *FOLLOWERS) == kind for kind in FOLLOWERS[1:])
+        program, limits, chosen = (
+            [turned(each) for each in found] if self.arm else found
+            for found in (get(body, "program", list), get(body, "limits", list), chosen))
         good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
         demand(good, "there are too many segments or limits", 2)
         demand(len(chosen) in (0, len(program)), "the cam has not as many segments", 2)
@@ -197,30 +213,36 @@ class Question:
         self.turning = [s for s in self.program if s.degrees > 0]
         for left, right in zip(self.turning, self.turning[1:] + self.turning[:1]):
             left.after, right.before = right, left
-        follower, radii = get(body, "follower", dict), range_of(body["base_radius_mm"])
-        kind = kind_of(follower, "translating_roller", "translating_flat_face")
-        self.roller, self.offsets = kind == "translating_roller", range_of(follower["offset_mm"])
         held = follower.get("closure") or {"kind": "force", "contact": "outside"}
         kind, contact = kind_of(held, "force", "groove", "conjugate"), held.get("contact")
         demand(contact in (("outside", "inside") if kind == "force" else (None,)),
                "this contact is not covered")
         slack, rim = (get(held, name) if held.get(name) is not None else ZERO
                       for name in ("clearance_mm", "rim_mm"))
-        gap = (get(follower, "roller_radius_mm") if self.roller else ZERO) + slack / 2
+        gap = (ZERO if self.face else get(follower, "roller_radius_mm")) + slack / 2
         # of each flank: the side on which its roller lies, how far its curve is from the roller's
         # path, the rim around it, and which path, the main roller's or the counter roller's
         sides = (1, -1) if kind == "groove" else (-1,) if contact == "inside" else (1,)
         self.flanks = [(side, gap, rim if side < 0 else ZERO, 0) for side in sides]
         self.conjugate, self.gap = kind == "conjugate", sides[0] * gap
+        self.held, self.offsets = held, [None, None]
         if self.conjugate:
             self.flanks.append((1, get(held, "roller_radius_mm"), ZERO, 1))
-            self.counter, self.apart = get(held, "offset_mm"), range_of(held["distance_mm"])
+            unknown = "distance_mm offset_mm" if self.arm else "arm_mm angle_deg"
+            demand(not any(held.get(name) for name in unknown.split()), "it is not covered")
         good = min(slack, rim, *(distance for _, distance, *_ in self.flanks)) >= 0
-        good = good and (self.roller or get(follower, "offset_mm") is not None)
-        demand(good and not follower.get("tilt_deg"), "this follower is not covered")
-        self.radii = [r if r is None else max(r + self.gap, ZERO) for r in radii]  # prime radii
-        others = {*SQUARES, *(() if self.conjugate else ("counter_base_radius",)),
-                  *(("face_width",) if self.roller else ("pressure_angle", "cutter_radius"))}
+        demand(good, "this follower is not covered")
+        self.tilt = ZERO
+        if self.face:  # as a roller of radius 0 without an offset, s0 the base radius
+            self.tilt, self.offsets = get(follower, "tilt_deg"), [ZERO, ZERO]
+            demand(abs(self.tilt) < 90 and get(follower, "offset_mm") is not None, "it is no face")
+        elif self.arm:
+            demand(get(follower, "sense", str) in ("opposite", "same"), "no sense of an arm")
+        else:
+            self.offsets = range_of(follower["offset_mm"])
+        self.radii = [r if r is None else self.prime(r) for r in range_of(body["base_radius_mm"])]
+        others = {*SQUARES, *(() if self.conjugate and not self.arm else ("counter_base_radius",)),
+                  *(("cutter_radius",) if self.face else ("face_width",))}
         # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
         self.limits = {"forward": {"kind": "forward"},
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
@@ -231,6 +253,10 @@ class Question:
                     demand(good, f"limits/{k} has a negative value")
                     if name[-3:] == "deg" and limit[name] is not None:
                         tangent(limit[name])
+                if limit["kind"] == "face_width":
+                    limit = {"kind": "face_width", "reach": [min(
+                        (r for r in (limit[name], limit["width_mm"] and limit["width_mm"] / 2)
+                         if r is not None), default=None) for name in ("left_mm", "right_mm")]}
             else:
                 limit = {"kind": "unknown"}
             self.limits[f"limits/{k}"] = limit
@@ -238,6 +264,13 @@ class Question:
         self.jerk = min(jerks) / rate**3 if jerks else None
         self.heights, self.known, self.bent = [ZERO, None], {}, {}  # s0; X and U at places
         self.aim = None  # the prime radius below which there is no cam, if rounds have a larger one
+
+    def prime(self, radius):
+        return max(radius + self.gap, ZERO)
+
+    def highest(self):
+        """The largest s0, of a face Rb/cos tilt; None where nothing limits it."""
+        return self.radii[1] and self.radii[1] / circle(self.tilt)[1][0]
 
     def room(self, order, most):
         """What a mean square leaves to free laws: its integral less what given laws take of it."""
@@ -316,32 +349,39 @@ class Question:
         self.bent[place] = scaled(segment, row)
         return self.bent[place]
 
-    def row(self, segment, limit, side, low, high, relaxed):
-        """A limit's row on a segment, alpha . (s, v, a, j) + size . z <= rhs, or None.
+    def bends(self, limit):
+        """Whether a limit gives rows in rounds alone."""
+        return not (self.face or self.arm) and limit["kind"] in ("profile_radius", "cutter_radius")
 
-        c lies between low and high. ``relaxed``: rows that every cam keeps, not those that suffice.
-        """
-        kind, none = limit["kind"], [ZERO] * 2
+    def row(self, segment, limit, side):
+        """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
+        kind, none, (low, high) = limit["kind"], [ZERO] * 2, C
         if kind in ORDERS:
             k = ORDERS[kind]
             return [side * ONE if i == k else ZERO for i in range(4)], none, (
                 get(limit, FIELDS[kind]) / self.rate**k)
-        if kind == "pressure_angle" and limit[f"{segment.sense}_deg"] is not None:
+        if kind == "pressure_angle" and not (self.face or self.arm) and (
+                limit[f"{segment.sense}_deg"] is not None):
             # side u <= X tan, times c; both sides together say that X is not negative
-            slope = tangent(limit[f"{segment.sense}_deg"])[relaxed] * high
+            slope = tangent(limit[f"{segment.sense}_deg"])[1] * high
             return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
-        if kind == "face_width":  # side (s' - offset) <= reach, times c
-            own, width = limit["right_mm" if side > 0 else "left_mm"], limit["width_mm"]
-            reach = [r for r in (own, width and width / 2) if r is not None]
-            if reach:
-                most = min(reach) + side * self.offsets[0]
-                return [ZERO, side, ZERO, ZERO], none, max(most * low, most * high)
         if kind == "forward" and segment.forward and side > 0:
             return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
-        known = segment.forward or not (segment.free and relaxed)  # s >= 0, or nothing relaxed
-        if kind == "profile_radius" and not self.roller and side > 0 and known:
-            # Rb + s + s'' >= least, times c^2
-            return [-(high**2), ZERO, -ONE, ZERO], [-ONE, ZERO], -get(limit, "min_mm") * low**2
+        known = segment.forward or not segment.free  # s >= 0
+        if kind == "face_width" and limit["reach"][side > 0] is not None and (
+                known or not self.tilt):
+            # side (s' - (s + Rb/cos) tan - offset/cos^2) <= reach/cos, times c
+            away, lean = side * self.tilt, [1 / x for x in circle(self.tilt)[1]]
+            slope = (-tangent(away)[1] * high if away > 0 else
+                     tangent(-away)[0] * low if away < 0 else ZERO)
+            offset = side * self.follower["offset_mm"]
+            most = [limit["reach"][side > 0] + offset * k for k in lean]
+            return [slope, side, ZERO, ZERO], [ZERO, slope], max(
+                c * k * m for c, k, m in product(C, lean, most))
+        if kind == "profile_radius" and self.face and side > 0 and known:
+            # Rb + (s + s'') cos tilt >= least, times c^2/cos tilt
+            least = get(limit, "min_mm") / circle(self.tilt)[1][1]
+            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], -least * low**2
         return None
 
 # Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
@@ -354,14 +394,20 @@ FIFTH, FAR = (between([Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k
 C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
 
 @lru_cache(maxsize=None)
+def circle(degrees):
+    """Sine and cosine of an angle up to a turn; neither changes faster than the angle."""
+    demand(abs(degrees) <= 360, "an angle is larger than a turn", 2)
+    x, more = degrees * C[0], abs(degrees) * (C[1] - C[0])
+    found = (between([(-1) ** k * x ** (2 * k + p) / factorial(2 * k + p) for k in range(32)])
+             for p in (1, 0))
+    return [(low - more, high + more) for low, high in found]
+
 def tangent(degrees):
     demand(0 < degrees < 90, "an angle is not between 0 and 90 degrees", 2)
-    (sine, cosine), (more_sine, less_cosine) = (
-        [between([(-1) ** k * (degrees * c) ** (2 * k + p) / factorial(2 * k + p)
-                  for k in range(24)]) for p in (1, 0)] for c in C)
-    demand(less_cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
+    sine, cosine = circle(degrees)
+    demand(cosine[0] > 0, "the tangent of an angle so near to 90 degrees is not enclosed")
     return (Fraction(sine[0] / cosine[1] * UNIT // 1, UNIT),
-            -Fraction(-more_sine[1] / less_cosine[0] * UNIT // 1, UNIT))
+            -Fraction(-sine[1] / cosine[0] * UNIT // 1, UNIT))
 
 def floor(x):
     return Fraction(x * FINE // 1, FINE)
@@ -377,13 +423,16 @@ def enclose(low, high=None):
     return [(x * UNIT // 1, -(-y * UNIT // 1)) for x, y in zip(low, high or low)]
 
 def times(b, c):
-    n, m, found = len(b) - 1, len(c) - 1, []
-    for k in range(n + m + 1):
-        each = [[comb(n, i) * comb(m, k - i) * x * y for x in b[i] for y in c[k - i]]
-                for i in range(max(0, k - m), min(n, k) + 1)]
-        whole = comb(n + m, k) << BITS
-        found.append((sum(map(min, each)) // whole, -(-sum(map(max, each)) // whole)))
-    return found
+    n, m = len(b) - 1, len(c) - 1
+    b, c = ([(comb(k, i) * x, comb(k, i) * y) for i, (x, y) in enumerate(p)]
+            for k, p in ((n, b), (m, c)))
+    low, high = [0] * (n + m + 1), [0] * (n + m + 1)
+    for i, (x, y) in enumerate(b):
+        for k, (z, w) in enumerate(c, i):
+            each = x * z, x * w, y * z, y * w
+            low[k], high[k] = low[k] + min(each), high[k] + max(each)
+    return [(x // (comb(n + m, k) << BITS), -(-y // (comb(n + m, k) << BITS)))
+            for k, (x, y) in enumerate(zip(low, high))]
 
 def plus(b, c):
     size = max(len(b), len(c))
@@ -409,9 +458,11 @@ def total(*pairs):
     return sum(x for x, _ in pairs), sum(y for _, y in pairs)
 
 def by(pair, factor):
-    low, high = sorted((pair[0] * factor, pair[1] * factor))
-    return low // 1, -(-high // 1)
+    top, bottom = factor.as_integer_ratio()
+    low, high = sorted((pair[0] * top, pair[1] * top))
+    return low // bottom, -(-high // bottom)
 
+PER_RADIAN = enclose([1 / C[1]], [1 / C[0]])  # degrees
 PI = enclose([180 * C[0]], [180 * C[1]])[0]
 INVERSE = enclose([1 / (180 * C[1])], [1 / (180 * C[0])])[0]  # of pi
 
@@ -429,6 +480,35 @@ def sine(order, last=28):
     rest = by(power, Fraction(1, factorial(last + 1 - order)))[1]
     found[0] = total(found[0], (-rest, rest))
     return found
+
+def bernstein(c):
+    """Coefficients of sum c_i y^i."""
+    c = [(x // comb(len(c) - 1, i), -(-y // comb(len(c) - 1, i))) for i, (x, y) in enumerate(c)]
+    return [total(*((comb(m, i) * x, comb(m, i) * y) for i, (x, y) in enumerate(c[: m + 1])))
+            for m in range(len(c))]
+
+def cut(b):
+    """A polynomial of degree TERMS at most, with what the powers left out come to at most."""
+    wide, b, c, m = max(y - x for x, y in b), [x for x, _ in b], [], len(b) - 1
+    while b:  # c_k is comb(m, k) times the k-th difference; b is at most so much wider
+        c.append((comb(m, len(c)) * b[0],) * 2)
+        b = [y - x for x, y in zip(b, b[1:])]
+    rest = sum(abs(x) for x, _ in c[TERMS + 1 :])
+    return [(x - rest, y + rest + wide) for x, y in bernstein(c[: TERMS + 1])]
+
+def waves(degrees):
+    """Sine and cosine of a polynomial in degrees, by Taylor's formula about a whole degree."""
+    at = Fraction((degrees[len(degrees) // 2][0] + UNIT // 2) >> BITS)
+    y = times(enclose([C[0]], [C[1]]), plus(degrees, enclose([-at])))
+    power, parts = [(UNIT, UNIT)], [[(0, 0)], [(0, 0)]]  # of cosine and sine of y
+    for k in range(TERMS):
+        term = [by(x, Fraction((-1) ** (k // 2), factorial(k))) for x in power]
+        parts[k % 2], power = plus(parts[k % 2], term), cut(times(power, y))
+    rest = max(max(-x, z) for x, z in power) // factorial(TERMS) + 1  # |y|^TERMS: even
+    cosine, sine = ([(x - rest, z + rest) for x, z in part] for part in parts)
+    up, along = (enclose([low], [high]) for low, high in circle(at))
+    return (plus(times(up, cosine), times(along, sine)),
+            plus(times(along, cosine), times([by(up[0], -1)], sine)))
 
 @lru_cache(maxsize=None)
 def parts_of(law):
@@ -460,9 +540,7 @@ def parts_of(law):
                  for i, x in enumerate(p) if i >= k] or [none]
             wave = [by(times([x], [a])[0], way / y**k) for x in sine(k)] if any(a) else []
             c = [total(x, z) for x, z in zip_longest(c, wave, fillvalue=none)]
-            b = [total(*(by(x, Fraction(comb(m, i), comb(len(c) - 1, i)))
-                         for i, x in enumerate(c[: m + 1]))) for m in range(len(c))]
-            orders.append(b[::way])
+            orders.append(bernstein(c)[::way])
         found.append((at, w, orders))
         at += w
     if at < 1:  # the second half is 1 - g(1 - x)
@@ -479,10 +557,45 @@ def given(law, k, x):
     return tuple(Fraction(x, UNIT) for x in split(orders[k], (x - start) / w)[0][-1])
 
 class Piece:
-    """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg]."""
+    """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg].
+
+    Of a path also the offset e, X, s' and s'' as lengths, and by how much of s' an arm turns.
+    """
 
     def __init__(self, segment, start, width, orders):
         self.segment, self.start, self.width, self.s = segment, start, width, orders
+
+    def on_slide(self, factor, e, s0):
+        """The path of what a slide holds, whose motion is a factor (a pair) times the piece's."""
+        found = copy(self)
+        found.x, v, a = (times([factor], b) for b in self.s[:3])
+        found.x, found.e, found.turn = plus(found.x, enclose([s0])), enclose([e]), [(0, 0)]
+        found.slope, found.bend = times(PER_RADIAN, v), times(times(PER_RADIAN, PER_RADIAN), a)
+        return [found]
+
+    def on_arm(self, way, sense, arm, p, q):
+        """The path of what an arm holds, which turns way times as the piece says, in parts.
+
+        (p, q) is the axis as seen from the pivot, along the arm and square to it, where s = 0.
+        """
+        parts, found = [(self.start, self.width, [[by(x, way) for x in b] for b in self.s[:3]])], []
+        while parts:
+            start, width, orders = parts.pop()
+            spend("coefficients", 400)
+            y, v, a = map(cut, orders)
+            sine, cosine = waves(y)
+            if any(high - low > SHARP for b in (y, v, a, sine, cosine) for low, high in b):
+                left, right = zip(*(split(b, Fraction(1, 2)) for b in orders))
+                parts += [(start + width / 2, width / 2, right), (start, width / 2, left)]
+                continue
+            part = Piece(self.segment, start, width, self.s)
+            part.x = plus(times(q, cosine), times(p, sine))
+            part.e = plus(times(p, cosine), times([by(q[0], -1)], sine))
+            part.e = [by(x, sense) for x in plus(part.e, enclose([-arm]))]
+            part.turn = [by(x, sense) for x in v]
+            part.slope, part.bend = ([by(x, arm) for x in b] for b in (v, times(PER_RADIAN, a)))
+            found.append(part)
+        return found
 
     def show(self, test, *polynomials):
         """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
@@ -536,18 +649,41 @@ def pieces_of(segment, law):
 # Step 5. The cam of the file: what its limits say, at every cam angle.
 class Cam:
     def __init__(self, question, body):
-        laws, self.size = get(body, "laws", list), [*numbers(get(body, "size", list))]
-        self.question = question
-        good = len(laws) == len(question.program) and len(self.size) == (
-            1 + question.roller + question.conjugate)
+        laws, size = get(body, "laws", list), [*numbers(get(body, "size", list))]
+        self.question, follower, held = question, question.follower, question.held
+        # what the size and the counter roller's place have to keep: a value and its range
+        self.ranges, free = [], question.arm and isinstance(follower["arm_mm"], (dict, type(None)))
+        good = len(laws) == len(question.program) and len(size) == (
+            2 - question.face + question.conjugate + free)
         demand(good, "the cam has not as many laws or sizes as it must have", 2)
         self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
         self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
-        self.paths = [(self.pieces, self.size[:2])]
-        if question.conjugate:  # upside down: s2 = -s, its offset and height -offset, distance - s0
-            turned = [Piece(p.segment, p.start, p.width, [[by(x, -1) for x in b] for b in p.s])
-                      for p in self.pieces]
-            self.paths.append((turned, [-question.counter, self.size.pop() - self.size[1]]))
+        if question.arm:
+            arm = size.pop() if free else get(follower, "arm_mm")
+            demand(arm > 0, "an arm without a length")
+            sense, (p, q) = (1, -1)[follower["sense"] == "same"], size[:2]
+            self.ranges += [(arm, range_of(follower["arm_mm"]), 1),
+                            (p * p + q * q, range_of(follower["centre_distance_mm"]), 2)]
+            paths = [(1, sense, arm, enclose([p]), enclose([q]))]
+            if question.conjugate:  # as far beyond the axis as the angle between both arms says
+                self.ranges.append((size[2], range_of(held["angle_deg"]), 1))
+                sine, cosine = (enclose([low], [high])[0] for low, high in circle(size[2]))
+                paths.append((-1, -sense, get(held, "arm_mm"), [total(by(cosine, p), by(sine, q))],
+                              [total(by(sine, p), by(cosine, -q))]))
+            self.paths = [[part for each in self.pieces for part in each.on_arm(*path)]
+                          for path in paths]
+            size = [p - arm, q]
+        else:
+            size = [ZERO] * question.face + size
+            low, high = circle(question.tilt)[1]
+            paths = [(enclose([low], [high])[0] if question.tilt else (UNIT, UNIT), *size[:2])]
+            if question.conjugate:  # upside down
+                self.ranges.append((size[2], range_of(held["distance_mm"]), 1))
+                paths.append(((-UNIT, -UNIT), -get(held, "offset_mm"), size[2] - size[1]))
+            self.paths = [[part for each in self.pieces for part in each.on_slide(*path)]
+                          for path in paths]
+            self.ranges.append((size[0], question.offsets, 1))
+        self.size = size[:2]
 
     def join(self, order=None):
         """Refuse jumps of derivatives up to an order, or up to those that the question asks for."""
@@ -577,17 +713,46 @@ class Cam:
             self.jump = max(self.jump, jump / min(scales)[0] if jump else ZERO)
 
     def keep(self, limit):
-        """Show the rows of a limit. They are affine in c, or in c^2: its two bounds suffice."""
-        paths = self.paths if limit["kind"] == "pressure_angle" else self.paths[:1]
-        for (pieces, z), c, side in product(paths, C, (1, -1)):
-            for piece in pieces:
-                row = self.question.row(piece.segment, limit, side, c, c, 0)
-                if row:
-                    (alpha, size, rhs), scale = row, c if self.question.roller else c * c
-                    spare = enclose([rhs - size[0] * scale * z[0] - size[1] * z[-1]])
-                    for factor, b in zip(alpha, piece.s):
-                        spare = plus(spare, [by(x, -factor) for x in b]) if factor else spare
+        """Show that what a limit leaves to spare is nowhere negative."""
+        of_motion = limit["kind"] in (*ORDERS, "forward")
+        paths = [self.pieces] if of_motion else self.paths[: len(self.paths) if (
+            limit["kind"] == "pressure_angle") else 1]
+        for path, side in product(paths, (1, -1)):
+            for piece in path:
+                spare = self.spare(limit, piece, side)
+                if spare:
                     piece.show(lambda b: min(b) >= 0, spare)
+
+    def spare(self, limit, piece, side):
+        """What a limit leaves on one side, a polynomial; None where it says nothing."""
+        question, kind = self.question, limit["kind"]
+        if kind in ORDERS:
+            k = ORDERS[kind]
+            return plus(enclose([get(limit, FIELDS[kind]) / question.rate**k]),
+                        [by(x, -side) for x in piece.s[k]])
+        if kind == "forward":
+            return [by(x, piece.segment.lift) for x in piece.s[1]] if (
+                piece.segment.forward and side > 0) else None
+        if kind == "profile_radius":  # of a face: its distance from the axis, and its change
+            return plus(plus(piece.x, piece.bend), enclose([-get(limit, "min_mm")]))
+        if kind == "pressure_angle":
+            most = limit[f"{piece.segment.sense}_deg"]
+            if most is None:
+                return None
+            if question.face:
+                return enclose([most - abs(question.tilt)])
+            u = plus(piece.slope, [by(x, -1) for x in piece.e])
+            return plus(times(enclose([tangent(most)[0]]), piece.x), [by(x, -side) for x in u])
+        reach, tilt = limit["reach"][side > 0], question.tilt
+        if reach is None:
+            return None
+        # along the face contact is at s' cos - X tan - offset/cos, seen from the slide's line
+        lean, cosine = tangent(abs(tilt)) if tilt else (0, 0), circle(tilt)[1]
+        lean = enclose(*([x] for x in lean)), enclose([1 / cosine[1]], [1 / cosine[0]])
+        lean = times(lean[0], piece.x), [by(lean[1][0], question.follower["offset_mm"])]
+        away = plus(plus(piece.slope, [by(x, 1 if tilt < 0 else -1) for x in lean[0]]),
+                    [by(x, -1) for x in lean[1]])
+        return plus(enclose([reach]), [by(x, -side) for x in away])
 
     def bend(self, way, least, around=False):
         """X > 0, and the radius of every flank is at least so much where it is convex (way 1) or
@@ -612,33 +777,32 @@ class Cam:
             r = isqrt(max(w[len(w) // 2], 1))
             return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
 
-        minus, d = enclose([-ONE]), enclose([1 / C[1]], [1 / C[0]])
-        pieces, (e, s0) = path
-        e, s0 = enclose([-e]), enclose([s0])
-        for piece in pieces:
-            s, v, a, *_ = piece.s
-            x, slope = plus(s, s0), times(d, v)
+        minus, one = enclose([-ONE]), enclose([ONE])
+        for piece in path:
+            x, e, slope = piece.x, times(minus, piece.e), piece.slope
             u = plus(slope, e)
-            w = plus(times(x, x), times(u, u))
-            n = plus(plus(w, times(slope, u)), times(minus, times(times(times(d, d), a), x)))
+            square = times(x, x)
+            w = plus(square, times(u, u))
+            n = times(times(slope, u), plus(one, piece.turn))
+            n = plus(plus(w, n), times(minus, times(piece.bend, x)))
             piece.show(lambda b: min(b) > 0, x)
             piece.show(bends, w, times(enclose([-side * ONE]), n))
             if reach is not None:
-                piece.show(passes, w, times(minus, w), plus(times(x, x), times(e, u)))
+                piece.show(passes, w, times(minus, w), plus(square, times(e, u)))
 
     def reach(self, way, radius):
         """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),
         or the counter roller's as far as a least one asks: way (X^2 + e^2) <= way (radius + gap)^2.
         """
-        for path, (pieces, z) in list(enumerate(self.paths))[way < 0 :]:
+        for path, pieces in list(enumerate(self.paths))[way < 0 :]:
             gaps = [side * gap - rim for side, gap, rim, of in self.question.flanks if of == path]
-            e, most = z[0] if self.question.roller else ZERO, radius + min(gaps)
+            most = radius + min(gaps)
             demand(most >= 0, "roller and rim alone are larger")
-            square = enclose([way * (most * most - e * e)])
             for piece in pieces:
-                x = plus(piece.s[0], enclose([z[-1]]))
-                piece.show(lambda b: min(b) > 0, x)
-                piece.show(lambda b: min(b) >= 0, plus(square, [by(p, -way) for p in times(x, x)]))
+                far = plus(times(piece.x, piece.x), times(piece.e, piece.e))
+                piece.show(lambda b: min(b) > 0, piece.x)
+                piece.show(lambda b: min(b) >= 0, plus(enclose([way * most * most]),
+                                                       [by(p, -way) for p in far]))
 
     def within(self, segment, name):
         """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
@@ -683,23 +847,22 @@ class Cam:
         demand(total * self.question.rate ** (2 * order) <= 360 * most**2, "its mean is larger")
 
     def fit(self):
-        """Base radius and offset are in their ranges: radii by their squares, which are roots."""
-        question, square = self.question, sum(x * x for x in self.size)
-        low, high = [r and r * r for r in question.radii]
-        miss = max((low or square) - square, square - (square if high is None else high))
-        z = [(self.size[0], question.offsets)] if question.roller else []
-        if question.conjugate:
-            z.append((self.paths[1][1][1] + self.size[1], question.apart))
-        good = all((low is None or low <= x) and (high is None or x <= high)
-                   for x, (low, high) in z)
-        good = good and self.size[-1] >= 0 and square > max(question.gap, ZERO) ** 2
-        demand(good and miss <= 2 * GAP * square, "it is not within the range asked for")
-        share = f", the radius but for 1/{2 * square / miss // 1} of it" if miss > 0 else ""
+        """The sizes are in their ranges; of radii and distances the squares, as they are roots."""
+        square, most = sum(x * x for x in self.size), max(self.question.gap, ZERO)
+        good, miss = self.size[1] >= 0 and square > most**2, ZERO
+        for value, ends, power in [*self.ranges, (square, self.question.radii, 2)]:
+            low, high = (value if end is None else end if power == 1 else max(end, ZERO) ** 2
+                         for end in ends)
+            over = max(low - value, value - high)
+            miss = max(miss, over / value if over > 0 and power == 2 else over)
+            good = good and (power == 2 or over <= 0)
+        demand(good and miss <= 2 * GAP, "it is not within the range asked for")
+        share = f", the radius but for 1/{2 / miss // 1} of it" if miss > 0 else ""
         return "base radius and offset are in their ranges" + share
 
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""
-        question, self.jump, roller = self.question, ZERO, self.question.roller
+        question, self.jump = self.question, ZERO
         if place == "size":
             return self.fit()
         if place[:8] == "program/":
@@ -715,7 +878,7 @@ class Cam:
             self.reach(1 if kind == "outer_radius" else -1, get(limit, FIELDS[kind]))
         elif kind == "cutter_radius":
             self.bend(-1, get(limit, "radius_mm"))
-        elif kind == "profile_radius" and roller:
+        elif kind == "profile_radius" and not question.face:
             self.bend(1, get(limit, "min_mm"), place == "self_crossing")
         elif kind in SQUARES:
             self.mean(SQUARES[kind], limit["most"])
@@ -773,8 +936,8 @@ def half_plane(question, proof, aim=None):
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
             limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
-            bends = question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
-            row = None if bends else scaled(segment, question.row(segment, limit, side, *C, 1))
+            bends = question.bends(limit)
+            row = None if bends else scaled(segment, question.row(segment, limit, side))
             of, factor = squares.get(name, (0, ZERO))
             if 0 < of < order:  # of factor (s^(k))^2, tangents
                 row = scaled(segment, ([ONE * (i == of) for i in range(4)], [ZERO] * 2, ZERO))
@@ -905,20 +1068,19 @@ def remainder(kernels, cap, weight):
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
 def least(question, proof, aim=None):
     """What is aimed at is at least this for every cam; without an aim, if it is above 0 none is."""
-    radius = question.radii[1]
+    radius = question.highest()
     constant, (p, q) = half_plane(question, proof, aim)
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
     radius, up, most = radius or ZERO, -q, []
-    ends = question.offsets if question.roller else [ZERO, radius]  # of e, or of Rb
     ends = [f(radius * sign, radius * sign if e is None else e)
-            for e, f, sign in zip(ends, (max, min), (-1, 1))]
+            for e, f, sign in zip(question.offsets, (max, min), (-1, 1))]
     bottom = question.heights[0]
     heights = [bottom, min(radius, question.heights[1] or radius)]
 
     def leg(x):  # the other side of a right triangle
         return root(radius * radius - x * x) if x * x < radius * radius else ONE
 
-    for slope in (-p * (c if question.roller else c * c) for c in C):
+    for slope in (-p * c for c in C):
         # slope e + up s0 = (slope - y) e + (up - w) s0 + (y e + w s0), by Cauchy and Schwarz
         ys = [(slope, max(up, ZERO)), (slope, abs(slope) * bottom / leg(bottom)), (ZERO, ZERO),
               *((up * e / leg(e), up) for e in ends)]
@@ -938,9 +1100,10 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
-    demand(question.roller or not {"rounds", "cases"} & {*body}, "rounds of a flat face")
+    demand(not (question.face or question.arm) or not {"rounds", "cases"} & {*body},
+           "rounds of a flat face, or an arm")
     if question.heights[1] is None:
-        question.heights[1] = radius
+        question.heights[1] = question.highest()
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
         narrow(question, [bound_of(question, step) for step in found])
     if "cases" not in body:
@@ -1024,10 +1187,10 @@ def impose(question, aim, value, name):
     kind = kind_of(aim, *AIMS)
     demand(value >= 0, "an objective is negative")
     if kind == "base_radius":
-        radius, most = max(value + question.gap, ZERO), question.radii[1]
+        radius, most = question.prime(value), question.radii[1]
         question.radii[1] = radius if most is None else min(radius, most)
     elif kind == "peak_pressure_angle":
-        demand(question.roller, "it has no pressure angle")
+        demand(not question.face, "it has no pressure angle")
         question.limits[name] = {"kind": kind[5:], "rise_deg": value, "return_deg": value,
                                  "dwell_deg": None}
     elif kind in SQUARES:

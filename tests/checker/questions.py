@@ -1,5 +1,6 @@
 """Random questions of the classes that proof files cover, feasible and not."""
 
+import math
 import random
 from typing import Any
 
@@ -68,7 +69,8 @@ def question(chance: random.Random) -> dict[str, Any]:
         limits.append({"kind": "profile_radius", "min_mm": chance.choice((0.1, 0.3)) * lift})
         if chance.random() < 0.4:
             limits.append({"kind": "face_width", "width_mm": round(4.0 * lift, 3)})
-        body["follower"] = {"kind": "translating_flat_face"}
+        tilt = chance.choice((0.0, 0.0, round(chance.uniform(-25.0, 25.0), 2)))
+        body["follower"] = {"kind": "translating_flat_face", "tilt_deg": tilt}
     if chance.random() < 0.3:
         body["base_radius_mm"] = {"min": 0.1 * lift, "max": chance.choice((0.8, 2.0, 20.0)) * lift}
     kind = chance.choice(("base_radius",) * 4 + ("peak_jerk", "peak_acceleration"))
@@ -83,5 +85,34 @@ def question(chance: random.Random) -> dict[str, Any]:
         aims = chance.choice((rms, rms, [rms, size], [rms, size], [size, rms]))
         if not given and chance.random() < 0.5:  # as who asks for nothing else
             body["limits"] = [each for each in limits if each["kind"] != "jerk"]
-    return {**body, "objective": aims, "proof": "quick", "tolerance": 0.005,
+    body = {**body, "objective": aims, "proof": "quick", "tolerance": 0.005,
             "time_budget_s": 10.0}  # fmt: skip
+    of_slide = any(each.get(name) for each in program for name in ("windows", "points"))
+    of_slide = of_slide or body["follower"]["kind"] != "translating_roller"
+    return body if of_slide or chance.random() < 0.7 else on_arm(body, lift, chance)
+
+
+def on_arm(body: dict[str, Any], lift: float, chance: random.Random) -> dict[str, Any]:
+    """The same of an arm, whose roller's centre moves as far along its arc."""
+    swing = round(chance.uniform(8.0, 25.0), 1)
+    arm, follower = round(lift / math.radians(swing), 3), body["follower"]
+    program = [
+        {**{k: v for k, v in each.items() if k != "lift_mm"}, "lift_deg": swing}
+        if "lift_mm" in each
+        else each
+        for each in body["program"]
+    ]
+    limits = [
+        {name.replace("mm_per", "deg_per"): value * swing / lift if "_per_" in name else value
+         for name, value in each.items()}
+        for each in body["limits"]
+    ]  # fmt: skip
+    closure = follower.get("closure", {"kind": "force"})
+    if closure["kind"] == "conjugate":
+        closure = {"kind": "conjugate", "roller_radius_mm": closure["roller_radius_mm"],
+                   "arm_mm": arm}  # fmt: skip
+    distance = chance.choice((None, 1.2 * arm, {"min": 0.9 * arm, "max": 1.4 * arm}))
+    own = {"kind": "oscillating_roller", "roller_radius_mm": follower["roller_radius_mm"],
+           "arm_mm": arm, "sense": chance.choice(("same", "opposite")), "closure": closure,
+           "centre_distance_mm": distance}  # fmt: skip
+    return {**body, "program": program, "limits": limits, "follower": own}

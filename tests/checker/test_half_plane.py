@@ -99,8 +99,12 @@ def row(asked: Any, limit: Any, side: int, sense: str, s: Any, z: Any) -> float:
         slope = math.tan(math.radians(limit[f"{sense}_deg"]))
         return float(side * (s[1] - z[0]) - C * slope * (s[0] + z[1]))
     if kind == "profile_radius":
-        return float(-s[2] - C * C * s[0] - z[0] + C * C * limit["min_mm"])
-    return float(side * s[1] - C * limit["right_mm" if side > 0 else "left_mm"])
+        lean = math.cos(math.radians(asked["follower"]["tilt_deg"]))
+        return float(-s[2] - C * C * (s[0] + z[1] - limit["min_mm"] / lean))
+    tilt, offset = math.radians(asked["follower"]["tilt_deg"]), asked["follower"]["offset_mm"]
+    reach = limit["right_mm" if side > 0 else "left_mm"] / math.cos(tilt)
+    at = s[1] - C * ((s[0] + z[1]) * math.tan(tilt) + offset / math.cos(tilt) ** 2)
+    return float(side * at - C * reach)
 
 
 @pytest.mark.parametrize("seed", range(7))
@@ -117,6 +121,8 @@ def test_multiplied_rows_are_what_they_say_of_any_law(seed: int) -> None:
         law = {"kind": "cubic_2_3"}
         middle = [{"kind": "rise", "angle_deg": 30.0, "lift_mm": 4.0, "law": law}]
     asked = question(ROLLER if roller else FACE, kinds, middle)
+    if seed in (1, 3):
+        asked["follower"] |= {"tilt_deg": 20.0 * (2 - seed), "offset_mm": 7.5}
     witness = multipliers(chance, asked, order)
     # the checker's constant, without what the cap takes: a limit of 0 has no share
     judge = checker()
@@ -129,7 +135,7 @@ def test_multiplied_rows_are_what_they_say_of_any_law(seed: int) -> None:
     # laws that meet their neighbours, and any size
     speed = 2.0 / 10.0 if seed == 4 else 0.0  # mm per degree
     bend = 6.0 * 4.0 / 30.0**2 if seed == 6 else 0.0  # mm per degree²
-    z = np.array([0.07, 31.0]) if roller else np.array([C * C * 25.0, 0.0])
+    z = np.array([0.07, 31.0]) if roller else np.array([0.0, 25.0])
     left, right, level = float(constant) + float(np.dot(np.array(size, dtype=float), z)), 0.0, 0.0
     for part, segment in zip(witness["segments"], asked["program"], strict=True):
         d, free = segment["angle_deg"], is_free(segment)
@@ -175,7 +181,7 @@ def integral(
     segment = own.program[part["segment"]]
     groups = []
     for group in part["rows"]:
-        alpha, _, _ = own.row(segment, own.limits[group["limit"]], group["side"], *judge.C, 1)
+        alpha, _, _ = own.row(segment, own.limits[group["limit"]], group["side"])
         factors = [float(f) * h / d**k for k, f in enumerate(alpha)]
         groups.append((factors, group["multipliers"]))
 

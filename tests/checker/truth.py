@@ -6,6 +6,7 @@ that there is none.
 """
 
 import math
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -86,13 +87,13 @@ def broken(proof: Json, place: str) -> str:
     s, sense, may_overshoot = motion(question, cam)
     omega = question["speed_rpm"] * math.pi / 30.0
     follower = question["follower"]
-    roller = follower["kind"] == "translating_roller"
+    roller = follower["kind"] != "translating_flat_face"
     limit = question["limits"][int(place[7:])] if place.startswith("limits/") else {"kind": place}
     kind, worst = limit["kind"], 0.0
     orders = {"velocity": 1, "acceleration": 2, "jerk": 3}
     if kind in orders:
-        k = orders[kind]
-        most = limit["max_mm_per_s" + ("", "2", "3")[k - 1]]
+        k, unit = orders[kind], "deg" if follower["kind"] == "oscillating_roller" else "mm"
+        most = limit[f"max_{unit}_per_s" + ("", "2", "3")[k - 1]]
         worst = np.max(np.abs(s[k])) * omega**k / most - 1.0
     elif kind == "motion":
         jumps = [np.max(np.abs(np.diff(s[k]))) / max(np.ptp(s[k]), 1e-300) for k in (0, 1)]
@@ -101,6 +102,10 @@ def broken(proof: Json, place: str) -> str:
     elif place.startswith("program/"):
         _, index, name = place.split("/")
         worst = outside_bounds(question, cam, int(index), name)
+    elif follower["kind"] == "oscillating_roller":
+        worst = max(broken_on_path(limit, *each, sense) for each in arm_paths(question, cam, s))
+        if kind == "size":
+            worst = arm_outside(question, cam)
     elif roller:
         worst = max(broken_flank(limit, s, sense, flank) for flank in flanks(question, cam))
         if kind == "size":
@@ -110,15 +115,17 @@ def broken(proof: Json, place: str) -> str:
             worst = max(worst, outside(follower["offset_mm"], e))
             worst = max(worst, *(outside(distance, each) for each in apart), 0.0)
     else:
-        (base,) = cam["size"]
+        (base,), tilt = cam["size"], math.radians(follower["tilt_deg"])
+        rho = base + (s[0] + s[2]) * math.cos(tilt)
         if kind in ("profile_radius", "no_undercut", "self_crossing"):
-            rho = base + s[0] + s[2]
             worst = ((limit.get("min_mm") or 0.0) - np.min(rho)) / base
         elif kind == "face_width":
             half = (limit["width_mm"] or math.inf) / 2.0
             right, left = (min(limit[f"{side}_mm"] or math.inf, half) for side in ("right", "left"))
             offset = follower["offset_mm"]
-            worst = max(np.max(s[1]) - offset - right, offset - np.min(s[1]) - left) / base
+            at = s[1] * math.cos(tilt) - s[0] * math.sin(tilt) - base * math.tan(tilt)
+            at = at - offset / math.cos(tilt)
+            worst = max(np.max(at) - right, -np.min(at) - left) / base
         elif kind == "size":
             worst = outside(question["base_radius_mm"], base)
     return f"broken by {worst}" if not worst <= NEAR else ""
@@ -170,6 +177,74 @@ def broken_flank(limit: Json, s: Any, sense: Any, flank: Any) -> float:
     if kind == "counter_base_radius" and way < 0.0:
         return float(1.0 - (np.min(far) - gap) / max(limit["min_mm"], 1e-300))
     return -1.0
+
+
+def arm_paths(question: Json, cam: Json, s: Any) -> Iterator[tuple[Any, Any, Any, list[Any]]]:
+    """Of every roller on an arm its centre's path, driven direction, and flanks.
+
+    With the pivot at d on the real axis the arm points along −exp(−iσψ); the path is seen from the
+    cam, which turns counter-clockwise: P exp(iθ), P′ exp(iθ), P″ exp(iθ).
+    """
+    follower, gap = question["follower"], gap_of(question)
+    closure = follower.get("closure") or {}
+    p, q, *more = cam["size"]
+    arm = follower["arm_mm"] if isinstance(follower["arm_mm"], float) else more.pop()
+    d, sigma = math.hypot(p, q), 1.0 if follower["sense"] == "opposite" else -1.0
+    turn = np.radians(s)
+    turn[0] += math.atan2(q, p)
+    flanks = [(-1 if gap < 0.0 else 1, abs(gap), closure.get("rim_mm") or 0.0)]
+    if closure.get("kind") == "groove":
+        flanks = [(1, gap, 0.0), (-1, gap, closure["rim_mm"])]
+    found = [(sigma, turn, arm, flanks)]
+    if more:
+        other = -turn
+        other[0] += math.radians(more[0])
+        found.append((-sigma, other, closure["arm_mm"], [(1, closure["roller_radius_mm"], 0.0)]))
+    for way, psi, length, own in found:
+        along = length * np.exp(-1j * way * psi[0])
+        at, speed = d - along, 1j * way * psi[1] * along
+        bend = (1j * way * psi[2] + psi[1] ** 2) * along
+        path = np.array([at, speed - 1j * at, bend - 2j * speed - at])
+        yield path, 1j * way * along / length, np.sin(psi[0]), own
+
+
+def broken_on_path(
+    limit: Json, path: Any, driven: Any, across: Any, flanks: list[Any], sense: Any
+) -> float:
+    """By how much a limit is broken along the path of a roller's centre."""
+    at, tangent, second = path
+    kind, speed = limit["kind"], np.abs(tangent)
+    if kind == "pressure_angle":
+        names = {1.0: "rise_deg", -1.0: "return_deg", 0.0: "dwell_deg"}
+        most = np.array([math.tan(math.radians(limit[names[k]] or 89.9999)) for k in sense])
+        share = np.conj(driven) * tangent
+        return float(np.max(np.abs(share.real) - most * np.abs(share.imag)) / np.max(speed))
+    if np.min(across) <= 0.0:
+        return 1.0
+    worst, curvature = -1.0, -(np.conj(tangent) * second).imag / speed**3
+    for side, gap, rim in flanks:
+        if kind in ("profile_radius", "no_undercut", "self_crossing"):
+            found = np.max(side * curvature) * (gap + (limit.get("min_mm") or 0.0)) - 1.0
+        elif kind == "cutter_radius":
+            found = np.max(-side * curvature) * max(limit["radius_mm"] - gap, 0.0) - 1.0
+        elif kind == "outer_radius":
+            found = (np.max(np.abs(at)) - side * gap + rim) / limit["max_mm"] - 1.0
+        else:
+            found = -1.0
+        worst = max(worst, float(found))
+    return worst
+
+
+def arm_outside(question: Json, cam: Json) -> float:
+    """How far the sizes of an arm lie outside what was asked."""
+    follower = question["follower"]
+    p, q, *more = cam["size"]
+    free = not isinstance(follower["arm_mm"], float)
+    arm = more.pop() if free else follower["arm_mm"]
+    found = [(follower["arm_mm"], arm), (follower["centre_distance_mm"], math.hypot(p, q)),
+             (question["base_radius_mm"], math.hypot(p - arm, q) - gap_of(question))]  # fmt: skip
+    found += [(follower["closure"].get("angle_deg"), each) for each in more]
+    return max(outside(*each) for each in found)
 
 
 def outside_bounds(question: Json, cam: Json, index: int, name: str) -> float:
@@ -235,8 +310,10 @@ def motion(question: Json, cam: Json) -> tuple[Any, Any, Any]:
     x = (np.arange(SAMPLES) + 0.5) / SAMPLES
     for segment, law in zip(question["program"], cam["laws"], strict=True):
         beta = math.radians(segment["angle_deg"])
-        lift = segment.get("lift_mm") or (segment.get("velocity_mm_per_s") or 0.0) * (
-            segment["angle_deg"] / rate
+        lift = (
+            segment.get("lift_mm")
+            or segment.get("lift_deg")
+            or (segment.get("velocity_mm_per_s") or 0.0) * (segment["angle_deg"] / rate)
         )
         lift = -lift if segment["kind"] == "return" else lift
         table = np.zeros((4, SAMPLES))

@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import floor, inf, isfinite, log10
+from math import cos, floor, inf, isfinite, log10, sin
 from typing import Any
 
 import numpy as np
 
 from synthesis.catalogue.fields import Range
 from synthesis.catalogue.followers.closures import Force
+from synthesis.catalogue.followers.oscillating_roller import OscillatingRoller
 from synthesis.catalogue.followers.translating_roller import TranslatingRoller
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.limits.radii import CounterBaseRadius
@@ -47,6 +48,7 @@ from synthesis.pipeline.proof_file.multipliers import (
 )
 from synthesis.pipeline.proof_file.rounds import in_rounds
 from synthesis.spec.design_spec import DesignSpec
+from synthesis.units import DEGREE
 
 Json = dict[str, Any]
 Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
@@ -60,8 +62,10 @@ LARGEST_GAP, OWN_PART = 0.9, 0.98  # as in SolveState.allowance
 ROUNDING = 1e-9  # relative: what decimals and joints may change in a cam's value
 NOTHING: Json = {"order": 3, "segments": []}  # multipliers of nothing
 PEAKS = {"peak_acceleration": 2, "peak_jerk": 3}  # the derivative that is minimised
-COUNTER = ("counter_distance_mm",)  # of the counter roller from the main one, on a slide
+COUNTER = ("counter_distance_mm", "counter_angle_deg")  # of the counter roller, from the main one
+CHOSEN = ("angle_deg", "lift_mm", "lift_deg")  # of a segment of the cam
 NO_WITNESS = "no multipliers are known for it"
+OF_ARM = "no rows are known of an arm's size and pressure angle"
 
 
 def proof_file(design: Design) -> Json:
@@ -113,7 +117,7 @@ def _claim(place: str, objection: str, **witness: Any) -> Json:
 
 def _of_all_cams(body: Json, place: str, design: Design, spent: Counter[str]) -> Json:
     """A claim about all cams: the best that the checker accepts after what others have spent."""
-    reason = NO_WITNESS
+    reason = OF_ARM if isinstance(design.spec.follower, OscillatingRoller) else NO_WITNESS
     for witness in _attempts(place, design):
         claim = _claim(place, "", **witness)
         reason = objections(as_bytes({**body, "claims": [claim]}), spent)[place]
@@ -131,12 +135,15 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
         return
     rank = int(place.removeprefix("objective/"))
     answer, held = _proven(design, rank).lower_bound, _held(design, rank)
-    of_angle = isinstance(spec.objectives()[rank], PeakPressureAngle)
+    aim = spec.objectives()[rank]
+    of_angle = isinstance(aim, PeakPressureAngle)
+    if isinstance(spec.follower, OscillatingRoller) and (of_angle or isinstance(aim, BaseRadius)):
+        return  # the rows of an arm's size are not those of this format
     kept: Json = {"held": held} if held else {}
     witnesses = []
     if not of_angle and len(held) == rank:
         witnesses = [({**kept, "multipliers": found}, b) for found, b in _witnesses(spec, held)]
-        if isinstance(spec.objectives()[rank], BaseRadius):  # no cam is smaller than asked for
+        if isinstance(aim, BaseRadius):  # no cam is smaller than asked for
             witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
     best = max((bound for _, bound in witnesses), default=0.0)
     if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
@@ -197,7 +204,7 @@ def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
 
 def _cam(design: Design) -> Json | None:
     """The cam as it was delivered, but for rounding at the ends of laws; None where none fits."""
-    if not design.motion or design.status == "infeasible":
+    if not _has_cam(design):
         return None
     laws: list[Any] = [
         each.spline and each.spline.model_dump(exclude_none=True) for each in design.motion
@@ -205,16 +212,32 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    apart = [design.dimensions[name] for name in COUNTER if name in design.dimensions]
-    return {"size": [*design.size, *apart], "laws": laws, "program": _chosen(design)}
+    return {"size": _size(design), "laws": laws, "program": _chosen(design)}
+
+
+def _has_cam(design: Design) -> bool:
+    return bool(design.motion) and design.status != "infeasible"
+
+
+def _size(design: Design) -> list[float]:
+    """The sizes of the cam; of an arm the axis as seen from the pivot, along the arm and across."""
+    size, known, follower = list(design.size), design.dimensions, design.spec.follower
+    if isinstance(follower, OscillatingRoller):
+        distance, angle = known["centre_distance_mm"], known["initial_angle_deg"] * DEGREE
+        size = [distance * cos(angle), distance * sin(angle)]
+    size += [known[name] for name in COUNTER if name in known]
+    free = isinstance(follower, OscillatingRoller) and not isinstance(follower.arm_mm, float)
+    return [*size, known["arm_mm"]] if free else size
 
 
 def _chosen(design: Design) -> list[Json]:
     """Of every segment the angle and the lift that were chosen, where the question has a range."""
+    if not _has_cam(design):
+        return []
     asked = design.spec.model_dump(mode="json")["program"]
     made = design.completed_spec.model_dump(mode="json")["program"]
     return [
-        {name: made[i][name] for name in ("angle_deg", "lift_mm") if isinstance(s.get(name), dict)}
+        {name: made[i][name] for name in CHOSEN if isinstance(s.get(name), dict)}
         for i, s in enumerate(asked)
     ]  # fmt: skip
 

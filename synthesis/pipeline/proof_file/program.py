@@ -93,6 +93,7 @@ class Program:
     def __init__(self, question: Any, knots: dict[int, Array]) -> None:
         judge = checker()
         self.question, self.judge, self.laws = question, judge, list[Law]()
+        self.knots = knots  # of free laws, and places of others where their rows are looked at
         self.jerk, width = float(question.jerk or 0.0), 0
         free = [s for s in question.turning if s.free]
         for s in free:
@@ -167,24 +168,27 @@ class Program:
         matrix[:, -1] += float(size[1])
         return matrix, rest
 
-    def _points(self, segment: Any) -> Array:
+    def points(self, segment: Any) -> Array:
         if segment.free:
             return self.by_index[segment.index].knots
-        return np.round(np.linspace(0.0, 1.0, SAMPLES), 9) if segment.lift else np.zeros(1)
+        if not segment.lift:
+            return np.zeros(1)
+        coarse = np.round(np.linspace(0.0, 1.0, SAMPLES), 9)
+        return self.knots.get(segment.index, coarse)
 
     def _linear_rows(self) -> Iterator[Row]:
         for name, limit in self.question.limits.items():
             for segment in self.question.turning:
                 for side in (1, -1):
-                    if self._bends(limit):
+                    if self.question.bends(limit):
                         continue
-                    found = self.question.row(segment, limit, side, *self.judge.C, 1)
+                    found = self.question.row(segment, limit, side)
                     found = self.judge.scaled(segment, found)
                     if found is None or (segment.free and any(found[0][ORDER:])):
                         continue
                     if not segment.free and not any(found[1]):
                         continue
-                    x, jumps = self._points(segment), segment.free and found[0][2]
+                    x, jumps = self.points(segment), segment.free and found[0][2]
                     matrix, upper = self._row(segment, x, *found)
                     alpha = np.array([[float(a) for a in found[0][:ORDER]]])
                     for at, row, most in zip(x.tolist(), matrix, upper, strict=True):
@@ -202,17 +206,14 @@ class Program:
             row, most = matrix.mean(axis=0), float(upper.mean())
             yield Row(segment.index, name, side, a, b, row, most, at, alpha)
 
-    def _bends(self, limit: Json) -> bool:
-        return self.question.roller and limit["kind"] in ("profile_radius", "cutter_radius")
-
     def bend_rows(self, zones: dict[int, list[tuple[float, float]]]) -> Iterator[Row]:
         """Rows of radii: of free laws in their zones, of others all along."""
         judge, question = self.judge, self.question
         for name, limit in question.limits.items():
-            if not self._bends(limit):
+            if not self.question.bends(limit):
                 continue
             for segment in question.turning:
-                points = self._points(segment)
+                points = self.points(segment)
                 if segment.free:
                     inside = [
                         (a <= points) & (points <= b) for a, b in zones.get(segment.index, ())

@@ -7,6 +7,7 @@ checker derives the rows of the next round.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import product
@@ -18,7 +19,7 @@ from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
-from synthesis.pipeline.proof_file.program import DEGREE, Json, Program, Row, thinned
+from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Json, Program, Row, thinned
 
 KNOTS = 24  # equal intervals of a law, at least
 PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
@@ -27,9 +28,11 @@ NEAR = 0.8  # of the largest curvature allowed: from there on a law is looked at
 LOST = 2e-5  # of the least radius, in mm: what an interval may lose to a ψ that changes its sign
 ROUNDS, MESHES = 6, 4  # at most; meshes of the last rows, each finer than the one before
 FINE_ENOUGH = 0.15  # of what is missing: what coarse knots may lose
+HALVINGS, WORK = "halvings of intervals", 0.7  # the checker's work; rounds' share of what it may be
 SHARE = 0.01  # of what is missing: what one interval may lose
 WIDTH = 2e-3  # of a law: least distance of the first knots
 MARGIN = 0.02  # of a law: by which parts with small radii are widened
+NEARER = 4  # halvings of what lies around a place of a given law
 GAIN = 0.1  # of what is missing: a round that gains less is the last
 JOINED = 30  # samples: parts that are no farther apart are one
 
@@ -49,7 +52,8 @@ def in_rounds(
     judge = checker()
     judge.spent.clear()
     question = judge.Question(judge.read(asked))
-    if not question.roller or (question.jerk is None and any(s.free for s in question.turning)):
+    free = any(s.free for s in question.turning)
+    if question.face or question.arm or (question.jerk is None and free):
         return None
     radius = Fraction(repr(target)) + question.gap
     question.radii[1] = min(radius, question.radii[1] or radius)
@@ -57,16 +61,17 @@ def in_rounds(
     own = {s.index: _knots(laws[s.index]) for s in question.turning if s.free}
     zones = {s.index: _zones(question, s, laws[s.index], size) for s in question.turning if s.free}
     program = Program(question, {k: _with_zones(x, zones[k]) for k, x in own.items()})
-    rounds, before = list[list[Json]](), -np.inf
+    rounds, before, work = list[list[Json]](), -np.inf, 0
     for number in range(ROUNDS):
         # 1. Bounds of the size, then of the path as well, from the rows known so far.
         if number:
             rows = program.fixed + list(program.bend_rows(zones))
             steps = list(_round(program, rows, zones, with_places=number > 1 or not own))
-            if not steps:
+            work += sum(taken for *_, taken in steps)
+            if not steps or work > WORK * judge.MOST[HALVINGS]:
                 break
-            rounds.append([step for step, _ in steps])
-            judge.narrow(question, [bound for _, bound in steps])
+            rounds.append([step for step, *_ in steps])
+            judge.narrow(question, [bound for _, bound, _ in steps])
         # 2. The least radius under the rows that follow, and finer knots where these lose much.
         rows = program.fixed + list(program.bend_rows(zones))
         last = program.minimise((), rows, None)
@@ -74,8 +79,8 @@ def in_rounds(
             return None
         ((least, nu, z),) = last
         missing = abs(least - float(radius))
-        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * missing))
-        program = Program(question, finer)
+        least_lost = max(LOST * target, SHARE * missing)
+        program = _finer(program, nu, z, rows, least_lost)
         # 3. Until nothing is left to gain. The first bounds of the size gain nothing by themselves.
         if least > float(radius) or (number > 1 and least - before < GAIN * missing):
             break
@@ -97,13 +102,40 @@ def in_rounds(
         loss = least - float(radius) - excess
         if excess > 0.0 or loss < FINE_ENOUGH * abs(excess):
             break
-        finer = program.finer(nu, z, rows, max(LOST * target, SHARE * abs(excess)))
-        program = Program(question, finer)
+        # intervals that lose more than half of what they lose in the mean
+        count = sum(len(law.knots) for law in program.laws) or 1
+        program = _finer(program, nu, z, rows, loss / (2 * count))
     return reached
 
 
+def _finer(
+    program: Program, nu: Array, z: Array, rows: Sequence[Row], least_lost: float
+) -> Program:
+    """The same program on finer knots, and with more places around those that bind elsewhere."""
+    found, active = program.finer(nu, z, rows, least_lost), defaultdict[int, list[float]](list)
+    for row, value in zip(rows, z, strict=True):
+        if value > SMALL * float(z.max(initial=0.0)):
+            active[row.segment].append(row.x)
+    for segment in program.question.turning:
+        if segment.free or not segment.lift:
+            continue
+        old = program.points(segment)
+        at = np.searchsorted(old, np.unique(active[segment.index]))
+        width = np.diff(old, prepend=old[0] - old[1], append=2.0 * old[-1] - old[-2])
+        new = [
+            old[at] + side * width[at + (side > 0)] / 2.0**k
+            for side in (-1, 1)
+            for k in range(1, NEARER)
+        ]
+        found[segment.index] = thinned(np.clip(np.concatenate([old, *new]), 0.0, 1.0), LEAST)
+    return Program(program.question, found)
+
+
 def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool) -> Iterator[Any]:
-    """Steps that narrow what is known of the size, and of X and U at places, with their bounds."""
+    """Steps that narrow what is known of the size, and of X and U at places.
+
+    With their bounds, and the halvings that they take of the checker.
+    """
     judge, question, width = program.judge, program.question, program.width
     aims, costs = list[Json](), list[Array]()
     for k in range(4):
@@ -130,7 +162,8 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
     for aim, (_, nu, z) in zip(aims, found, strict=True):
         step = {**aim, "multipliers": program.stated(nu, z, rows)}
         judge.spent.clear()
-        yield step, judge.bound_of(question, judge.read(as_bytes(step)))
+        bound = judge.bound_of(question, judge.read(as_bytes(step)))
+        yield step, bound, judge.spent[HALVINGS]
 
 
 def _knots(law: Json | None) -> Array:
