@@ -15,6 +15,12 @@ from tests.optimise.scenes import PLAIN, angles, jerk, scene
 NEAR = 2e-3  # of the way from the request
 
 
+@pytest.fixture(autouse=True)
+def changes_of_the_program_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They have tests of their own, and take as many questions again."""
+    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
+
+
 def why(spec: DesignSpec) -> Conflict:
     found = synthesise(spec).conflict
     assert found is not None
@@ -48,7 +54,6 @@ def dimensions(spec: DesignSpec) -> list[Relaxable]:
 
 def test_the_spec_says_how_near(monkeypatch: pytest.MonkeyPatch) -> None:
     """``proof`` buys accuracy: a finer tolerance brings both ends nearer."""
-    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())  # others have their own tests
     monkeypatch.setattr(conflict, "relaxable_numbers", dimensions)
     spec = scene(PLAIN, angles(31.0, 43.0), jerk(47.0, 71.7), base={"max": 1e3})
     radius = synthesise(spec).dimensions["base_radius_mm"]
