@@ -6,7 +6,6 @@ and other texts of the caller's are shown as they are and never taken for elemen
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -89,10 +88,8 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     certificate = design.certificate
 
     def drawn(title: str, kind: str, drawing: Exporter[Any], text: str) -> str:
-        """A drawing inside the page, by itself: its style is its own."""
-        data = base64.b64encode(drawing.write_like(design, options)).decode()
-        image = f'<img alt="{text}" src="data:image/svg+xml;base64,{data}">'
-        return _section(title, image, kind)
+        """A drawing inside the page, by itself."""
+        return _section(title, html.picture(drawing.write_like(design, options), text), kind)
 
     sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
@@ -253,16 +250,10 @@ def _section(title: str, content: str, kind: str = "") -> str:
 
 
 def _table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] | None = None
+    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] = repeat("")
 ) -> str:
-    """A table; ``kinds``: of each row the class."""
-    titles = "".join(f"<th>{html.plain(cell)}</th>" for cell in head)
-    lines = "\n".join(
-        f'<tr class="{kind}">' + "".join(f"<td>{html.plain(cell)}</td>" for cell in row) + "</tr>"
-        for kind, row in zip(repeat("") if kinds is None else kinds, rows, strict=False)
-    )
-    table = f"<table><thead><tr>{titles}</tr></thead><tbody>\n{lines}</tbody></table>"
-    return f'<div class="wide">{table}</div>'
+    """A table that scrolls where it is wider than the page; ``kinds``: of each row the class."""
+    return f'<div class="wide">{html.table(head, rows, kinds)}</div>'
 
 
 def _note(text: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Final
 
-from synthesis.catalogue.hub import hub_diameter, keyway_reach, shaft_of_hub
+from synthesis.catalogue.hub import HUB_RULE, hub_diameter, keyway_reach, shaft_of_hub
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
@@ -62,7 +62,7 @@ def _find(subject: Subject) -> Iterator[Finding]:
             f"The base radius of {number(radius)} mm leaves room for {left}, against a stroke of "
             f"{number(stroke)} mm.",
             "Give the shaft (shaft_diameter_mm), or a least base radius that suits it: "
-            'base_radius_mm {"min": …}, 0.875 shaft diameters plus 3.2 mm.',
+            f'base_radius_mm {{"min": …}}, half of the hub\'s {HUB_RULE}.',
         )  # fmt: skip
 
 
@@ -82,7 +82,7 @@ RULE = Rule(
     code="hub",
     thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
     "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
-    "thinner than that, a base circle below the hub's 1.75 diameters of these plus 1/4 in, or a "
+    f"thinner than that, a base circle below the hub of these ({HUB_RULE}), or a "
     "bore whose keyway by DIN 6885-1 would come out of the base circle. And "
     "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
     "fifth of the stroke, stop: than a tenth.",
