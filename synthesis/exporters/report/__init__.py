@@ -19,7 +19,7 @@ from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
-from synthesis.exporters.drawing.summary_table import VERDICTS, summary_tables
+from synthesis.exporters.drawing.summary_table import VERDICTS, dimension_figures, summary_tables
 from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
@@ -91,12 +91,13 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
         """A drawing inside the page, by itself."""
         return _section(title, html.picture(drawing.write_like(design, options), text), kind)
 
-    sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
+    sizes = [(e.name, svg.with_unit(float(e.value), e.unit, 8)) for e in dimension_figures(design)]
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
     yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
     for each in summary_tables(design):
-        yield _section(each.title, _table(each.head, each.rows))
+        note = _note(each.note) if each.note else ""
+        yield _section(each.title, _table(each.head, each.rows) + note)
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
@@ -268,11 +269,3 @@ def _pairs(rows: Sequence[tuple[str, str]]) -> str:
 def _words(name: str) -> str:
     """A name of the wire for people: base radius mm."""
     return name.replace("_", " ")
-
-
-def _dimension(name: str, value: float) -> tuple[str, str]:
-    """A dimension, and its value with the unit that its name on the wire ends with."""
-    stem, _, unit = name.rpartition("_")
-    if stem and unit in ("mm", "deg"):
-        return _words(stem), svg.with_unit(value, unit, 8)
-    return _words(name), svg.figure(value, 8)

@@ -8,7 +8,12 @@ from synthesis.design.design import Design
 from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.sheet import MOTION
 from synthesis.exporters.drawing.html import picture, plain, table
-from synthesis.exporters.drawing.summary_table import VERDICTS, TextTable, summary_tables
+from synthesis.exporters.drawing.summary_table import (
+    VERDICTS,
+    dimension_figures,
+    figures_table,
+    summary_tables,
+)
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import CamDrawingOptions, DiagramOptions
 
@@ -45,8 +50,8 @@ def _parts(design: Design) -> Iterator[str]:
             (MOTION.write(design, DiagramOptions()), "motion", 480),
         ):
             yield picture(drawing, name, width)
-    rows = [[name, f"{value:.6g}"] for name, value in design.dimensions.items()]
-    for each in (TextTable("Dimensions", ("", "value"), rows), *summary_tables(design)):
-        if each.rows:
-            shown = table(each.head, each.rows)
-            yield f"<details><summary>{plain(each.title)}</summary>{shown}</details>"
+    sizes = figures_table(dimension_figures(design), "Dimensions")
+    for shown in (sizes, *summary_tables(design)):
+        if shown.rows:
+            inside = table(shown.head, shown.rows) + (shown.note and f"<p>{plain(shown.note)}</p>")
+            yield f"<details><summary>{plain(shown.title)}</summary>{inside}</details>"
