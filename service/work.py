@@ -103,7 +103,7 @@ class Work(Generic[Row, AnyRunner]):
         self._polling = asyncio.create_task(self._poll())
 
     async def _adopt(self) -> None:
-        for row in await self.leases.unleased():
+        for row in await self.leases.unleased_rows():
             await self.start(row)
 
     async def _renew(self) -> None:

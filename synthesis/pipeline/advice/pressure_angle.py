@@ -94,7 +94,8 @@ RULE = Rule(
     "on returns that a spring drives; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming.",
     checked="Norton's excerpt in the help of DYNACAM opened, and a course's notes in Chinese with "
     "the three ranges, not the books. Of ch. 6 the contents and a text made of it, which has the "
-    "angle of jamming: 73° at μ = 0.1, the same formula. 45° is this program's.",
+    "angle of jamming: 73° at μ = 0.1, the same formula. 45° and the pin of a tenth of the arm are "
+    "this program's; that at 90° no force moves a follower is in Norton's excerpt.",
     silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
     find=_find,
 )
