@@ -280,7 +280,7 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
 def add_file_route(
     router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_fail: bool
 ) -> None:
-    """Add the route of a file with a handler, which may or may not fail at make it."""
+    """Add the route of a file with a handler, which may or may not fail at making it."""
     media_type = file.format.media_type.partition(";")[0]
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}/{file.path}",

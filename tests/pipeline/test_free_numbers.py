@@ -177,10 +177,12 @@ def chosen() -> Design:
     )  # fmt: skip
 
 
-def test_the_same_question_has_the_same_answer(chosen: Design) -> None:
-    again = synthesise(chosen.spec)
-    assert again.free_parameters == chosen.free_parameters
-    assert again.motion == chosen.motion
+def test_the_same_question_has_the_same_answer() -> None:
+    question = cam(rise(FREE, 22.1), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
+                   objective={"kind": "peak_jerk"}, tolerance=2e-2)  # fmt: skip
+    first, again = (synthesise(question) for _ in range(2))
+    assert again.free_parameters == first.free_parameters
+    assert again.motion == first.motion
 
 
 def test_the_answer_survives_the_wire(chosen: Design) -> None:
