@@ -1,22 +1,26 @@
 """A work-precision picture of proofs: gap against time for random scenes of every family.
 
-    python -m benchmarks.gaps [--minutes 10] [--scenes 10] [--family TEXT …] [--write]
+    python -m benchmarks.gaps [--minutes 10] [--scenes 10] [--family TEXT …] [--jobs 1]
+                              [--kept FILE] [--write]
 
 Scenes are those of ``tests.hard.families``. Every clock counts processor time, so that a busy
 machine proves as much as an idle one. The first scene of every family comes first, then the
-second of each: whenever the run ends, all families have had their turn.
+second of each: whenever the run ends, all families have had their turn. With ``--kept FILE`` every
+scene is kept, a line each: one that is in it is not asked again, and the page is of all it holds.
 """
 
 from __future__ import annotations
 
 import argparse
 import io
+import json
 import shlex
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, field, replace
 from math import inf
 from pathlib import Path
 
@@ -59,7 +63,7 @@ Families marked * leave numbers free (angles, lifts, an arm's length), and their
 the numbers chosen alone.
 
 Written by `make gaps`, here `python -m benchmarks.gaps {arguments}`: {scenes} scenes of {families}
-families, {seconds:.0f} s, on {machine}."""
+families, {seconds:.0f} s, on {machines}."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Outcome:
     Attributes:
         seconds: of processor time. gap: relative, the largest of all objectives; inf where one has
             no bound, None without a cam. status: of the design, or why there is none.
-        over: what its bound covers. end: why its last search ended.
+        over: what its bound covers. end: why its last search ended. machine: where it was measured.
     """
 
     family: str
@@ -80,6 +84,7 @@ class Outcome:
     status: str
     over: str = ""
     end: str = ""
+    machine: str = field(default_factory=page.machine)
 
     @property
     def closed(self) -> bool:
@@ -121,29 +126,61 @@ def outcomes(family: str, number: int) -> list[Outcome]:
     return found
 
 
-def measured(families: Sequence[str], scenes: int, seconds: float) -> list[Outcome]:
-    """The outcomes of scenes by number, then family, for so long; Ctrl-C ends it early."""
-    found, end = list[Outcome](), time.process_time() + seconds
-    try:
-        for number in range(scenes):
-            for family in families:
-                if time.process_time() >= end:
-                    return found
-                found += outcomes(family, number)
-                told = (f"{o.level} {_percent(o.gap)} {o.seconds:.2f} s" for o in found[-3:])
-                print(f"{family} #{number}: {', '.join(told)}, {found[-1].status}", flush=True)
-    except KeyboardInterrupt:
-        print("stopped")
+def measured(
+    families: Sequence[str], scenes: int, seconds: float, jobs: int, kept: Path | None
+) -> list[Outcome]:
+    """The outcomes of scenes by number, then family.
+
+    Args:
+        families: their names. scenes: of every family.
+        seconds: of processor time, after which no scene is begun.
+        jobs: processes. kept: file of outcomes; scenes that it holds are not asked again.
+    """
+    found = _read(kept)
+    known = {(one.family, one.number) for one in found}
+    every = [(family, number) for number in range(scenes) for family in families]
+    spent = 0.0
+    with ProcessPoolExecutor(jobs, initializer=_count_processor_time) as pool:
+        tasks = [pool.submit(outcomes, *scene) for scene in every if scene not in known]
+        for task in as_completed(tasks):
+            levels = task.result()
+            found += levels
+            spent += _seconds(levels)
+            last = levels[-1]
+            text = ", ".join(f"{o.level} {_percent(o.gap)} {o.seconds:.2f} s" for o in levels)
+            print(f"{last.family} #{last.number}: {text}, {last.status}", flush=True)
+            if kept is not None:
+                with kept.open("a") as file:
+                    file.writelines(json.dumps(asdict(one)) + "\n" for one in levels)
+            if spent >= seconds:
+                pool.shutdown(cancel_futures=True)
+                break
     return found
+
+
+def _seconds(found: Iterable[Outcome]) -> float:
+    """Of processor time in all; a figure that is repeated at a later level counts once."""
+    return sum(seconds for *_, seconds in {(o.family, o.number, o.seconds) for o in found})
+
+
+def _count_processor_time() -> None:
+    clock.now = time.process_time
+
+
+def _read(kept: Path | None) -> list[Outcome]:
+    """The outcomes of earlier runs."""
+    lines = kept.read_text().splitlines() if kept is not None and kept.exists() else []
+    return [Outcome(**json.loads(line)) for line in lines]
 
 
 def section(found: Sequence[Outcome], arguments: str, seconds: float) -> Section:
     """The page: shares of closed scenes, families that fall short, all families, the picture."""
     names = [name for name in FAMILIES if any(one.family == name for one in found)]
+    found = sorted(found, key=lambda one: one.number)
     text = TEXT.format(
         closed=_percent(CLOSED), budget=BUDGET_S, arguments=arguments,
         scenes=len(found) // len(LEVELS), families=len(names), seconds=seconds,
-        machine=page.machine(),
+        machines=" and on ".join(dict.fromkeys(one.machine for one in found)),
     )  # fmt: skip
     grouped = {
         name: {
@@ -322,15 +359,15 @@ def main() -> None:
     parser.add_argument(
         "--family", nargs="*", default=[""], help="texts; families with one of them"
     )
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--kept", type=Path, help="file of scenes, not asked again")
     parser.add_argument("--write", action="store_true", help="write docs/benchmarks/gaps")
-    asked = parser.parse_args()
-    families = [name for name in FAMILIES if any(text in name for text in asked.family)]
-    clock.now = time.process_time
-    began = time.process_time()
-    found = measured(families, asked.scenes, 60.0 * asked.minutes)
-    made = section(found, shlex.join(sys.argv[1:]), time.process_time() - began)
+    given = parser.parse_args()
+    families = [name for name in FAMILIES if any(text in name for text in given.family)]
+    found = measured(families, given.scenes, 60.0 * given.minutes, given.jobs, given.kept)
+    made = section(found, shlex.join(sys.argv[1:]), _seconds(found))
     print(made.markdown())
-    if asked.write:
+    if given.write:
         write(made, FOLDER)
 
 

@@ -10,7 +10,9 @@ value and lower bound of the answer are compared with it.
 
 Where something else is made small, or the base radius is fixed, the constraint stays in the search,
 and the smallest cam is sought where that finds none (a phase 1): one that is small enough is a cam
-for the question, and the start of another search.
+for the question, and the start of another search. Where the base radius is fixed and nothing else
+is made small, phase 1 comes first: any cam that is small enough ends it, and at the fixed radius
+itself a search has no room left where that radius is the smallest.
 """
 
 from __future__ import annotations
@@ -90,8 +92,26 @@ def solve_with_maximum(
     Returns:
         what came out, and the smallest cam without the maximum where that was sought.
     """
-    first = solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
-    return complete(spec, first, goal, stages)
+    return complete(spec, first_attempt(spec, goal, stages), goal, stages)
+
+
+def first_attempt(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
+    """What the first question comes to.
+
+    Args:
+        spec: what is asked. goal: when to stop. stages: appended to.
+    """
+    least, most = spec.requested_radii()
+    if least == most and all(each.kind == "base_radius" for each in spec.objectives()):
+        # Every cam of the fixed radius is a best one: any that is as small will do. A longer proof
+        # is of use to the search for free numbers alone.
+        proof = spec.proof if spec.free_parameters.parameters else "quick"
+        (wider, *_) = _wider_questions(spec.model_copy(update={"proof": proof}))
+        sufficient = replace(goal, sufficient=most, warm_start=None)
+        smallest = _smallest(spec, solve_spec(wider, sufficient, stages))
+        if smallest is not None and smallest.attempt.certified:
+            return smallest.attempt
+    return solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
 
 
 def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt, Smallest | None]:
@@ -99,9 +119,8 @@ def compare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> tuple[Attempt
 
     For whoever wants to know by how much it is too large.
     """
-    wider = first_question(spec)
-    first = solve_and_certify(prepare(wider, goal, stages), goal, stages)
-    if wider is not spec:
+    first = first_attempt(spec, goal, stages)
+    if first_question(spec) is not spec:
         first = enlarge_until_simple(first, goal, stages)
         smallest = _smallest(spec, first)
         if smallest is not None:
@@ -261,14 +280,22 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     if spec.objectives() != wider.solved_spec.objectives() or radius < least:
         bounds = [Bounded(objective, -inf, "") for objective in spec.objectives()]
         bounds[:1] = wider.bounds[:1] if bounds[0].objective.kind == "base_radius" else bounds[:1]
-    bounds = _with_least_radius(bounds, wider, least / question.units.length)
+    least_scaled = least / question.units.length
+    bounds = _with_least_radius(bounds, wider, least_scaled)
+    over_numbers = wider.number_bound or Bounded(first.objective, -inf, "")
+    if wider.chosen_values:  # the least one allowed holds whatever the numbers are
+        (over_numbers,) = _with_least_radius([over_numbers], wider, least_scaled)
+    number_bound = over_numbers if over_numbers.lower > -inf else None
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
         before = certify_size(wider.question.physical, cam.size, final_spec.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]
         extremes = [*traced, *certify_size(question.physical, cam.size, final_spec.follower)]
     else:
         extremes = certify_cam(question.physical, cam, final_spec)
-    attempt = replace(wider, question=question, cam=cam, bounds=bounds, extremes=extremes)
+    attempt = replace(
+        wider, question=question, cam=cam, bounds=bounds, extremes=extremes,
+        number_bound=number_bound,
+    )  # fmt: skip
     if not attempt.certified:
         attempt = replace(attempt, cam=None, bounds=[], extremes=[])
     return Smallest(attempt, radius, most, bounded.lower, bounded.valid_for)

@@ -24,10 +24,10 @@ from synthesis.pipeline.assembly import (
     smoothness_cost,
     with_free_parameters,
 )
-from synthesis.pipeline.attempt import Goal, prepare, solve_and_certify
+from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.conflict import explain
 from synthesis.pipeline.free_numbers import over_all_numbers
-from synthesis.pipeline.largest_radius import complete, first_question
+from synthesis.pipeline.largest_radius import complete, first_attempt
 from synthesis.spec.design_spec import DesignSpec
 
 
@@ -69,8 +69,7 @@ def synthesise(
     near = neighbours[-1] if neighbours else None
     goal = Goal(stop, None if near is None else near.search)
     # 1. Solve and certify. A maximum of the base radius is compared with the smallest cam.
-    prepared = prepare(first_question(spec), goal, stages)
-    first = solve_and_certify(prepared, goal, stages)
+    first = first_attempt(spec, goal, stages)
     attempt, smallest = complete(spec, first, goal, stages)
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
@@ -91,7 +90,7 @@ def synthesise(
         final_spec, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
     # What is proven of all numbers is of the question itself, whatever came after it.
-    known = [] if prepared.number_bound is None else [prepared.number_bound]
+    known = [] if first.number_bound is None else [first.number_bound]
     over_numbers = in_wire_units(question, attempt.final_spec, known)
     answer = with_free_parameters(answer, spec, attempt.chosen_values, over_numbers)
     if spec.report_smoothness_cost:

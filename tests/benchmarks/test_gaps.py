@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -75,14 +76,15 @@ def test_a_scene_is_measured() -> None:
     assert thorough == replace(quick, level="thorough")
 
 
-def test_every_clock_counts_processor_time_and_an_end_keeps_what_is_known(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    seen = iter([0.0, 1.0, 2.0, 9.0])
-    monkeypatch.setattr(gaps.time, "process_time", lambda: next(seen))
-    monkeypatch.setattr(gaps, "outcomes", lambda family, number: made(family, number, 0, 0, 0))
-    found = gaps.measured([CLEAN, OPEN], 5, 8.0)
-    assert [(one.family, one.number) for one in found[::3]] == [(CLEAN, 0), (OPEN, 0)]
+def test_a_kept_scene_is_not_asked_again_and_the_end_keeps_what_is_known(tmp_path: Path) -> None:
+    kept, cheap = tmp_path / "kept.jsonl", ["slide, laws given", "face, laws given"]
+    first = gaps.measured(cheap, 1, inf, 1, kept)
+    assert {(one.family, one.number) for one in first} == {(name, 0) for name in cheap}
+    assert gaps.measured(cheap, 1, inf, 1, kept) == first  # with the seconds of that time
+    more = gaps.measured(cheap, 100, 0.0, 1, kept)
+    assert more[: len(first)] == first
+    assert len(first) < len(more) < 100 * len(LEVELS)
+    assert gaps.measured(cheap, 0, inf, 1, kept) == more
 
 
 def test_the_picture_has_a_panel_for_each_family(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from tests.hard.adversary.motion import Program
 from tests.hard.adversary.search import Attack, Found, cams
 from tests.hard.families import FAMILIES, random_scene
 from tests.hard.own_laws import named
+from tests.hard.own_ringing import amplitudes
 from tests.hard.verifier import Cam, readings
 
 HERE = Path(__file__).parent / "adversary"
@@ -68,10 +69,15 @@ def test_a_bound_that_is_too_high_is_beaten_and_a_true_one_is_not() -> None:
     assert not refutation(question, answer("optimal", (1.0 - 1e-5) * LEAST_JERK), 0.3, 1)
 
 
-def test_a_smaller_cam_than_a_false_bound_is_found() -> None:
+QUIET = {"kind": "residual_vibration", "natural_frequency_hz": 23.0, "max_mm": 0.043}
+
+
+@pytest.mark.parametrize("more", [[], [QUIET]], ids=["", "residual vibration"])
+def test_a_smaller_cam_than_a_false_bound_is_found(more: list[dict[str, Any]]) -> None:
     limits = [
         {"kind": "pressure_angle", "rise_deg": 31.0, "return_deg": 33.0},
         {"kind": "jerk", "max_mm_per_s3": 1.9 * LEAST_JERK, "max_deg_per_s3": None},
+        *more,
     ]
     question = {**NARROW, "limits": limits}
     assert refutation(question, answer("optimal", 60.0, 60.0), ENOUGH_S, 1)
@@ -173,6 +179,30 @@ def test_its_formulas_are_the_verifiers(name: str) -> None:
             assert reached == pytest.approx(0.0, abs=5e-3), (limit["kind"], key, at)
             compared.append(key)
     assert len(compared) >= 4, compared
+
+
+def test_an_oscillator_rings_as_the_verifier_says() -> None:
+    """By the matrix exponential as by Duhamel's integral, free laws and given ones, run by run."""
+    program = [
+        {"kind": "rise", "angle_deg": 43.0, "lift_mm": 5.1, "law": {"kind": "cycloidal"}},
+        {"kind": "rise", "angle_deg": 71.0, "lift_mm": 8.6, "law": {"kind": "spline"}},
+        *NARROW["program"][1:3],
+        {"kind": "dwell", "angle_deg": 107.0},
+    ]
+    limit = {"kind": "residual_vibration", "natural_frequency_hz": 17.9, "damping_ratio": 0.063}
+    spec = {**NARROW, "program": program, "limits": [{**limit, "max_mm": 0.21}]}
+    attack = Attack(Program(spec, lambda index: np.linspace(0.0, 1.0, 7)))
+    at = attack.start(np.random.default_rng(8), None)
+    laws, _ = attack.parts(at)
+    known = amplitudes(attack.program.placed(laws), attack.program.omega, limit)
+    ours = [q.functional for q in attack.quantities if q.functional is not None]
+    assert len(ours) == len(known) == 2
+    for functional, amplitude in zip(ours, known, strict=True):
+        excess, slope = functional(laws)
+        most = float(np.max(excess) + 1.0) * 0.21  # a polygon's: up to 1 / cos 3.75° too large
+        assert amplitude * (1.0 - 1e-4) <= most <= amplitude * 1.0023
+        step = np.cos(np.arange(len(laws)))
+        assert slope @ step == pytest.approx(functional(laws + step)[0] - excess, rel=1e-9)
 
 
 def _reading(limit: dict[str, Any], key: str) -> str:

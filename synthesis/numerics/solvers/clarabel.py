@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import clarabel
 import numpy as np
 from scipy import sparse
-from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse.linalg import splu
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
@@ -73,14 +73,15 @@ def project_on_equalities(program: ConeProgram, x: Array) -> Array:
     """
     if program.equalities == 0 or not np.all(np.isfinite(x)):
         return x
-    # dense: even of a hundred laws there are only hundreds of equalities, and most have a few
-    rows, rhs = program.matrix[: program.equalities].toarray(), program.rhs[: program.equalities]
+    # An equality joins neighbouring coefficients alone: the normal equations are as sparse.
+    rows, rhs = program.matrix[: program.equalities], program.rhs[: program.equalities]
     normal = rows @ rows.T
     # rows of zeros are kept by every point
-    normal[np.diag_indices_from(normal)] += DAMPED * (float(normal.diagonal().max()) or 1.0)
-    factor = cho_factor(normal, check_finite=False)
+    damped = DAMPED * (float(normal.diagonal().max()) or 1.0)
+    normal.setdiag(normal.diagonal() + damped)
+    factor = splu(normal.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
     for _ in range(REPEATED):
-        x = x + rows.T @ cho_solve(factor, rhs - rows @ x, check_finite=False)
+        x = x + rows.T @ factor.solve(rhs - rows @ x)
     return x
 
 
@@ -89,8 +90,7 @@ def solve(
 ) -> ConeSolution:
     """Solve to 1e-10 relative where rounding allows, for ``time_limit`` seconds at most.
 
-    ``project``: whether equalities are kept to rounding; of thousands of them that takes longer
-    than the solver.
+    ``project``: whether equalities are kept to rounding.
 
     Raises:
         Cancelled: nobody waits for it any more.

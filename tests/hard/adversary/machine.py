@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import cos, inf, pi, radians, sin
 from typing import Any
@@ -23,19 +24,21 @@ State = list[Values]  # s, s', s'', s''' per radian [mm or rad]
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MET = 2e-7  # relative: of a base radius that is given
 GRAVITY = 9.80665  # m/s²
+DIRECTIONS = 48  # of an amplitude: 0.2 % of the largest one is lost
 
 
 @dataclass(frozen=True)
 class Quantity:
     """What must not be positive, at the samples of some kinds of segments.
 
-    ``value(s, z)``: of the order of 1, smooth, complex where s or z is.
+    ``value(s, z)``: of the order of 1, smooth, complex where s or z is. ``functional``: where it is
+    of whole laws: values (n,) and derivatives by their unknowns (n, unknowns).
     """
 
     name: str
     value: Callable[[State, Values], Values]
     kinds: tuple[str, ...] = ()
-    motion_only: bool = False
+    functional: Callable[[Values], tuple[Values, Values]] | None = None
 
 
 @dataclass(frozen=True)
@@ -297,9 +300,23 @@ class Machine:
         most = next(value for key, value in limit.items() if key.startswith("max_") and value)
         scale = self.program.omega**order / (most * self.program.unit)
         for sign in (1.0, -1.0):
-            yield Quantity(
-                limit["kind"], lambda s, z, sign=sign: sign * scale * s[order] - 1.0, (), True
-            )
+            yield Quantity(limit["kind"], lambda s, z, sign=sign: sign * scale * s[order] - 1.0)
+
+    def _residual_vibration(self, limit: dict[str, Any]) -> Iterator[Quantity]:
+        most = next(value for key, value in limit.items() if key.startswith("max_") and value)
+        swings = 2.0 * pi * limit["natural_frequency_hz"] / self.program.omega
+
+        turns = 2.0 * pi * np.arange(DIRECTIONS) / DIRECTIONS
+        directions = np.stack([np.cos(turns), np.sin(turns)], axis=1) / cos(pi / DIRECTIONS)
+
+        def excess(laws: Values, matrix: Values, constants: Values) -> tuple[Values, Values]:
+            return matrix @ laws + constants - 1.0, matrix
+
+        # Linear in the unknowns: a polygon inside the circle of the largest amplitude.
+        for matrix, constants in self.program.ringing(swings, limit.get("damping_ratio", 0.0)):
+            yield Quantity("residual vibration", lambda s, z: 0.0 * s[0], (), partial(
+                excess, matrix=directions @ matrix / most,
+                constants=directions @ constants / most))  # fmt: skip
 
     _velocity = _acceleration = _jerk = _derivative
 
@@ -326,7 +343,14 @@ class Machine:
         slides = self.kind.startswith("translating") and force and not numbers
         inside = [s for s in self.spec["program"] if s.get("windows") or s.get("points")]
         inside += [s for s in self.spec["program"] if s.get("start") or s.get("end")]
-        return known and not inside and (load is None or (plain >= set(load) and slides))
+        silent = [one for one in limits if one["kind"] == "residual_vibration"
+                  and not (one.get("max_mm") or one.get("max_deg"))]  # fmt: skip
+        return (
+            known
+            and not inside
+            and not silent
+            and (load is None or (plain >= set(load) and slides))
+        )
 
     def _contact_force(self, limit: dict[str, Any]) -> Iterator[Quantity]:
         tilt = cos(radians(self.follower.get("tilt_deg", 0.0)))

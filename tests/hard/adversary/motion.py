@@ -8,19 +8,21 @@ difference: a bound over all laws smoother than C2 holds for C2 laws too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import factorial, pi
 from typing import Any
 
 import numpy as np
+from scipy.linalg import expm
 
 from tests.hard.own_cam import LINE, RAD, PlacedSegment, segments, unit_of
 from tests.hard.own_laws import Piece
 
 NAMED_POINTS = 160  # samples of a law that is given
 NARROWEST = 2e-3  # of a law: no piece is divided further
+SHORT_PIECES = 300  # of a polynomial or a wave of a given law
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,57 @@ class Program:
             np.concatenate(middles),
         )  # fmt: skip
 
+    def ringing(self, frequency: float, damping: float) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Amplitude that every run between two dwells leaves an oscillator.
+
+        Its equation is q'' + 2ζν q' + ν²q = −s''.
+
+        Args:
+            frequency: ν, swings of the undamped oscillator in a turn. damping: ζ.
+
+        Returns:
+            for each run a matrix (2, unknowns) and constants (2,): the amplitude, in the unit of
+            the lifts, is the length of ``matrix @ unknowns + constants``. On a piece s'' is linear,
+            so that the matrix exponential is exact there; of given laws pieces are short.
+        """
+        damped = frequency * (1.0 - damping**2) ** 0.5
+        rates = np.zeros((4, 4))  # of q, its speed, the acceleration of the cam, and its jerk
+        rates[0, 1] = rates[2, 3] = 1.0
+        rates[1, :3] = -(frequency**2), -2.0 * damping * frequency, -1.0
+        ends = np.array([[1.0, 0.0], [damping * frequency / damped, 1.0 / damped]])
+        found = []
+        for run in _runs(self.places):
+            state, before = np.zeros((2, self.count + 1)), np.zeros(self.count + 1)
+            for place in run:
+                state[1] -= np.append(*self._end(place, 0.0, 1)) - before  # a step of the speed
+                before = np.append(*self._end(place, 1.0, 1))
+                for width, bends in self._bends(place):
+                    ahead = expm(rates * width)[:2]
+                    state = ahead[:, :2] @ state + ahead[:, 2:] @ bends
+            state[1] += before
+            amplitude = ends @ state
+            found.append((amplitude[:, :-1], amplitude[:, -1]))
+        return found
+
+    def _bends(self, place: PlacedSegment) -> Iterator[tuple[float, np.ndarray]]:
+        """Widths of a segment's pieces; acceleration and jerk at starts: (2, unknowns + 1)."""
+        law = self.laws.get(place.index)
+        if law is not None:
+            for a, b in pairwise(law.breaks):
+                bends = np.zeros((2, self.count + 1))
+                for k, n in enumerate((2, 3)):
+                    own = law.rows(np.array([a]), n)[0] * place.lift / place.beta**n
+                    bends[k, law.first : law.first + law.count] = own
+                yield place.beta * (b - a), bends
+            return
+        for piece, (a, b, _) in enumerate(place.pieces):
+            second = place.at(piece, np.linspace(a, b, SHORT_PIECES + 1), 2)
+            width = place.beta * (b - a) / SHORT_PIECES
+            for here, there in pairwise(second):
+                bends = np.zeros((2, self.count + 1))
+                bends[:, -1] = here, (there - here) / width
+                yield width, bends
+
     def _given(self, place: PlacedSegment, x: np.ndarray, n: int) -> np.ndarray:
         found = np.zeros_like(x)
         for a, b, g in place.pieces:
@@ -247,3 +300,11 @@ class Program:
     @property
     def omega(self) -> float:
         return float(self.spec.get("speed_rpm", 60.0)) * pi / 30.0
+
+
+def _runs(places: list[PlacedSegment]) -> Iterator[list[PlacedSegment]]:
+    """The moves between two dwells, each run from one dwell on; none where nothing rests."""
+    rests = [k for k, place in enumerate(places) if place.kind == "dwell"]
+    for here, there in pairwise([*rests, *(k + len(places) for k in rests[:1])]):
+        if there > here + 1:
+            yield [places[k % len(places)] for k in range(here + 1, there)]

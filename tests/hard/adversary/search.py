@@ -76,7 +76,7 @@ class Attack:
             if self.aim in ("peak_velocity", "peak_acceleration", "peak_jerk"):
                 order = ORDERS[self.aim.split("_")[1]]
                 found.append(Quantity("peak", lambda s, z, sign=sign, order=order: (
-                    sign * s[order] / unit - z[-1]), (), True))  # fmt: skip
+                    sign * s[order] / unit - z[-1])))  # fmt: skip
             if self.aim == "peak_pressure_angle" and "roller" in self.machine.kind:
                 for i in range(2 if self.machine.closure["kind"] == "conjugate" else 1):
 
@@ -148,6 +148,12 @@ class Attack:
         s = samples.at(laws)
         values, matrix = [], []
         for quantity, room in zip(self.quantities, self.rooms[:-1], strict=True):
+            if quantity.functional is not None:
+                excess, slope = quantity.functional(laws)
+                values.append(excess + room)
+                if slopes:
+                    matrix.append(np.hstack([slope, np.zeros((len(slope), len(z)))]))
+                continue
             chosen = np.isin(samples.kind, quantity.kinds) if quantity.kinds else slice(None)
             own = [row[chosen] for row in s]
             if not len(own[0]):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -44,3 +46,20 @@ def test_the_nearest_such_point_is_taken() -> None:
     rows = question.matrix.toarray()
     part, *_ = np.linalg.lstsq(rows.T, closed - away, rcond=1e-12)
     assert rows.T @ part == pytest.approx(closed - away, abs=1e-12)
+
+
+def test_thousands_of_equalities_take_no_matrix_of_their_square() -> None:
+    """Each joins neighbours alone; a full matrix of these takes 128 MB."""
+    count = 4001
+    joined = sparse.diags_array([1.0, -2.3, 1.7], offsets=[0, 1, 2], shape=(count, count + 2))
+    wanted = np.sin(np.arange(count + 2))
+    question = ConeProgram(
+        sparse.csc_matrix((count + 2, count + 2)), np.zeros(count + 2),
+        sparse.csc_matrix(joined), joined @ wanted, count, 0, (),
+    )  # fmt: skip
+    tracemalloc.start()
+    closed = clarabel.project_on_equalities(question, wanted + 1e-6 * np.cos(wanted))
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.max(np.abs(question.matrix @ closed - question.rhs)) < 1e-13
+    assert most < 16e6
