@@ -76,9 +76,9 @@ def create_app(
                 await work.resume()
             # In a thread, for it takes a second; until then the first wrong bodies take longer.
             models = [resource.spec for resource in RESOURCES.values()]
-            preparing = asyncio.create_task(asyncio.to_thread(prepare, models))
+            app.state.preparing = asyncio.create_task(asyncio.to_thread(prepare, models))
             yield
-            await preparing
+            await app.state.preparing
             engine.closing = True
             working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
             for one in working:

@@ -115,16 +115,33 @@ async def show_redoc() -> Response:
 
 @router.get(OPENAPI_URL)
 async def show_contract(request: Request) -> Response:
-    """The OpenAPI document; made in a thread, for it takes a second."""
-    body, tag = await asyncio.to_thread(_contract, request.app)
+    """The OpenAPI document."""
+    body, tag = await contract(request.app)
     return not_modified(request, tag) or Response(
         body, 200, {"ETag": f'"{tag}"'}, "application/json"
     )
 
 
-@lru_cache(maxsize=1)
+async def contract(app: FastAPI) -> tuple[bytes, str]:
+    """The OpenAPI document and its tag.
+
+    Made once; who asks meanwhile waits for the same task, which goes on when one of them leaves.
+    """
+    if not hasattr(app.state, "contract"):
+        app.state.contract = asyncio.create_task(_make_contract(app))
+    made: tuple[bytes, str] = await asyncio.shield(app.state.contract)
+    return made
+
+
+async def _make_contract(app: FastAPI) -> tuple[bytes, str]:
+    """In a thread, for it takes more than a second, and not beside the other one that builds
+    schemas: each silences warnings for a while, and would end the other's silence.
+    """
+    await app.state.preparing
+    return await asyncio.to_thread(_contract, app)
+
+
 def _contract(app: FastAPI) -> tuple[bytes, str]:
-    """The document and its tag, made once."""
     text = json.dumps(app.openapi(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.encode(), tag_of(text)
 

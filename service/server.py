@@ -18,6 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
 from service.contract.examples import SELF_CHECK, examples
+from service.pages import contract
 from service.settings import Settings
 from service.state import State
 from service.storage.keys import ApiKeys, is_valid
@@ -122,7 +123,7 @@ def keys_needed(settings: Settings) -> bool:
 
 
 class _Server(uvicorn.Server):
-    """Prints its addresses once it listens."""
+    """Prints its addresses once it listens; then makes the contract."""
 
     def __init__(self, config: uvicorn.Config, app: FastAPI, address: str) -> None:
         super().__init__(config)
@@ -131,9 +132,9 @@ class _Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
-            self._greeting = asyncio.create_task(self._print_addresses())
+            self._greeting = asyncio.create_task(self._greet())
 
-    async def _print_addresses(self) -> None:
+    async def _greet(self) -> None:
         parts: State = self._app.state.parts
         lines = [await self_check(parts)]
         paths = {"start": "/", "try it": "/docs", "reference": "/redoc", "API": "/v1/designs"}
@@ -141,6 +142,7 @@ class _Server(uvicorn.Server):
         lines.append(f"{'designs in':>10}  {parts.settings.database.render_as_string()}")
         sys.stdout.write("\n".join(lines) + "\nStop with Ctrl-C.\n")
         sys.stdout.flush()
+        await contract(self._app)  # so that whoever now opens /docs need not wait for it
 
 
 async def self_check(parts: State) -> str:

@@ -52,7 +52,9 @@ async def retry_transaction(transaction: Callable[[], Awaitable[T]]) -> T:
 
 
 class Runner(Protocol):
-    """The work on one row, in ``task``."""
+    """The work on one row: ``task`` does it. ``sequence``: the row's number in its table, which the
+    lease is of; its ``id`` is that of the question, which a deleted row and a new one share.
+    """
 
     sequence: int
     task: asyncio.Task[Any]
@@ -65,9 +67,11 @@ AnyRunner = TypeVar("AnyRunner", bound=Runner)
 
 
 class Work(Generic[Row, AnyRunner]):
-    """The rows of a table that this process works on, by id.
+    """The rows of a table that this process works on: ``runners``, by the row's id.
 
-    ``begin`` begins to work on a row whose lease was taken; None: there is nothing to do.
+    Args:
+        leases: of the table. begin: begins to work on a row whose lease was taken; None: there is
+            nothing to do.
     """
 
     def __init__(
@@ -103,7 +107,7 @@ class Work(Generic[Row, AnyRunner]):
         self._polling = asyncio.create_task(self._poll())
 
     async def _adopt(self) -> None:
-        for row in await self.leases.unleased():
+        for row in await self.leases.unleased_rows():
             await self.start(row)
 
     async def _renew(self) -> None:

@@ -28,7 +28,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def _blocking(
+def _as_blocking(
     call: Callable[Concatenate[AsyncClient, P], Coroutine[Any, Any, T]],
 ) -> Callable[Concatenate[Client, P], T]:
     """A call of `AsyncClient` as one of `Client`."""
@@ -40,7 +40,7 @@ def _blocking(
     return blocking
 
 
-def _iterating(
+def _as_iterator(
     call: Callable[Concatenate[AsyncClient, P], AsyncGenerator[T, None]],
 ) -> Callable[Concatenate[Client, P], Iterator[T]]:
     """An asynchronous iterator of `AsyncClient` as an iterator of `Client`; no item is None."""
@@ -109,19 +109,19 @@ class Client:
         """Start a sweep, or join it where it is running."""
         return Sweep(self, self._run(self._client.sweep(spec)))
 
-    get = _blocking(AsyncClient.get)
-    answer = _blocking(AsyncClient.answer)
-    design = _blocking(AsyncClient.design)
-    analyse = _blocking(AsyncClient.analyse)
-    read_back = _blocking(AsyncClient.read_back)
-    cam_set = _blocking(AsyncClient.cam_set)
-    spatial_cam = _blocking(AsyncClient.spatial_cam)
-    linkage = _blocking(AsyncClient.linkage)
-    train_response = _blocking(AsyncClient.train_response)
-    watch = _iterating(AsyncClient.watch)
-    wait = _blocking(AsyncClient.wait)
-    items = _iterating(AsyncClient.items)
-    pareto = _blocking(AsyncClient.pareto)
-    dismiss = _blocking(AsyncClient.dismiss)
-    delete = _blocking(AsyncClient.delete)
-    download = _blocking(AsyncClient.download)
+    get = _as_blocking(AsyncClient.get)
+    answer = _as_blocking(AsyncClient.answer)
+    design = _as_blocking(AsyncClient.design)
+    analyse = _as_blocking(AsyncClient.analyse)
+    read_back = _as_blocking(AsyncClient.read_back)
+    cam_set = _as_blocking(AsyncClient.cam_set)
+    spatial_cam = _as_blocking(AsyncClient.spatial_cam)
+    linkage = _as_blocking(AsyncClient.linkage)
+    train_response = _as_blocking(AsyncClient.train_response)
+    watch = _as_iterator(AsyncClient.watch)
+    wait = _as_blocking(AsyncClient.wait)
+    items = _as_iterator(AsyncClient.items)
+    pareto = _as_blocking(AsyncClient.pareto)
+    dismiss = _as_blocking(AsyncClient.dismiss)
+    delete = _as_blocking(AsyncClient.delete)
+    download = _as_blocking(AsyncClient.download)

@@ -171,7 +171,7 @@ class Exchange:
             else:
                 pause = self._pause_after_refusal(response, tried)
             if pause is None:
-                raise _refused(response)
+                raise _refusal(response)
             await asyncio.sleep(pause)
 
     def _pause_after_refusal(self, response: httpx2.Response, tried: int) -> float | None:
@@ -199,7 +199,7 @@ def _retry_after_s(headers: httpx2.Headers) -> float | None:
     return max(0.0, (until - datetime.now(UTC)).total_seconds())
 
 
-def _refused(response: httpx2.Response) -> Refused:
+def _refusal(response: httpx2.Response) -> Refused:
     """The exception for a response with a status from 400 on."""
     status, problem = response.status_code, None
     if PROBLEM in response.headers.get("content-type", ""):

@@ -40,7 +40,7 @@ def _settings(database_url: str | None) -> Settings:
     return settings_from(**({} if database_url is None else {"database_url": database_url}))
 
 
-def _opened(settings: Settings, must_exist: bool = True) -> Any:
+def _open_store(settings: Settings, must_exist: bool = True) -> Any:
     """The database's store, or exit 2 with why not."""
     from sqlalchemy.exc import SQLAlchemyError
 
@@ -75,7 +75,7 @@ def backup(
     if file.exists():
         stop(f"{file} exists. Name a new file.")
     settings = _settings(database_url)
-    _opened(settings).dispose()
+    _open_store(settings).dispose()
     try:
         counts = back_up(settings, file)
     except OSError as error:
@@ -98,7 +98,7 @@ def restore(
     if not file.is_file():
         stop(f"There is no file {file}.")
     settings = _settings(database_url)
-    _opened(settings, must_exist=False).dispose()
+    _open_store(settings, must_exist=False).dispose()
     try:
         counts = read(file, settings)
     except NotEmpty:
@@ -114,7 +114,7 @@ def verify(database_url: DatabaseUrl = None) -> None:
     """
     from service.storage.upkeep import faults
 
-    store, wrong = _opened(_settings(database_url)), 0
+    store, wrong = _open_store(_settings(database_url)), 0
     try:
         for sentence in faults(store.engine):
             say(sentence)
@@ -149,7 +149,7 @@ def prune(
 
     from service.storage import upkeep
 
-    store = _opened(_settings(database_url))
+    store = _open_store(_settings(database_url))
     try:
         before = datetime.now(UTC) - timedelta(days=older_than_days)
         counts = upkeep.prune(store.engine, before, dry_run)

@@ -50,7 +50,7 @@ def _cell(cell: Cell) -> str:
 def in_inches(part: str | Table) -> str | Table:
     """What is printed with lengths, areas and volumes in inches, and their rates in in/s."""
     if isinstance(part, str):
-        text = VALUE.sub(lambda of: f"{_all_scaled(of['numbers'], of)} {_unit(of)}", part)
+        text = VALUE.sub(lambda of: f"{_scale_numbers(of['numbers'], of)} {_unit(of)}", part)
         return NAMED.sub(
             lambda found: f"in{found['rest']} {_digits(found['number'], MM_PER_INCH)}", text
         )
@@ -64,7 +64,7 @@ def in_inches(part: str | Table) -> str | Table:
         for place, cell in enumerate(row):
             is_count = isinstance(cell, str) and cell.isdigit()  # as of jumps
             unit = headings[place] or (None if is_count else own)
-            cells.append(_converted(cell, place, unit, part.columns[place]))
+            cells.append(_convert_cell(cell, place, unit, part.columns[place]))
         if own is not None and of_rows is not None:
             cells[of_rows] = _unit(own)
         rows.append(cells)
@@ -75,7 +75,7 @@ def in_inches(part: str | Table) -> str | Table:
     return Table(part.title, named, rows)
 
 
-def _converted(cell: Cell, place: int, unit: re.Match[str] | None, column: str) -> Cell:
+def _convert_cell(cell: Cell, place: int, unit: re.Match[str] | None, column: str) -> Cell:
     """A cell whose unit is known; labels and angles stay."""
     if unit is None or place == 0 or "°" in column or cell is None:
         return cell
@@ -83,7 +83,7 @@ def _converted(cell: Cell, place: int, unit: re.Match[str] | None, column: str) 
         return cell / _factor(unit)
     if NUMBERS.fullmatch(cell) is None:
         return cell
-    return _all_scaled(cell, unit)
+    return _scale_numbers(cell, unit)
 
 
 def _factor(unit: re.Match[str]) -> float:
@@ -94,7 +94,7 @@ def _unit(unit: re.Match[str]) -> str:
     return f"in{unit['power'] or ''}{unit['rate'] or ''}"
 
 
-def _all_scaled(text: str, unit: re.Match[str]) -> str:
+def _scale_numbers(text: str, unit: re.Match[str]) -> str:
     """A text with each of its numbers in inches."""
     return NUMBER.sub(lambda found: _digits(found[0], _factor(unit)), text)
 

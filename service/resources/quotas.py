@@ -80,7 +80,7 @@ class UsedQuotas:
         owner, quotas = caller.owner, caller.quotas
         await self._check_core_seconds(caller)
         if quotas.storage_mb is not None:
-            used_mb = await self._do(lambda session: _stored(session, owner)) / MEGABYTE
+            used_mb = await self._do(lambda session: _bytes_held(session, owner)) / MEGABYTE
             if used_mb >= quotas.storage_mb:
                 headers = limit_headers("storage", quotas.storage_mb * MEGABYTE, None, 0.0, None)
                 raise ProblemType.QUOTA_USED_UP(
@@ -109,7 +109,7 @@ def _worked_on(session: Session, owner: str) -> set[str]:
     return {*session.scalars(answers), *session.scalars(sweeps)}
 
 
-def _stored(session: Session, owner: str) -> float:
+def _bytes_held(session: Session, owner: str) -> float:
     """Bytes of the answers that an owner holds, those that others hold too included."""
     sizes = func.length(AnswerRow.spec) + func.coalesce(func.length(AnswerRow.body), 0)
     answers = select(func.sum(sizes)).join(HoldingRow, HoldingRow.id == AnswerRow.id)

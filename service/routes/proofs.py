@@ -61,7 +61,7 @@ async def get_proof_json(
         return known
     kept = await _proof(request, parts, row, design, wait="respond-async" not in prefer.lower())
     if kept.state == "accepted":
-        return _accepted(request, row, kept)
+        return _accepted_response(request, row, kept)
     failed = failure(request, kept)
     if failed is not None:
         return failed
@@ -70,7 +70,7 @@ async def get_proof_json(
     return Response(kept.body, headers=headers | IN_PARTS, media_type=JSON_FILE)
 
 
-def _accepted(request: Request, row: AnswerRow, kept: AnswerRow) -> Response:
+def _accepted_response(request: Request, row: AnswerRow, kept: AnswerRow) -> Response:
     path = request.url.path
     fields = {**PROOFS.fields_of(kept), "id": row.id, "links": {"self": path}}
     body = Accepted(**fields).model_dump_json()

@@ -105,10 +105,10 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
                         accepted = await jobs.accept(spec)
                         # As this owner has asked.
                         accepted.created = row.created if row else accepted.created
-                        return _accepted(resource, accepted, applied=True)
+                        return _accepted_response(resource, accepted, applied=True)
                 if row is None or row.state != "done":
                     row = await jobs.answer(spec, row, parts.owner)
-        return _ended(request, resource, row)
+        return _final_response(request, resource, row)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -164,8 +164,8 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
     ) -> Response:
         row = await parts.jobs[resource.path].find(id, parts.owner)
         if row.state == "accepted":
-            return _accepted(resource, row)
-        return not_modified(request, row.etag or "") or _ended(request, resource, row)
+            return _accepted_response(resource, row)
+        return not_modified(request, row.etag or "") or _final_response(request, resource, row)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -237,7 +237,7 @@ def failure(request: Request, row: AnswerRow, again: str = "") -> Response | Non
     return problem_response(request, problem)
 
 
-def _ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
+def _final_response(request: Request, resource: Resource, row: AnswerRow) -> Response:
     """The answer, or the problem document of a question that has failed."""
     again = f"POST it to {resource.path} to have it tried again."
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
@@ -245,7 +245,7 @@ def _ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
     return failed or Response(row.body, 200, headers, "application/json")
 
 
-def _accepted(resource: Resource, row: AnswerRow, applied: bool = False) -> Response:
+def _accepted_response(resource: Resource, row: AnswerRow, applied: bool = False) -> Response:
     headers = {"Location": resource.at(row.id), "Retry-After": "1"}
     if applied:
         headers["Preference-Applied"] = "respond-async"
@@ -343,11 +343,11 @@ async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
     with parts.engine.queue.room():
         pass
 
-    async def making() -> T:
+    async def make() -> T:
         async with parts.quotas.core(parts.caller, budget_s):
             return await parts.engine.run(work, budget_s=budget_s)
 
-    return await with_words_for_files(request, budget_s, making())
+    return await with_words_for_files(request, budget_s, make())
 
 
 def name_of_file(resource: Resource, row: AnswerRow, name: str) -> str:
@@ -356,7 +356,7 @@ def name_of_file(resource: Resource, row: AnswerRow, name: str) -> str:
     return f"not-certified-{name}" if broken else name
 
 
-async def with_words_for_files(request: Request, budget_s: float, making: Awaitable[T]) -> T:
+async def with_words_for_files(request: Request, budget_s: float, work: Awaitable[T]) -> T:
     """Wait for a file; what goes wrong is said of the file that a path leads to."""
     owner, _, file = request.url.path.rpartition("/")
     again = f"{request.url.path}?{request.url.query}".removesuffix("?")
@@ -365,7 +365,7 @@ async def with_words_for_files(request: Request, budget_s: float, making: Awaita
         "or with coarser options, such as fewer points."
     )
     try:
-        return await making
+        return await work
     except TimeBudgetExceeded:
         raise ProblemType.TIME_BUDGET(
             f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "

@@ -285,12 +285,12 @@ async def _axes(
         Query(max_length=QUANTITIES, description="Quantity to maximise; may be repeated."),
     ] = [],  # noqa: B006
     tolerance: FrontTolerance = None,
-) -> views.Traded:
+) -> views.TradeOffQuestion:
     wanted = [(name, False) for name in minimise] + [(name, True) for name in maximise]
-    return views.Traded([Aim(name, larger) for name, larger in wanted], tolerance)
+    return views.TradeOffQuestion([Aim(name, larger) for name, larger in wanted], tolerance)
 
 
-Axes = Annotated[views.Traded, Depends(_axes)]
+Axes = Annotated[views.TradeOffQuestion, Depends(_axes)]
 
 
 @router.get("/{sweep_id}/pareto", summary="The Pareto front", responses=problems(404, 422))
@@ -367,7 +367,7 @@ async def _drawn(
     request: Request,
     sweep: SweepRow,
     parts: State,
-    axes: views.Traded,
+    axes: views.TradeOffQuestion,
     options: tuple[str, ...],
     paint: Callable[[TradeOff], Awaitable[bytes]],
 ) -> Response:

@@ -57,7 +57,7 @@ class Leases(Generic[Row]):
         self._under_way = rows.state.in_(under_way)
 
     @property
-    def _unleased(self) -> ColumnElement[bool]:
+    def _is_unleased(self) -> ColumnElement[bool]:
         """That no living process holds the lease.
 
         One that ends later than any could that is taken now was taken before the clock was set
@@ -72,7 +72,7 @@ class Leases(Generic[Row]):
         change = update(self._rows).where(
             self._rows.sequence == sequence,
             self._under_way,
-            or_(self._rows.leased_by == self.process, self._unleased),
+            or_(self._rows.leased_by == self.process, self._is_unleased),
         )
         change = change.values(leased_by=self.process, leased_until=Now() + self.lease_s)
         taken = change.returning(self._rows.sequence)
@@ -93,8 +93,8 @@ class Leases(Generic[Row]):
         change = own.values(leased_by=None, leased_until=None)
         await self._do(lambda session: session.execute(change))
 
-    async def unleased(self) -> Sequence[Row]:
+    async def unleased_rows(self) -> Sequence[Row]:
         """Rows under way that no living process works on."""
-        query: Select[Row] = select(self._rows).where(self._under_way, self._unleased)
+        query: Select[Row] = select(self._rows).where(self._under_way, self._is_unleased)
         query = query.order_by(self._rows.sequence)
         return await self._do(lambda session: session.scalars(query).all())

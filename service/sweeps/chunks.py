@@ -12,7 +12,7 @@ CHAIN = 8  # items of a sweep with warm starts that begin where the one before h
 
 
 class Chunks:
-    """The items still to be done, as flags: a byte each.
+    """The items of a sweep that are still to be sent, and those that are done: a flag each, a byte.
 
     A chunk has as many items as fit into ``CHUNK_S`` by what the last ones took, fewer at the end
     so that no worker is idle while another has a whole chunk left. Items whose worker died are sent
@@ -31,17 +31,17 @@ class Chunks:
         chain: int = 1,
     ) -> None:
         self._size, self.workers, self._chain = size, workers, chain
-        self._todo, self._done = bytearray(b"\1") * size, bytearray(size)
+        self._unsent, self._done = bytearray(b"\1") * size, bytearray(size)
         self._strikes = Counter(strikes)
         suspects = sorted(set(strikes) - set(done))
         for number in (*done, *suspects):
-            self._todo[number] = 0
+            self._unsent[number] = 0
         for number in done:
             self._done[number] = 1
         self._next, self.left = 0, size - len(done)
         self._returned: deque[list[int]] = deque([number] for number in suspects)
         self._seconds: float | None = None
-        self._largest = 1
+        self._cap = 1
 
     def take(self) -> list[int]:
         """The next chunk; empty where nothing is left to send."""
@@ -58,30 +58,32 @@ class Chunks:
 
     def _next_chain(self) -> list[int]:
         """From the chain's first item to the last that is left, without those sent alone."""
-        self._next = self._todo.find(1, self._next)
+        self._next = self._unsent.find(1, self._next)
         if self._next < 0:
             self._next = self._size
             return []
         first = self._next - self._next % self._chain
         end = min(first + self._chain, self._size)
-        last = self._todo.rfind(1, first, end)
-        chunk = [n for n in range(first, last + 1) if self._todo[n] or self._done[n]]
+        last = self._unsent.rfind(1, first, end)
+        chunk = [n for n in range(first, last + 1) if self._unsent[n] or self._done[n]]
         for number in chunk:
-            self._todo[number] = 0
+            self._unsent[number] = 0
         self._next = end
         return chunk
 
     def _chunk_size(self) -> int:
         if self._seconds is None:
             return 1
+        # Half of a worker's share of what is left, so that all workers end at about the same time.
         fair = math.ceil(self.left / (2 * self.workers))
-        self._largest = min(2 * self._largest, MAX_CHUNK)
-        return max(1, min(int(CHUNK_S / max(self._seconds, 1e-6)), self._largest, fair))
+        # At most twice as many as last time: the first items may be quicker than those to come.
+        self._cap = min(2 * self._cap, MAX_CHUNK)
+        return max(1, min(int(CHUNK_S / max(self._seconds, 1e-6)), self._cap, fair))
 
     def _next_items(self, most: int) -> list[int]:
         chunk: list[int] = []
         while self._next >= 0 and len(chunk) < most:
-            self._next = self._todo.find(1, self._next)
+            self._next = self._unsent.find(1, self._next)
             if self._next >= 0:
                 chunk.append(self._next)
                 self._next += 1

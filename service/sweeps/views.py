@@ -285,7 +285,7 @@ def parquet_table(columns: Columns, pages: Pages) -> AsyncIterator[bytes]:
 
 
 @dataclass(frozen=True)
-class Traded:
+class TradeOffQuestion:
     """What is traded for what.
 
     Attributes:
@@ -310,7 +310,7 @@ async def objective_of(sweep: SweepRow) -> tuple[str, float]:
     return spec.base.objectives()[0].name_on_wire(machine), spec.base.tolerance
 
 
-async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) -> TradeOff:
+async def compare_designs(store: SweepStore, sweep: SweepRow, traded: TradeOffQuestion) -> TradeOff:
     """Compare the certified designs of a sweep that have all these quantities.
 
     ServiceError where no quantity is named, or one that no design of the sweep has.
@@ -346,7 +346,7 @@ async def compare_designs(store: SweepStore, sweep: SweepRow, traded: Traded) ->
 
 
 async def pareto_front(
-    store: SweepStore, sweep: SweepRow, traded: Traded, most: int
+    store: SweepStore, sweep: SweepRow, traded: TradeOffQuestion, most: int
 ) -> ParetoFront:
     """The non-dominated designs of a sweep in these quantities; see ``compare_designs``."""
     comparison = await compare_designs(store, sweep, traded)

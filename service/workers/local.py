@@ -154,7 +154,7 @@ class LocalWorkers:
         loop = asyncio.get_running_loop()
         while True:
             try:
-                worker = await self._started()
+                worker = await self._start_worker()
             except (OSError, EOFError):  # what forks has died at it: the next start brings another
                 await asyncio.sleep(ANEW_S)
                 continue
@@ -176,7 +176,7 @@ class LocalWorkers:
                     worker.kill()
                 worker.ended.set_result(reason_of(code) if worker.reason is None else worker.reason)
 
-    async def _started(self) -> Worker:
+    async def _start_worker(self) -> Worker:
         ours, theirs = multiprocessing.Pipe()
         process = self._method.Process(target=serve, args=(theirs, self._prepare), daemon=True)
         loop = asyncio.get_running_loop()

@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError, from_json
 
+from synthesis.catalogue.hub import HUB_RULE
+
 Name = Annotated[str, Field(max_length=200)]
 """What a person calls a cam or a set of cams."""
 
@@ -175,8 +177,8 @@ Across = Annotated[float | None, Field(gt=0.0, le=1e6)]
 ShaftDiameter = Annotated[
     Across,
     Field(
-        description="Diameter of the shaft, which is the bore of the cam. Its hub is 1.75 shaft "
-        "diameters + 6.35 mm across, the rule for cast iron (Cam Design Handbook, Rothbart, ed., "
+        description="Diameter of the shaft, which is the bore of the cam. Its hub is "
+        f"{HUB_RULE} across, the rule for cast iron (Cam Design Handbook, Rothbart, ed., "
         "eq. 6.21), and the base circle is no smaller than the hub."
     ),
 ]

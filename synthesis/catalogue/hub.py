@@ -7,6 +7,7 @@ from math import hypot
 HUB_PER_SHAFT, HUB_MORE = 1.75, 6.35
 """Diameter of a hub of cast iron: 1 3/4 shaft diameters + 1/4 in [mm] (Rothbart, ed., Cam Design
 Handbook, 2004, section 6.4.4, eq. 6.21; of steel slightly less)."""
+HUB_RULE = f"{HUB_PER_SHAFT:g} shaft diameters + {HUB_MORE:g} mm"  # for people
 LEAST_BORE = 6.0  # [mm]: for smaller ones there are no keys
 # Bores up to … [mm], width of the key, depth of the keyway in the hub beyond the bore.
 KEYWAYS = (

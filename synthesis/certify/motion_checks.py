@@ -19,7 +19,7 @@ from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.followers.base import paths, prime_radius
 from synthesis.catalogue.followers.kinematics import TracePoint, labelled
-from synthesis.catalogue.hub import shaft_of_hub
+from synthesis.catalogue.hub import HUB_RULE, shaft_of_hub
 from synthesis.catalogue.limits.base import Machine
 from synthesis.certify.piecewise_motion import HIGHEST_ORDER, JUNCTION_TOLERANCE, PiecewiseMotion
 from synthesis.certify.quantities import MeasuredCam, Size, TracedPoint, pressure_angle
@@ -340,7 +340,7 @@ def _hub(spec: DesignSpec, base_radius: float, scale: float) -> Iterator[Extreme
     assert bound is not None
     value = 2.0 * base_radius if given is not None else shaft_of_hub(2.0 * base_radius)
     by = "" if given is not None else (
-        f"; its hub is {spec.hub:.6g} mm across, 1.75 shaft diameters + 6.35 mm (cast iron; Cam "
+        f"; its hub is {spec.hub:.6g} mm across, {HUB_RULE} (cast iron; Cam "
         "Design Handbook, Rothbart, ed., eq. 6.21)"
     )  # fmt: skip
     rounding = 2.0 * DIMENSION_ROUNDING * scale

@@ -298,7 +298,8 @@ def _own_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     kind = meant_kind(wrong.name, kinds_of(members)) if len(members) > 1 else None
     if kind is None or "kind" in wrong.around:
         return None
-    return Answer(f'Write "kind": "{kind}"{_with_fields(kind, members)}.')
+    to = (*wrong.path[:-1], "kind")
+    return Answer(f'Write "kind": "{kind}"{_with_fields(kind, members)}.', to, kind)
 
 
 def _with_fields(kind: str, members: Sequence[Schema]) -> str:

@@ -306,7 +306,7 @@ def _without_kind(path: Loc, body: Any, model: Body, tag: str) -> Finding:
     for name in inside if isinstance(inside, dict) else ():
         if name not in known:
             found = _unknown((*path, name), body, model)
-            if f'"{tag}"' in found.remedy:
+            if found.change is not None and found.change.to == (*path, tag):
                 return found
     return Finding((*path, tag), None, "is required", missing_kind(inside, members))
 

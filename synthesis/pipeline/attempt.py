@@ -118,7 +118,7 @@ class Attempt:
     def is_smallest_sought(self) -> bool:
         """Whether the cam is the smallest sought, its base radius minimised and open below."""
         is_open = self.question.physical.requested_radii()[0] <= 0.0
-        if self.best is None or not self.certified or not self.searches or not is_open:
+        if self.best is None or not self.certified or not (self.searches and is_open):
             return False
         first = replace(self.searches[0], incumbent=self.best)
         return first.problem.is_open_below and first.is_smallest_sought

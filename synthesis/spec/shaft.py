@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.followers import Follower
-from synthesis.catalogue.hub import KEYED_BORES, keyway_reach
+from synthesis.catalogue.hub import HUB_RULE, KEYED_BORES, keyway_reach
 
 
 def check_shaft(
@@ -44,9 +44,8 @@ def check_shaft(
         raise PydanticCustomError(
             "hub_too_small",
             "hub_diameter_mm = {value} leaves no material round {what}, which reaches {reach} mm "
-            "across. Give a larger hub, or leave it out: then it is 1.75 shaft diameters + "
-            "6.35 mm.",
-            {"value": hub, "what": what, "reach": float(f"{reach:.6g}")},
+            "across. Give a larger hub, or leave it out: then it is {rule}.",
+            {"value": hub, "what": what, "reach": float(f"{reach:.6g}"), "rule": HUB_RULE},
         )
     if largest < 0.5 * hub:
         raise PydanticCustomError(

@@ -35,14 +35,18 @@ def proofs() -> dict[str, Any]:
     return {name: proof_of(name) for name in MUTANTS}
 
 
-@pytest.fixture(scope="module")
-def impossible() -> Any:
-    """That of a question without a cam, whose conflict nobody explains."""
+def refusal_of(name: str, **changes: Any) -> Any:
+    """The proof of a question without a cam, whose conflict nobody explains."""
     conflict = Conflict(limits=[], relaxations=[], evidence="", proven=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(f"{synthesise.__module__}.explain", lambda *_: conflict)
         patch.setattr(f"{synthesise.__module__}.over_all_numbers", lambda *_: conflict)
-        return proof_of("infeasible-on-purpose")
+        return proof_of(name, **changes)
+
+
+@pytest.fixture(scope="module")
+def impossible() -> Any:
+    return refusal_of("infeasible-on-purpose")
 
 
 def test_a_pair_without_a_cam_has_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -275,7 +279,8 @@ def test_a_peak_pressure_angle_cannot_be_raised() -> None:
 def test_that_no_cam_fits_does_not_depend_on_the_objective() -> None:
     limits = [{"kind": "jerk", "max_mm_per_s3": 2.0e5}]
     changes = {"limits": limits, "objective": {"kind": "peak_pressure_angle"}}
-    document = proof_of("example-13-6-sized", base_radius_mm={"min": 20.0, "max": 45.0}, **changes)
+    changes["base_radius_mm"] = {"min": 20.0, "max": 45.0}
+    document = refusal_of("example-13-6-sized", **changes)
     assert claims(document)["infeasible"]["proven"]
     assert verdict(document)[0] == 0
 

@@ -75,10 +75,17 @@ def test_it_tells_the_designs_numbers(design: Design) -> None:
         body.mass_properties.moment_of_inertia_kg_m2, design.forces.torque.rms_n_m,
     ):  # fmt: skip
         assert figure(value, 6) in shown
+    for dimension in ("roller radius\n12 mm", "offset\n3 mm"):
+        assert 0 < shown.find(dimension) < shown.index("Displacement")  # beside the cam
     for each in design.extremes:
         if each.field:
             assert each.limit.replace("_", " ") in shown
-    assert "(gap 0 %), over every size" in shown
+    assert "(gap 0 %), over the least base radius asked for" in shown
+
+
+def test_what_was_asked_for_comes_before_what_follows() -> None:
+    shown = words(page(solved(PROGRAM, shaft_diameter_mm=20.0)))
+    assert 0 < shown.find("room for shaft") < shown.index("profile radius")
 
 
 def crowded(design: Design) -> Design:

@@ -26,6 +26,12 @@ def _no_program_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
 
 
+@pytest.fixture(autouse=True)
+def changes_of_the_program_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They have tests of their own, and take as many questions again."""
+    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
+
+
 def why(spec: DesignSpec) -> Conflict:
     found = synthesise(spec).conflict
     assert found is not None

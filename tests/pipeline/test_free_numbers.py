@@ -49,33 +49,23 @@ def cam(*program: dict[str, Any], **more: Any) -> DesignSpec:
     return DesignSpec.model_validate(body | more)
 
 
-# peak acceleration 4 h/β² and peak jerk 32 h/β³ are equal where β ~ h^(1/2) and h^(1/3); the mean
-# square 720 h²/β⁵ of the jerk is least where β ~ h^(1/3)
-@pytest.mark.parametrize(
-    ("objective", "power", "factor", "order"),
-    [
-        ("peak_acceleration", 1 / 2, 4.0, 2),
-        ("peak_jerk", 1 / 3, 32.0, 3),
-        ("rms_jerk", 1 / 3, 0.0, 3),
-    ],
-)  # fmt: skip
-def test_three_moves_between_dwells_share_the_angle(
-    objective: str, power: float, factor: float, order: int
-) -> None:
+# Peak jerks 32 h/β³ are equal, and the mean square of the jerk 720 h²/β⁵ is least, where β ~ ∛h.
+# For the peak acceleration the spot-weld cam has a formula.
+@pytest.mark.parametrize("objective", ["peak_jerk", "rms_jerk"])
+def test_three_moves_between_dwells_share_the_angle(objective: str) -> None:
     lifts, still = (23.7, 9.1, 14.6), (17.0, 31.0, 43.0)
     program = [rise(FREE, lifts[0]), dwell(17.0), fall(FREE, lifts[1]), dwell(31.0),
                fall(FREE, lifts[2]), dwell(43.0)]  # fmt: skip
     design = synthesise(cam(*program, objective={"kind": objective}))
     rest = 360.0 - sum(still)
-    shares = np.array(lifts) ** power
+    shares = np.cbrt(lifts)
     expected = rest * shares / shares.sum()
     angles = [segment.angle_deg for segment in design.motion][::2]
     assert angles == pytest.approx(expected.tolist(), rel=1.2e-2)
     beta = np.radians(expected)
-    if factor:
-        exact = factor * lifts[0] / beta[0] ** order * OMEGA**order
-    else:
-        exact = sqrt(np.sum(720.0 * np.array(lifts) ** 2 / beta**5) / (2.0 * pi)) * OMEGA**3
+    mean_square = np.sum(720.0 * np.array(lifts) ** 2 / beta**5) / (2.0 * pi)
+    exact = {"peak_jerk": 32.0 * lifts[0] / beta[0] ** 3, "rms_jerk": sqrt(mean_square)}[objective]
+    exact *= OMEGA**3
     assert exact * (1.0 - 1e-6) <= design.certificate.value <= exact * 1.004
     assert design.certificate.lower_bound <= design.certificate.value
 
@@ -124,9 +114,8 @@ def test_no_other_angle_is_better(objective: str) -> None:
 
 def test_a_looser_jerk_limit_gives_no_larger_cam(monkeypatch: pytest.MonkeyPatch) -> None:
     """Knots of a coarse mesh lie badly for much jerk: its values rise where those of cams fall."""
-    monkeypatch.setattr(search, "EACH_DIRECTION", 4)  # of whole searches
     monkeypatch.setattr(search, "FIRST_PROGRAMS", 4)  # whose bound knows no curvature
-    known = 0.663  # mm, at the angles that the answer to half of the jerk chose
+    known = 0.663  # [mm] at the angles that the answer to half of the jerk chose
     angles = ({"min": 61.5, "max": 123.0}, {"min": 86.1, "max": 172.0})
     found = synthesise(
         cam(
@@ -137,7 +126,7 @@ def test_a_looser_jerk_limit_gives_no_larger_cam(monkeypatch: pytest.MonkeyPatch
                 {"kind": "pressure_angle", "rise_deg": 37.5, "return_deg": 35.4},
                 {"kind": "jerk", "max_mm_per_s3": 739_614.0},
             ],
-            base_radius_mm=None, tolerance=5e-3, proof="quick",
+            base_radius_mm=None, tolerance=5e-2, proof="quick",
         )
     )  # fmt: skip
     assert found.certificate.certified
@@ -188,10 +177,12 @@ def chosen() -> Design:
     )  # fmt: skip
 
 
-def test_the_same_question_has_the_same_answer(chosen: Design) -> None:
-    again = synthesise(chosen.spec)
-    assert again.free_parameters == chosen.free_parameters
-    assert again.motion == chosen.motion
+def test_the_same_question_has_the_same_answer() -> None:
+    question = cam(rise(FREE, 22.1), dwell(33.0), fall(FREE, 22.1), dwell(87.0),
+                   objective={"kind": "peak_jerk"}, tolerance=2e-2)  # fmt: skip
+    first, again = (synthesise(question) for _ in range(2))
+    assert again.free_parameters == first.free_parameters
+    assert again.motion == first.motion
 
 
 def test_the_answer_survives_the_wire(chosen: Design) -> None:

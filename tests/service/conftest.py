@@ -101,8 +101,9 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
 
 @pytest.fixture(scope="session")
 def real_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    """The service with the real core."""
-    with Running(settings_for(tmp_path_factory.mktemp("real")), real=True) as running:
+    """The service with the real core; a busy machine has time enough for every answer."""
+    settings = settings_for(tmp_path_factory.mktemp("real"), time_budget_s=300.0)
+    with Running(settings, real=True) as running:
         yield running
 
 

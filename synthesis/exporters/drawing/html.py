@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Iterable, Sequence
 from html import escape
+from itertools import repeat
 
 from synthesis.exporters.drawing.canvas import COLUMN, FILLS, NOT_XML, SPACE
 from synthesis.exporters.exporter import asset
@@ -19,6 +21,29 @@ def plain(text: str) -> str:
 def plain_text(text: str) -> str:
     """Text of several lines, its blanks as they are."""
     return escape(NOT_XML.sub("\ufffd", text))
+
+
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] = repeat("")
+) -> str:
+    """A table of texts; ``kinds``: of each row the class."""
+    titles = "".join(f"<th>{plain(cell)}</th>" for cell in head)
+    lines = "\n".join(
+        f'<tr class="{kind}">' + "".join(f"<td>{plain(cell)}</td>" for cell in row) + "</tr>"
+        for kind, row in zip(kinds, rows, strict=False)
+    )
+    return f"<table><thead><tr>{titles}</tr></thead><tbody>\n{lines}</tbody></table>"
+
+
+def picture(drawing: bytes, text: str, width: int | None = None) -> str:
+    """An SVG drawing as an image: its style touches nothing else on the page.
+
+    Args:
+        text: what is read out in place of it. width: in px, else its own.
+    """
+    size = "" if width is None else f' width="{width}"'
+    data = base64.b64encode(drawing).decode()
+    return f'<img alt="{plain(text)}"{size} src="data:image/svg+xml;base64,{data}">'
 
 
 def page(title: str, style: str, body: str, theme: Theme, script: str = "") -> bytes:

@@ -27,14 +27,22 @@ VERDICTS = {
     "infeasible": "proven: no cam keeps these limits",
 }
 COEFFICIENTS = ("Cv", "Ca", "Cj", "Cva", "Ea", "Ej")
+COEFFICIENTS_NOTE = (
+    "With the lift and the angle of a move as 1: peaks of velocity, acceleration and jerk, of "
+    "velocity times acceleration, and mean squares of acceleration and jerk. The reference is the "
+    "named law that is usual between such ends (VDI 2143: R rest, G constant velocity, U turn, "
+    "B motion)."
+)
+SPOKEN = {"s0_mm": "roller centre above the axis, s0"}  # names of the wire that say too little
 
 
 class TextTable(NamedTuple):
-    """A table of text, its first column of names."""
+    """A table of text, its first column of names; ``note``: what a reader may have to know."""
 
     title: str
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    note: str = ""
 
 
 def summary_tables(design: Design) -> list[TextTable]:
@@ -93,7 +101,9 @@ def coefficient_table(design: Design, summary: MotionSummary) -> TextTable:
         if reference is not None:
             name = f"{reference.law.replace('_', ' ')}, {reference.ends}"
             rows.append((f"  reference: {name}", *_coefficients(reference.coefficients)))
-    return TextTable("Coefficients", ("Move and reference law", *COEFFICIENTS), rows)
+    return TextTable(
+        "Coefficients", ("Move and reference law", *COEFFICIENTS), rows, COEFFICIENTS_NOTE
+    )
 
 
 def _coefficients(found: Coefficients) -> Iterator[str]:
@@ -116,6 +126,13 @@ class Figure(NamedTuple):
     value: float | str
     unit: str = ""
     angle_deg: float | None = None
+
+
+def dimension_figures(design: Design) -> Iterator[Figure]:
+    """The dimensions of cam and machine, by names for people."""
+    for name, value in design.dimensions.items():
+        stem, unit = split_unit(name)
+        yield Figure(SPOKEN.get(name, stem.replace("_", " ")), value, unit)
 
 
 def figures_table(found: Iterable[Figure], title: str) -> TextTable:

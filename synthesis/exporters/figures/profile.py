@@ -29,6 +29,7 @@ from synthesis.exporters.samples.sampling import in_degrees, ring
 
 BELOW, TICK, ARC_SPAN = 13.5, 2.0, math.radians(105.0)  # in units; of the rotation arrow [rad]
 UNITS_ACROSS = 160.0  # units of the sheet from side to side of a cam
+ENLARGED = 1.6  # units of a picture that is set into a page at half the width of its sheet
 HEADER, MARGIN, ROW = 22.0, 14.0, 5.2  # in units of the sheet
 
 
@@ -378,6 +379,7 @@ def _offset_text(scene: Scene, x: float, y: float) -> list[str]:
 def cam_picture(design: Design, options: CamDrawingOptions) -> Sheet:
     """The drawing alone, without heading and legend, to be set into a page."""
     scene = Scene.of(design, options)
+    scene = replace(scene, u=ENLARGED * scene.u)
     u, (left, bottom, right, top) = scene.u, scene.extent
     width, height = right - left + 2.0 * MARGIN * u, top - bottom + (BELOW + 9.0) * u
     x, y = MARGIN * u - left, 7.0 * u + top

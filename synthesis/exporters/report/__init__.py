@@ -6,7 +6,6 @@ and other texts of the caller's are shown as they are and never taken for elemen
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +19,7 @@ from synthesis.exporters.diagrams.sheet import CONTACT, MOTION
 from synthesis.exporters.drawing import canvas as svg
 from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import TURNS
-from synthesis.exporters.drawing.summary_table import VERDICTS, summary_tables
+from synthesis.exporters.drawing.summary_table import VERDICTS, dimension_figures, summary_tables
 from synthesis.exporters.exporter import Exporter, asset, design_format
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import PictureOptions, ProfileOptions
@@ -89,17 +88,16 @@ def _cam(design: Design, options: PictureOptions) -> Iterator[str]:
     certificate = design.certificate
 
     def drawn(title: str, kind: str, drawing: Exporter[Any], text: str) -> str:
-        """A drawing inside the page, by itself: its style is its own."""
-        data = base64.b64encode(drawing.write_like(design, options)).decode()
-        image = f'<img alt="{text}" src="data:image/svg+xml;base64,{data}">'
-        return _section(title, image, kind)
+        """A drawing inside the page, by itself."""
+        return _section(title, html.picture(drawing.write_like(design, options), text), kind)
 
-    sizes = [_dimension(name, value) for name, value in design.dimensions.items()]
+    sizes = [(e.name, svg.with_unit(float(e.value), e.unit, 8)) for e in dimension_figures(design)]
     sizes += [(name, svg.figure(value, 8)) for name, value in design.free_parameters.items()]
     yield _section("Dimensions", _pairs(sizes))
     yield drawn("The cam", "drawing", PROFILE, "Drawing of the cam")
     for each in summary_tables(design):
-        yield _section(each.title, _table(each.head, each.rows))
+        note = _note(each.note) if each.note else ""
+        yield _section(each.title, _table(each.head, each.rows) + note)
     limits = _table(
         ("Limit", "Extreme", "at", "Allowed", "Margin", "Enclosed", ""),
         map(_limit, design.extremes),
@@ -253,16 +251,10 @@ def _section(title: str, content: str, kind: str = "") -> str:
 
 
 def _table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] | None = None
+    head: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterable[str] = repeat("")
 ) -> str:
-    """A table; ``kinds``: of each row the class."""
-    titles = "".join(f"<th>{html.plain(cell)}</th>" for cell in head)
-    lines = "\n".join(
-        f'<tr class="{kind}">' + "".join(f"<td>{html.plain(cell)}</td>" for cell in row) + "</tr>"
-        for kind, row in zip(repeat("") if kinds is None else kinds, rows, strict=False)
-    )
-    table = f"<table><thead><tr>{titles}</tr></thead><tbody>\n{lines}</tbody></table>"
-    return f'<div class="wide">{table}</div>'
+    """A table that scrolls where it is wider than the page; ``kinds``: of each row the class."""
+    return f'<div class="wide">{html.table(head, rows, kinds)}</div>'
 
 
 def _note(text: str) -> str:
@@ -277,11 +269,3 @@ def _pairs(rows: Sequence[tuple[str, str]]) -> str:
 def _words(name: str) -> str:
     """A name of the wire for people: base radius mm."""
     return name.replace("_", " ")
-
-
-def _dimension(name: str, value: float) -> tuple[str, str]:
-    """A dimension, and its value with the unit that its name on the wire ends with."""
-    stem, _, unit = name.rpartition("_")
-    if stem and unit in ("mm", "deg"):
-        return _words(stem), svg.with_unit(value, unit, 8)
-    return _words(name), svg.figure(value, 8)

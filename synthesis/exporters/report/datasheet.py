@@ -19,10 +19,12 @@ from synthesis.exporters.drawing import html
 from synthesis.exporters.drawing.canvas import LABEL, TICK, TITLE, about
 from synthesis.exporters.drawing.raster import as_pdf
 from synthesis.exporters.drawing.summary_table import (
+    SPOKEN,
     VERDICTS,
     TextTable,
     certificate_words,
     coefficient_table,
+    dimension_figures,
     figures_table,
     force_figures,
     geometry_figures,
@@ -32,6 +34,7 @@ from synthesis.exporters.exporter import asset, design_format
 from synthesis.exporters.figures.profile import cam_picture
 from synthesis.exporters.options import CamDrawingOptions, Options, PictureOptions, Theme
 from synthesis.exporters.samples.cam import Cam
+from synthesis.spec.design_spec import RADII
 
 WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 12.0  # A4, ISO 216 [mm]
 INNER = WIDTH - 2.0 * MARGIN
@@ -45,7 +48,7 @@ FIGURES = (0.0, 0.53, 0.86)
 PEAKS = (0.0, 0.25, 0.32, 0.43, 0.52, 0.63, 0.71, 0.8)
 MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
 LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
-MOST_GEOMETRY = 12  # lines of figures where forces follow
+LAST = ("centre of gravity", "perimeter", "area", "centroid", "polar", SPOKEN["s0_mm"])  # figures
 LEAST_LIMITS = 3  # lines that coefficients leave to limits
 CERTIFICATE_LINES, ASSUMPTION_LINES, WARNING_LINES = 3, 2, 5  # at the foot, at most
 
@@ -58,15 +61,18 @@ def _sheet(design: Design, theme: Theme) -> bytes:
     drawn = cam_picture(design, CamDrawingOptions(theme=theme))
     body.append(svg.picture(drawn, MARGIN, TOP, PICTURE_WIDTH, PICTURE_HEIGHT, "The cam"))
     beside = MARGIN + PICTURE_WIDTH + 6.0
-    geometry = [] if design.geometry is None else list(geometry_figures(design.geometry))
+    # dimensions, by which a machine is built, then what was measured of the cam
+    geometry = list(dimension_figures(design))
+    named = {each.name for each in geometry}
+    if design.geometry is not None:
+        geometry += [each for each in geometry_figures(design.geometry) if each.name not in named]
     # what is cut where there is no room comes last
-    geometry.sort(key=lambda each: each.name.startswith(("perimeter", "area", "centroid", "polar")))
-    rows = list(figures_table(geometry, "").rows)
-    if design.forces is not None:
-        rows = _most(rows, MOST_GEOMETRY)
-        rows += figures_table(force_figures(design.forces), "").rows
-    figures = TextTable("", ("Figure", "value", "at"), rows)
+    geometry.sort(key=lambda each: each.name.startswith(LAST))
     most = int(PICTURE_HEIGHT / ROW) - 1
+    loads = [] if design.forces is None else list(force_figures(design.forces))
+    rows = _most(figures_table(geometry, "").rows, most - len(loads))
+    rows += figures_table(loads, "").rows
+    figures = TextTable("", ("Figure", "value", "at"), rows)
     _, lines = _table(figures, beside, TOP, WIDTH - MARGIN - beside, FIGURES, most)
     body += lines
     # 2. the motion
@@ -115,9 +121,11 @@ def _head(design: Design) -> Iterator[str]:
 
 
 def _limits(design: Design) -> Iterator[tuple[str, ...]]:
-    """Limits with a bound: first what is broken, then what the spec limits, then what follows."""
+    """Limits with a bound: first what is broken, then what the spec asks for, then what follows."""
+    spec = design.spec
+    asked = {one.kind for one in spec.limits} | {r for r in RADII if getattr(spec, r) is not None}
     bounded = [each for each in design.extremes if each.bound is not None]
-    for each in sorted(bounded, key=lambda one: (one.holds, not one.field.startswith("limits"))):
+    for each in sorted(bounded, key=lambda one: (one.holds, one.field.split("/")[0] not in asked)):
         shown = partial(svg.with_unit, name=each.unit, digits=5)
         value, bound, margin = (
             "–" if number is None else shown(number).rstrip()

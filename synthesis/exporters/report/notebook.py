@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterator
 
 from synthesis.design.design import Design
 from synthesis.design.warnings import labelled_status
 from synthesis.exporters.diagrams.sheet import MOTION
-from synthesis.exporters.drawing.html import plain
-from synthesis.exporters.drawing.summary_table import VERDICTS, TextTable, summary_tables
+from synthesis.exporters.drawing.html import picture, plain, table
+from synthesis.exporters.drawing.summary_table import (
+    VERDICTS,
+    dimension_figures,
+    figures_table,
+    summary_tables,
+)
 from synthesis.exporters.figures.profile import PROFILE
 from synthesis.exporters.options import CamDrawingOptions, DiagramOptions
 
-WIDTHS = {"profile": 320, "motion": 480}  # [px] of the pictures
 MARKS = {"stop": "#b00020", "caution": "#9a6700", "note": "#57606a"}  # colours of severities
 
 
@@ -42,23 +45,13 @@ def _parts(design: Design) -> Iterator[str]:
         limits = ", ".join(design.conflict.limits)
         yield f"<p>These limits cannot hold together: {plain(limits)}</p>"
     if design.motion:
-        yield _picture("profile", PROFILE.write(design, CamDrawingOptions()))
-        yield _picture("motion", MOTION.write(design, DiagramOptions()))
-    rows = [[name, f"{value:.6g}"] for name, value in design.dimensions.items()]
-    for table in (TextTable("Dimensions", ("", "value"), rows), *summary_tables(design)):
-        if table.rows:
-            yield f"<details><summary>{plain(table.title)}</summary>{_table(table)}</details>"
-
-
-def _picture(name: str, drawing: bytes) -> str:
-    """A drawing as an image: its style touches nothing else on the page."""
-    data = base64.b64encode(drawing).decode()
-    return f'<img alt="{name}" width="{WIDTHS[name]}" src="data:image/svg+xml;base64,{data}">'
-
-
-def _table(table: TextTable) -> str:
-    head = "".join(f"<th>{plain(cell)}</th>" for cell in table.head)
-    rows = "".join(
-        f"<tr>{''.join(f'<td>{plain(cell)}</td>' for cell in row)}</tr>" for row in table.rows
-    )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        for drawing, name, width in (
+            (PROFILE.write(design, CamDrawingOptions()), "profile", 320),
+            (MOTION.write(design, DiagramOptions()), "motion", 480),
+        ):
+            yield picture(drawing, name, width)
+    sizes = figures_table(dimension_figures(design), "Dimensions")
+    for shown in (sizes, *summary_tables(design)):
+        if shown.rows:
+            inside = table(shown.head, shown.rows) + (shown.note and f"<p>{plain(shown.note)}</p>")
+            yield f"<details><summary>{plain(shown.title)}</summary>{inside}</details>"

@@ -21,8 +21,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
     if any(stage.exit == ENDED for stage in design.report.stages):
         yield Finding(
             "note", "proof", found,
-            'Ask for "proof": "thorough", which takes some ten seconds more, or allow a larger '
-            "tolerance.",
+            'Ask for "proof": "thorough", which goes on until the gap is closed or time_budget_s '
+            "ends, or allow a larger tolerance.",
         )  # fmt: skip
     elif IN_PROOF.format("jerk") in design.certificate.bound_valid_for:
         yield Finding(

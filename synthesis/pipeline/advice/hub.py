@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import Final
 
-from synthesis.catalogue.hub import hub_diameter, keyway_reach, shaft_of_hub
+from synthesis.catalogue.hub import HUB_RULE, hub_diameter, keyway_reach, shaft_of_hub
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
@@ -62,7 +62,7 @@ def _find(subject: Subject) -> Iterator[Finding]:
             f"The base radius of {number(radius)} mm leaves room for {left}, against a stroke of "
             f"{number(stroke)} mm.",
             "Give the shaft (shaft_diameter_mm), or a least base radius that suits it: "
-            'base_radius_mm {"min": …}, 0.875 shaft diameters plus 3.2 mm.',
+            f'base_radius_mm {{"min": …}}, half of the hub\'s {HUB_RULE}.',
         )  # fmt: skip
 
 
@@ -82,7 +82,7 @@ RULE = Rule(
     code="hub",
     thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
     "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
-    "thinner than that, a base circle below the hub's 1.75 diameters of these plus 1/4 in, or a "
+    f"thinner than that, a base circle below the hub of these ({HUB_RULE}), or a "
     "bore whose keyway by DIN 6885-1 would come out of the base circle. And "
     "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
     "fifth of the stroke, stop: than a tenth.",
@@ -91,8 +91,10 @@ RULE = Rule(
     "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; "
     "DIN 6885-1: depths of keyways.",
     checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
-    "6000 psi is 25 % less than 8000; neither number, nor its text; nor DIN 6885-1. A fifth "
-    "and a tenth of the stroke are this program's, for want of a rule.",
+    "6000 psi is 25 % less than 8000; neither number, nor its text. Of DIN 6885-1 its table as two "
+    "catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard parts, bores "
+    "up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke are this "
+    "program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,

@@ -16,6 +16,7 @@ from synthesis.pipeline.advice.subject import Subject
 SLIDE, ARM = 30.0, 35.0  # deg: what the field asks for, of a slide and of an arm
 SLIDE_MOST, ARM_MOST = 38.0, 50.0  # deg: the most that any of its books allows
 JAM: Final = 70.0  # deg: tan 70° μ (2A + B)/B = 1 at μ = 0.12 and an overhang A of the guide's B
+ARM_JAM: Final = 89.3  # deg: cos 89.3° = μ r/l at μ = 0.12 and a pin r of a tenth of the arm l
 SPRING_NOTE, SPRING_CAUTION = 45.0, 70.0  # deg, where a spring drives and the cam only yields
 
 
@@ -48,7 +49,7 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
         severity = "note" if found > max(SPRING_NOTE, advised) else None
         severity = "caution" if found > SPRING_CAUTION else severity
     elif found > advised:
-        locks = found > JAM and not subject.is_arm and _friction_is_open(subject)
+        locks = found > (ARM_JAM if subject.is_arm else JAM) and _friction_is_open(subject)
         severity = "stop" if locks else "caution" if found > most else "note"
     remedy = f"Ask for the limit pressure_angle with {field} of {number(advised)}"
     remedy += (
@@ -56,6 +57,7 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
     )
     if subject.minimises("peak_pressure_angle"):
         remedy = "It is the least for these dimensions: allow a larger cam, or give more angle."
+    locked = "it would lock on its pivot" if subject.is_arm else "the slide would jam in its guide"
     if severity is not None:
         which = f" of the {path} roller" if path else ""
         yield Finding(
@@ -63,7 +65,7 @@ def _on(subject: Subject, sense: Sense, field: str) -> Iterator[Finding]:
             f"The pressure angle{which} on the {sense} comes to {number(found)}° at "
             f"{number(subject.degrees_at(at))}°; {number(advised)}° is usual for "
             f"{'an arm' if subject.is_arm else 'a slide'}"
-            + (": the slide would jam in its guide." if severity == "stop" else "."),
+            + (f": {locked}." if severity == "stop" else "."),
             remedy,
         )  # fmt: skip
 
@@ -82,16 +84,18 @@ def _friction_is_open(subject: Subject) -> bool:
 RULE = Rule(
     code="pressure_angle",
     thresholds="note: above 30° on a slide, above 35° on an arm; caution: above 38°, above 50°; "
-    "stop: above 70° on a slide that the cam pushes and of which no friction is given. On returns "
-    "that a spring or weight drives: note above 45°, caution above 70°.",
+    "stop: where the cam pushes and no friction is given, above 70° on a slide, above 89.3° on an "
+    "arm. On returns that a spring or weight drives: note above 45°, caution above 70°.",
     reason="The share of the force across the motion grows with tan α; it wears the guide, and at "
-    "μ = 0.12 with an overhang as long as the guide a slide jams at 70°.",
+    "μ = 0.12 with an overhang as long as the guide a slide jams at 70°. On an arm friction acts "
+    "at the radius of the pivot's pin: with a tenth of the arm it locks at 89.3°.",
     source="Norton, Cam Design and Manufacturing Handbook, fig. 7-2: about 30° translating, 35° "
     "oscillating; textbooks in Chinese (Sun Heng and others): 30 to 38° and 40 to 50°, 70 to 80° "
     "on returns that a spring drives; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming.",
     checked="Norton's excerpt in the help of DYNACAM opened, and a course's notes in Chinese with "
     "the three ranges, not the books. Of ch. 6 the contents and a text made of it, which has the "
-    "angle of jamming: 73° at μ = 0.1, the same formula. 45° is this program's.",
+    "angle of jamming: 73° at μ = 0.1, the same formula. 45° and the pin of a tenth of the arm are "
+    "this program's; that at 90° no force moves a follower is in Norton's excerpt.",
     silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
     find=_find,
 )

@@ -103,6 +103,22 @@ def steep(degrees: float, **more: Any) -> Spec:
     return cam(prime - 2.0, 2.0, **more)
 
 
+def in_line(degrees: float, **more: Any) -> Spec:
+    """An arm that all but points at the axis as it starts: tan α = (l − d cos ψ)/(d sin ψ)."""
+    arm, distance, tangent = 100.0, 60.0, np.tan(np.deg2rad(degrees))
+
+    def excess(angle: float) -> float:
+        return float(arm - distance * np.cos(angle) - tangent * distance * np.sin(angle))
+
+    start = float(brentq(excess, 1e-6, 0.5))
+    prime = sqrt(arm**2 + distance**2 - 2.0 * arm * distance * np.cos(start))
+    follower = {
+        "kind": "oscillating_roller", "arm_mm": arm, "centre_distance_mm": distance,
+        "roller_radius_mm": 10.0,
+    }  # fmt: skip
+    return cam(prime - 10.0, follower=follower, program=program(10.0, unit="deg"), **more)
+
+
 def sharp(ratio: float) -> Spec:
     """A radial cam whose pitch curve's least convex radius is this many roller radii of 20 mm."""
     s, rate, bend = cycloidal(20.0, 60.0)
@@ -174,6 +190,8 @@ EDGES: list[tuple[str, Spec, str | None]] = [
      "note"),
     ("contact_force", jamming(0.9), None), ("contact_force", jamming(1.1), "stop"),
     ("pressure_angle", steep(69.9), "caution"), ("pressure_angle", steep(70.1), "stop"),
+    ("pressure_angle", in_line(89.2), "caution"), ("pressure_angle", in_line(89.4), "stop"),
+    ("pressure_angle", in_line(89.4, limits=angles(89.9)), None),
     ("sharp_nose", sharp(2.001), None), ("sharp_nose", sharp(1.999), "note"),
     ("sharp_nose", sharp(1.251), "note"), ("sharp_nose", sharp(1.249), "caution"),
     ("sharp_nose", sharp(1.011), "caution"), ("sharp_nose", sharp(1.009), "stop"),

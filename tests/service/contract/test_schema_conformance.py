@@ -26,9 +26,10 @@ def document() -> dict[str, Any]:
     """The document; what a sweep, a cam set and a train hold a whole spec in is given.
 
     Designs are gone through under their own address: once more for analyses or inside of cams of a
-    set they take most of the time that it takes to think of all cases. Shapers are given in full:
-    to search for one takes seconds where chance has chosen the ranges. Of the worked examples, all
-    of which are sent elsewhere, a few stay: each is sent with parameters made up for it.
+    set they take most of the time that it takes to think of all cases. So do returns, which have
+    the fields of rises: of them the kind alone is told, to questions and of answers. Shapers are
+    given in full: to search for one takes seconds where chance has chosen the ranges. Of the worked
+    examples, all of which are sent elsewhere, a few stay: each is sent with parameters made up.
     """
     served = json.loads(TARGET.read_text(encoding="utf-8"))  # which is what is served
     known = served["components"]["schemas"]
@@ -37,6 +38,8 @@ def document() -> dict[str, Any]:
     shared = {name: value for name, value in spec("on a shaft").items() if name != "speed_rpm"}
     cam["properties"]["spec"] = {"enum": [shared]}
     cams["properties"]["cams"]["items"] = cam
+    kind = {"kind": {"const": "return"}}
+    known["Return"] = {"type": "object", "properties": kind, "required": ["kind"]}
     shaper = copy.deepcopy(known["ShaperSpec"])
     for field in LENGTHS:
         shaper["properties"][field] = shaper["properties"][field]["anyOf"][0]

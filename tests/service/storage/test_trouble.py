@@ -54,14 +54,14 @@ def test_a_lease_from_before_the_clock_was_set_back_holds_nobody_up(store: Store
     async def story() -> None:
         await Answers(ONE, store).accept(row("a"))
         dead, other = (Leases(AnswerRow, ("accepted",), store, 60.0) for _ in range(2))
-        (waiting,) = await other.unleased()
+        (waiting,) = await other.unleased_rows()
         assert await dead.take(waiting.sequence)
         assert not await other.take(waiting.sequence)
         later = AnswerRow.leased_until + HOUR_S
         await store.do(
             lambda session: session.execute(update(AnswerRow).values(leased_until=later))
         )
-        assert [each.id for each in await other.unleased()] == ["a"]
+        assert [each.id for each in await other.unleased_rows()] == ["a"]
         assert await other.take(waiting.sequence)
         assert await dead.renew() == set()
 

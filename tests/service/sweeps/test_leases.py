@@ -39,16 +39,16 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
         one, other = SweepStore(store, 60.0), SweepStore(store, 60.0)
         row = await one.accept(a_sweep())
         number = row.sequence
-        assert [each.id for each in await one.unleased()] == [row.id]
+        assert [each.id for each in await one.unleased_rows()] == [row.id]
         assert await one.take(number)
         assert not await other.take(number)
-        assert await other.unleased() == []
+        assert await other.unleased_rows() == []
         assert (await one.record(number, [an_item(0)])).done == 1
         one.lease_s = -1.0  # has run out as soon as it is renewed
         assert number in await one.renew()
         assert await other.take(number)
         assert number not in await one.renew()
-        assert await one.unleased() == []
+        assert await one.unleased_rows() == []
         with pytest.raises(LeaseLost):
             await one.record(number, [an_item(1)])
         await one.release(number)  # not its own to give

@@ -45,7 +45,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
 ) -> None:
     async def work(_: Store, one: SweepStore, other: SweepStore) -> None:
         first, second = await one.accept(a_sweep("a")), await one.accept(a_sweep("b"))
-        assert [each.id for each in await one.unleased()] == ["a", "b"]
+        assert [each.id for each in await one.unleased_rows()] == ["a", "b"]
         await one.start(first.sequence)
         running = await one.find("a", None)
         assert running is not None
@@ -59,7 +59,7 @@ def test_a_sweep_that_has_ended_cannot_be_taken_and_a_dismissed_one_continues(
             assert await one.end(row.sequence, "failed") is None
             assert row.sequence not in await one.renew()
             assert not await one.take(row.sequence)
-        assert await one.unleased() == []
+        assert await one.unleased_rows() == []
         await one.start(first.sequence)
         assert (await one.accept(a_sweep("a"))).state == "successful"
         again = await one.accept(a_sweep("b"))
@@ -76,12 +76,12 @@ def test_a_lease_is_one_process_s_and_of_one_sweep(tmp_path: Path) -> None:
         assert first.sequence not in await one.renew()  # it has none yet
         assert await one.take(first.sequence)
         assert await one.take(first.sequence)  # its own
-        assert [each.id for each in await other.unleased()] == ["b"]
+        assert [each.id for each in await other.unleased_rows()] == ["b"]
         assert await other.take(second.sequence)
         await other.release(first.sequence)  # not its own
         assert not await other.take(first.sequence)
         await one.release(first.sequence)
-        assert [each.id for each in await one.unleased()] == ["a"]
+        assert [each.id for each in await one.unleased_rows()] == ["a"]
         released = await one.find("a", None)
         assert released is not None
         assert (released.leased_by, released.leased_until) == (None, None)
