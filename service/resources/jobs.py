@@ -16,8 +16,9 @@ from pydantic import ValidationError
 
 from service.resources.resource import Resource
 from service.settings import Settings
+from service.storage.answers import Answers
 from service.storage.leases import Leases
-from service.storage.store import Answers, LeaseLost, Store
+from service.storage.store import LeaseLost, Store
 from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
 from service.wire.fair_queue import whose
@@ -85,14 +86,17 @@ class Jobs:
         self._metrics, self._settings, self._accepted = metrics, settings, accepted
         self._attempts: dict[str, Attempt] = {}
 
-    async def find(self, id: str, owner: str | None) -> AnswerRow:
+    async def find(self, id: str, owner: str | None, *, with_body: bool = True) -> AnswerRow:
         """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
+        ``with_body``: whether its body and spec are needed.
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id, owner)
+        row = await self.answers.find(id, owner, with_body=with_body)
+        if row is not None and row.engine < ENGINE_NUMBER and not with_body:
+            row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
@@ -111,16 +115,23 @@ class Jobs:
         await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
-        """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id, owner)
-        if row.state != "done" or row.body is None:
+    async def find_done(self, id: str, owner: str) -> AnswerRow:
+        """As ``find``, without its body; ServiceError too where it is not done, or failed."""
+        row = await self.find(id, owner, with_body=False)
+        if row.state != "done":
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
             raise ProblemType.NOT_DONE(
                 f"{noun} {row.id} is {row.state}: GET {path} says how it stands.{renewed}"
             )
-        return row, row.body
+        return row
+
+    async def body(self, row: AnswerRow) -> bytes:
+        """The body of an answer that is done; ServiceError where it was deleted just now."""
+        body = await self.answers.body(row)
+        if body is None:
+            raise self.unknown(row.id)
+        return body
 
     def unknown(self, id: str) -> ServiceError:
         """The error for an id that does not exist."""

@@ -12,7 +12,8 @@ from datetime import UTC, datetime, timedelta
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from service.storage.store import Store, charge
+from service.storage.answers import charge
+from service.storage.store import Store
 from service.storage.tables import AnswerRow, HoldingRow, ItemRow, SweepRow, UsageRow
 from service.sweeps.store import UNDER_WAY
 from service.wire.access import Caller, limit_headers

@@ -54,11 +54,13 @@ async def get_proof_json(
 
     `camwright proof design.json --checker check.py` writes its checker, one file of Python.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
+    jobs = parts.jobs[DESIGNS.path]
+    row = await jobs.find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "proof.json")
     known = not_modified(request, tag)
     if known is not None:
         return known
+    design = await jobs.body(row)
     kept = await _proof(request, parts, row, design, wait="respond-async" not in prefer.lower())
     if kept.state == "accepted":
         return _accepted(request, row, kept)
@@ -128,8 +130,8 @@ async def get_sweep_proofs_zip(
     designs = parts.jobs[DESIGNS.path]
     files = []
     for number, row in rows.items():
-        of, design = await designs.find_done(row.design_id or "", parts.owner)
-        kept = await _proof(request, parts, of, design)
+        of = await designs.find_done(row.design_id or "", parts.owner)
+        kept = await _proof(request, parts, of, await designs.body(of))
         failed = failure(request, kept)
         if failed is not None:
             return failed

@@ -108,7 +108,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
                         return _accepted(resource, accepted, applied=True)
                 if row is None or row.state != "done":
                     row = await jobs.answer(spec, row, parts.owner)
-        return _ended(request, resource, row)
+        return _ended(request, resource, row, row.body)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -162,10 +162,18 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         parts: Parts,
         if_none_match: KnownTag = None,
     ) -> Response:
-        row = await parts.jobs[resource.path].find(id, parts.owner)
+        jobs, with_body = parts.jobs[resource.path], if_none_match is None
+        with_body = with_body and not only_head(request)
+        row = await jobs.find(id, parts.owner, with_body=with_body)
         if row.state == "accepted":
             return _accepted(resource, row)
-        return not_modified(request, row.etag or "") or _ended(request, resource, row)
+        known = not_modified(request, row.etag or "")
+        if known is not None:
+            return known
+        body = row.body if with_body else None
+        if row.state == "done" and not with_body and not only_head(request):
+            body = await jobs.body(row)
+        return _ended(request, resource, row, body)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -237,12 +245,17 @@ def failure(request: Request, row: AnswerRow, again: str = "") -> Response | Non
     return problem_response(request, problem)
 
 
-def _ended(request: Request, resource: Resource, row: AnswerRow) -> Response:
-    """The answer, or the problem document of a question that has failed."""
+def _ended(request: Request, resource: Resource, row: AnswerRow, body: bytes | None) -> Response:
+    """The answer, or the problem document of a question that has failed.
+
+    ``body``: None where only the head is wanted.
+    """
     again = f"POST it to {resource.path} to have it tried again."
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
     failed = failure(request, row, again)
-    return failed or Response(row.body, 200, headers, "application/json")
+    if failed is not None or body is None:
+        return failed or StreamingResponse(nothing(), 200, headers, "application/json")
+    return Response(body, 200, headers, "application/json")
 
 
 def _accepted(resource: Resource, row: AnswerRow, applied: bool = False) -> Response:
@@ -271,8 +284,8 @@ def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
     ) -> Response:
         options = file.format.options(**dict(query))
-        row, body = await parts.jobs[resource.path].find_done(id, parts.owner)
-        return await send_file(request, parts, resource, file, row, body, options)
+        row = await parts.jobs[resource.path].find_done(id, parts.owner)
+        return await send_file(request, parts, resource, file, row, options)
 
     add_file_route(router, resource, file, handler, file.format.in_worker)
 
@@ -308,7 +321,6 @@ async def send_file(
     resource: Resource,
     file: ResourceFile,
     row: AnswerRow,
-    body: bytes,
     options: Any,
 ) -> Response:
     """The file of a finished row, or 304 where the caller has it."""
@@ -323,6 +335,7 @@ async def send_file(
     # Where there is a cam there is a file. What only that itself tells, as its length, is left out.
     if only_head(request) and row.status not in WITHOUT_CAM:
         return StreamingResponse(nothing(), 200, headers, media_type)
+    body = await parts.jobs[resource.path].body(row)
     make = partial(file.write, file.format, body, options)
     with span("file", file=file.path), parts.metrics.files.labels(file.path).time():
         content: FileContent = await (

@@ -11,8 +11,9 @@ from sqlalchemy import update
 from sqlalchemy.exc import OperationalError
 
 from service.storage import store as store_module
+from service.storage.answers import Answers
 from service.storage.leases import Leases
-from service.storage.store import Answers, Store
+from service.storage.store import Store
 from service.storage.tables import AnswerRow
 from tests.service.conftest import settings_for
 from tests.service.storage.test_answers import ONE, row
