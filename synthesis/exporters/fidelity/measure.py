@@ -13,7 +13,9 @@ The motion of a follower on such a curve: `motion`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -43,10 +45,13 @@ SHARP = 1e12  # curvature of a corner [1/mm]
 
 @dataclass(frozen=True)
 class Deviation:
-    """A greatest deviation, in the unit of what deviates, and the cam angle where it is [deg]."""
+    """A greatest deviation, in the unit of what deviates, and the cam angle where it is [deg].
+
+    None: where the velocity deviates most, as it jumps there.
+    """
 
     value: float
-    angle_deg: float
+    angle_deg: float | None
 
     @classmethod
     def of(cls, error: Array, theta: Array) -> Deviation:
@@ -62,15 +67,16 @@ class Fidelity:
     Attributes:
         reader: how it draws the curve.
         form: greatest distance of the curve from the true one, along its normal [mm].
-        velocity, acceleration: greatest error of the follower's s' and s'' [mm per radian];
-            infinite where the velocity jumps.
+        acceleration: greatest error of the follower's s'' [mm per radian²]; infinite where the
+            velocity jumps.
+        find_velocity: finds that of its s' [mm per radian]; of straight lines it takes a while.
         corner: angle between the curve's two ends, whose jerk is not counted [rad].
     """
 
     reader: ReaderName
     form: Deviation
-    velocity: Deviation
     acceleration: Deviation
+    find_velocity: Callable[[], Deviation]
     corner: float = 0.0
 
 
@@ -223,9 +229,9 @@ def _smooth(reader: ReaderName, curve: Interpolant, errors: Errors, probes: Arra
     corner = float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))
     corner = 0.0 if reader == "periodic" else corner
     form = Deviation.of(errors.form, probes)
-    velocity = Deviation.of(errors.velocity, errors.theta)
     acceleration = Deviation.of(errors.acceleration, errors.theta)
-    return Fidelity(reader, form, velocity, acceleration, corner)
+    velocity = partial(Deviation.of, errors.velocity, errors.theta)
+    return Fidelity(reader, form, acceleration, velocity, corner)
 
 
 def _form(
@@ -286,8 +292,14 @@ def _polyline(
         np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)
     )
     samples = CurveSamples(x, y, tx, ty, curvature)
-    *errors, at = _motion(cam, follower_motion(cam, samples, near))
-    velocity, acceleration = (Deviation.of(each, at) for each in errors)
-    if not rounds:
-        acceleration = Deviation(float("inf"), velocity.angle_deg)
-    return Fidelity("polyline", form, velocity, acceleration)
+
+    def deviations() -> tuple[Deviation, Deviation]:
+        *errors, at = _motion(cam, follower_motion(cam, samples, near))
+        velocity, acceleration = (Deviation.of(each, at) for each in errors)
+        return velocity, acceleration
+
+    if rounds:
+        velocity, acceleration = deviations()
+        return Fidelity("polyline", form, acceleration, lambda: velocity)
+    knock = Deviation(float("inf"), None)
+    return Fidelity("polyline", form, knock, lambda: deviations()[0])
