@@ -21,7 +21,7 @@ from service.storage.leases import Leases
 from service.storage.store import LeaseLost, Store
 from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
-from service.wire.fair_queue import whose
+from service.wire.fair_queue import current_owner
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
 from service.wire.tracing import tracer
@@ -162,7 +162,7 @@ class Jobs:
                 await self._accepted.start(row)
             attempt = self._attempts.get(id)
             if attempt is not None or row is None or row.state != "accepted":
-                attempt = self._attempt(id, spec, whose.get() or owner)
+                attempt = self._attempt(id, spec, current_owner.get() or owner)
                 try:
                     return await asyncio.shield(attempt.task)
                 except asyncio.CancelledError:
@@ -190,7 +190,7 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
-            owner = whose.get() or await self.answers.first_owner(row.id)
+            owner = current_owner.get() or await self.answers.first_owner(row.id)
             attempt = self._attempt(row.id, kept_question(row.name, row.spec), owner)
             attempt.sequence = row.sequence
             return attempt
@@ -239,7 +239,7 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, attempt: Attempt, id: str, spec: Any, owner: str) -> AnswerRow:
-        whose.set(owner)
+        current_owner.set(owner)
         with tracer.start_as_current_span("question", record_exception=False) as span:
             span.set_attributes({"kind": self.resource.path, "id": id})
             return await self._work_on(attempt, id, spec)

@@ -11,7 +11,8 @@ from fastapi import APIRouter, Query, Request, Response
 from service.contract.documentation import etag_response, problems
 from service.resources.records import DESIGNS, NO_CAM, PROOFS, REPORT, proof_question, write_design
 from service.resources.resource import ResourceFile
-from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
+from service.routes.files import add_file_route, make_in_worker, send_file
+from service.routes.resource_routes import KnownTag
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.sweeps.views import sweep_path
@@ -79,7 +80,7 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
     design = await jobs.body(row)
     if not json.loads(design)["motion"]:
         raise ProblemType.NOTHING_FITS(NO_CAM)
-    confirmation = await in_worker(request, parts, partial(confirm_design, design))
+    confirmation = await make_in_worker(request, parts, partial(confirm_design, design))
     return Response(confirmation, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 

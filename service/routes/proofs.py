@@ -14,16 +14,8 @@ from fastapi import APIRouter, Query, Request, Response
 from service.contract.documentation import file_response
 from service.resources.records import DESIGNS, PROOFS, proof_question
 from service.resources.resource import Accepted
-from service.routes.resource_routes import (
-    UNDER_WAY,
-    KnownTag,
-    Prefer,
-    content_of,
-    download_headers,
-    failure,
-    name_of_file,
-    with_words_for_files,
-)
+from service.routes.files import content_of, download_headers, name_of_file, with_words_for_files
+from service.routes.resource_routes import UNDER_WAY, KnownTag, Prefer, failure
 from service.routes.sweeps import RequestedSweep, find_item
 from service.state import Parts, State
 from service.storage.tables import AnswerRow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 from typing import Annotated
@@ -18,19 +17,16 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.routes.resource_routes import (
+from service.routes.files import (
     PNG,
     SVG,
     WORKER_STATUSES,
-    Cursor,
-    Key,
-    check_key,
     content_of,
     download_headers,
-    in_worker,
-    newest,
-    position_of,
+    make_beside,
+    make_in_worker,
 )
+from service.routes.resource_routes import Cursor, Key, check_key, newest, position_of
 from service.state import Parts, State, hold_stream
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
@@ -332,7 +328,7 @@ async def get_sweep_pareto_svg(
     """
 
     def paint(drawn: TradeOff) -> Awaitable[bytes]:
-        return asyncio.to_thread(trade_off, drawn, theme)
+        return make_beside(request, parts, partial(trade_off, drawn, theme))
 
     return await _drawn(request, sweep, parts, axes, ("svg", SVG, theme), paint)
 
@@ -357,10 +353,14 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     def paint(drawn: TradeOff) -> Awaitable[bytes]:
-        return in_worker(request, parts, partial(rasterise, trade_off(drawn, theme), width_px))
+        return make_in_worker(request, parts, partial(_pixels, drawn, theme, width_px))
 
     options = ("png", PNG, theme, str(width_px))
     return await _drawn(request, sweep, parts, axes, options, paint)
+
+
+def _pixels(drawn: TradeOff, theme: PixelColours, width_px: int) -> bytes:
+    return rasterise(trade_off(drawn, theme), width_px)
 
 
 async def _drawn(

@@ -27,7 +27,7 @@ from service.sweeps.chunks import CHAIN, Chunks
 from service.sweeps.store import STATUSES, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
-from service.wire.fair_queue import whose
+from service.wire.fair_queue import current_owner
 from service.wire.problem import problem_of
 from service.wire.tracing import separate_span
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
@@ -116,7 +116,7 @@ class SweepRunner:
     async def _run(self) -> None:
         """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
-        whose.set(whose.get() or self._row.belongs_to)
+        current_owner.set(current_owner.get() or self._row.belongs_to)
         try:
             self._spec = await spec_of(self._row)
             self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)
