@@ -40,7 +40,7 @@ NEGATIVE, REFUSED = 3, 2  # exit codes: answered, but with "no"; not answered
 
 
 @dataclass(frozen=True)
-class Asked:
+class QuestionKind:
     """A kind of question: how one is read and answered.
 
     Attributes:
@@ -71,7 +71,7 @@ class Shown:
 
 
 def run(
-    kind: str | Asked,
+    kind: str | QuestionKind,
     question: Path,
     shown: Shown,
     *,
@@ -92,7 +92,7 @@ def run(
     """
     with ExitStack() as stack:
         if question == STREAM:
-            asked = kind if isinstance(kind, Asked) else collection_of(kind, url, stack)
+            asked = kind if isinstance(kind, QuestionKind) else collection_of(kind, url, stack)
             try:
                 code = _answer_stream(asked, shown, url, folder, more)
             except KeyboardInterrupt:
@@ -100,7 +100,7 @@ def run(
             raise typer.Exit(code)
         stopped = CONTINUES if url else "Nothing was written."
         stack.enter_context(report_errors(question, url, stopped))
-        asked = kind if isinstance(kind, Asked) else collection_of(kind, url, stack)
+        asked = kind if isinstance(kind, QuestionKind) else collection_of(kind, url, stack)
         known = read_spec(question, asked.model, more)
         started = time.perf_counter()
         with _waiting(url):
@@ -115,14 +115,14 @@ def run(
         raise typer.Exit(NEGATIVE)
 
 
-def collection_of(name: str, url: str | None, stack: ExitStack) -> Asked:
+def collection_of(name: str, url: str | None, stack: ExitStack) -> QuestionKind:
     """The questions of a collection, answered by a service or, without a URL, by this process."""
     # Imported here: it takes as long as all else that a command imports, and not all need it.
     from service.resources.records import RESOURCES
 
     resource = RESOURCES[f"/v1/{name}"]
     if url is None:
-        return Asked(resource.spec, lambda question: _computed(resource, question))
+        return QuestionKind(resource.spec, lambda question: _computed(resource, question))
     client = stack.enter_context(Client(valid_address(url)))
 
     def ask(question: BaseModel) -> BaseModel:
@@ -134,7 +134,7 @@ def collection_of(name: str, url: str | None, stack: ExitStack) -> Asked:
             raise
         return _read_answer(resource, document, url)
 
-    return Asked(resource.spec, ask)
+    return QuestionKind(resource.spec, ask)
 
 
 class TimeEnded(TimeBudgetExceeded):
@@ -169,7 +169,7 @@ def _computed(resource: Any, question: Any) -> BaseModel:
     return result.model_copy(update={"links": {}}) if hasattr(result, "links") else result
 
 
-def _or_best(asked: Asked, question: Any) -> Any:
+def _or_best(asked: QuestionKind, question: Any) -> Any:
     """The answer; where time ends, the best so far."""
     try:
         return asked.answer(question)
@@ -181,7 +181,11 @@ def _or_best(asked: Asked, question: Any) -> Any:
 
 
 def _answer_stream(
-    asked: Asked, shown: Shown, url: str | None, folder: Path | None, more: Mapping[str, Any] | None
+    asked: QuestionKind,
+    shown: Shown,
+    url: str | None,
+    folder: Path | None,
+    more: Mapping[str, Any] | None,
 ) -> int:
     """Answer each question of standard input with a line; the exit code, of the worst."""
     worst = 0

@@ -159,7 +159,7 @@ def costs(design: DesignFile, as_json: AsJson = False, units: DisplayUnits = Uni
         lambda result, _: tables.describe_sensitivities(result),
         is_negative=lambda result: not result.sensitivities,
     )
-    answering.run(answering.Asked(Design, ask), design, shown, as_json=as_json, units=units)
+    answering.run(answering.QuestionKind(Design, ask), design, shown, as_json=as_json, units=units)
 
 
 def confirm(design: DesignFile, as_json: AsJson = False, units: DisplayUnits = Units.mm) -> None:
@@ -181,7 +181,7 @@ def confirm(design: DesignFile, as_json: AsJson = False, units: DisplayUnits = U
         lambda confirmation, _: tables.describe_confirmation(confirmation),
         is_negative=lambda confirmation: confirmation.verdict != "confirmed",
     )
-    asked = answering.Asked(Design, confirmation_of)
+    asked = answering.QuestionKind(Design, confirmation_of)
     answering.run(asked, design, shown, as_json=as_json, units=units)
 
 
@@ -221,7 +221,7 @@ def proof(
         is_negative=lambda found: not all(claim["proven"] for claim in found["claims"]),
     )
     folder = None if design == STREAM else to.parent
-    answering.run(answering.Asked(Design, proof_of), design, shown, folder=folder)
+    answering.run(answering.QuestionKind(Design, proof_of), design, shown, folder=folder)
 
 
 def read_back(

@@ -30,7 +30,7 @@ from service.routes.resource_routes import Cursor, Key, check_key, newest, posit
 from service.state import Parts, State, hold_stream
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
-from service.sweeps.asked import read_sweep
+from service.sweeps.question import read_sweep
 from service.sweeps.store import UNDER_WAY
 from service.sweeps.sweeps import id_of, spec_of
 from service.wire.body import receive_body
@@ -89,10 +89,10 @@ async def create_sweep(request: Request, parts: Parts, idempotency_key: Key = No
     the scheduler or of a worker loses none.
     """
     body = await receive_body(request, parts.settings.max_body_bytes)
-    asked = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
+    question = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
     await check_key(parts, idempotency_key, body)
-    async with parts.quotas.room(parts.caller, id_of(asked.id, parts.owner)):
-        row = await parts.sweeps.accept(asked, parts.owner)
+    async with parts.quotas.room(parts.caller, id_of(question.id, parts.owner)):
+        row = await parts.sweeps.accept(question, parts.owner)
     headers = {"Location": views.sweep_path(row.id), "Retry-After": "1"}
     return Response(views.sweep_of(row, parts.sweeps), 202, headers, "application/json")
 
