@@ -212,13 +212,16 @@ class FairQueue:
         return again_s
 
     def _flow(self) -> _Flow:
-        """Whose work it is; one who had nothing under way begins at the virtual time."""
+        """Whose work it is; where nothing of his waits he begins at the virtual time, or later.
+
+        Though some is under way: what that costs is not known yet, and would be owed to him.
+        """
         name = current_owner.get()
         flow = self._flows.get(name)
         if flow is None:
             self._forget()
             flow = self._flows[name] = _Flow(self._virtual, self._mean_s)
-        elif not (flow.running or flow.waits):
+        elif not flow.waits:
             flow.tag = max(flow.tag, self._virtual)
         return flow
 
