@@ -122,11 +122,12 @@ def memory(session: int) -> float:
 
 async def measure(port: int, session: int, keys: list[str], clients: int) -> str:
     """A line of the table."""
-    quiet, loud, end = Record(), Record(), time.monotonic() + HELD_S
+    quiet, loud = Record(), Record()
     swept = {"kind": "range", "pointer": "/speed_rpm", "start": 10.0 + clients,
              "stop": 5000.0 + clients, "count": SWEPT}  # fmt: skip
     body = {"name": "load", "base": CAM, "axes": [swept]}
     _, headers, _ = await ask(port, keys[1], "POST", "/v1/sweeps", body)
+    end = time.monotonic() + HELD_S
     tasks = [asyncio.create_task(keep_asking(port, keys[1], loud, end)) for _ in range(clients)]
     tasks.append(asyncio.create_task(keep_asking(port, keys[0], quiet, end)))
     most = 0.0

@@ -79,5 +79,5 @@ def test_a_line_of_the_load_table(service: Running, monkeypatch: pytest.MonkeyPa
     line = asyncio.run(load.measure(port, os.getsid(0), keys, 2))
     cells = [cell.strip() for cell in line.strip("| ").split("|")]
     answers, errors = int(cells[1]), int(cells[8])
-    assert answers > 0
+    assert answers > 0, line
     assert errors == 0
