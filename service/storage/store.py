@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -19,13 +20,16 @@ from sqlalchemy.orm import Session, sessionmaker
 from service.settings import Settings
 from service.storage.migrations import migrate
 from service.storage.tables import AnswerRow, KeyRow, StoredRow
+from service.wire.errors import is_damage
 from service.wire.fair_queue import FairQueue
 from service.wire.tracing import span
 
 if TYPE_CHECKING:
     from service.wire.observe import Metrics
 
+log = logging.getLogger("camwright.store")
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
+DAMAGED_S = 60.0  # that health tells of a damaged page: probes and alarms come more often
 PROBE_S = 1.0  # that a look at the database is good for: anyone may ask, and each look is a write
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
@@ -78,6 +82,7 @@ class Store:
         self._queue = FairQueue(lambda: threads)
         self._kept_for = timedelta(hours=settings.idempotency_hours)
         self._probing, self._probed, self._works = asyncio.Lock(), -math.inf, False
+        self._damaged = -math.inf  # when it was last found damaged
         migrate(self._engine)
 
     @property
@@ -103,7 +108,10 @@ class Store:
                     return await loop.run_in_executor(self._threads, transaction)
                 except IntegrityError:
                     return await loop.run_in_executor(self._threads, transaction)
-                except DBAPIError:
+                except DBAPIError as error:
+                    if is_damage(error):
+                        log.error("the database is damaged: %s", error.orig)
+                        self._damaged = time.monotonic()
                     if self._metrics is not None:
                         self._metrics.store_failures.inc()
                     raise
@@ -115,7 +123,8 @@ class Store:
         """Whether the database takes what is written, as of at most ``PROBE_S`` ago.
 
         A row is written with the value that it has: a full, read-only or damaged database answers
-        `select 1` still, and SQLite opens no file for that.
+        `select 1` still, and SQLite opens no file for that. A damaged page is where nobody looks:
+        once one was met, the database counts as damaged for ``DAMAGED_S``.
         """
         async with self._probing:  # whoever asks meanwhile waits for the same look
             now = time.monotonic()
@@ -127,7 +136,7 @@ class Store:
                 except SQLAlchemyError:
                     self._works = False
                 self._probed = now
-        return self._works
+        return self._works and now >= self._damaged + DAMAGED_S
 
     async def body_of_key(self, owner: str, key: str, body_hash: str) -> str:
         """Hash of the body that an owner's Idempotency-Key came with first: this, if it is new."""

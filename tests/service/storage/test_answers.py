@@ -242,9 +242,7 @@ def test_only_what_nobody_is_told_of_may_wait_for_the_disk(tmp_path: Path) -> No
 
     async def work(store: Store, one: Answers, other: Answers) -> None:
         async def synchronous() -> int:
-            return await store.do(
-                lambda session: session.scalar(text("pragma synchronous"))  # type: ignore[arg-type]
-            )
+            return await store.do(lambda session: session.scalar(text("pragma synchronous")))
 
         seen: list[int] = []
 
