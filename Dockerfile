@@ -1,6 +1,9 @@
 # One image for the service, the Dask scheduler and the workers.
 
-FROM python:3.11-slim AS build
+# The image below all: name it by its digest to have the same bytes each time (docs/deployment.md).
+ARG PYTHON_IMAGE=python:3.11-slim
+
+FROM ${PYTHON_IMAGE} AS build
 
 ENV PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1 PIP_NO_INPUT=1
 RUN python -m venv /opt/venv
@@ -21,7 +24,7 @@ COPY service service
 RUN pip install --no-deps . && pip check
 
 
-FROM python:3.11-slim
+FROM ${PYTHON_IMAGE}
 
 RUN openssl version \
  && useradd --system --uid 10001 --home-dir /var/lib/camwright --create-home camwright

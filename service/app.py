@@ -34,7 +34,7 @@ from service.wire.places import Places
 from service.wire.tracing import telemetry
 from service.wire.validation import prepare
 from service.workers.engine import Engine, running_engine
-from service.workers.readers import Readers
+from service.workers.helpers import readers_of, writers_of
 
 EngineOf = Callable[[Settings, Metrics], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, proofs, catalogue, operation)
@@ -65,11 +65,11 @@ def create_app(
             accepted = questions(store, settings, jobs)
             for path, resource in {**RESOURCES, PROOFS.path: PROOFS}.items():
                 jobs[path] = Jobs(resource, engine, store, metrics, settings, accepted)
-            readers = Readers(settings)
+            helpers = readers_of(settings), writers_of(settings)
             most, each = settings.max_streams, settings.max_streams_per_client
             streams = Places("streams of events", ProblemType.BUSY, most, each)
             app.state.parts = State(
-                settings, metrics, engine, store, all_sweeps, readers, streams, jobs,
+                settings, metrics, engine, store, all_sweeps, *helpers, streams, jobs,
                 ApiKeys(store, settings), UsedQuotas(store),
             )  # fmt: skip
             for work in (all_sweeps, accepted):
@@ -81,9 +81,10 @@ def create_app(
             await app.state.preparing
             engine.closing = True
             working: list[Sweeps | Questions | Jobs] = [all_sweeps, accepted, *jobs.values()]
-            for one in working:
-                await one.close()
-            readers.close()
+            for doing in working:
+                await doing.close()
+            for one in helpers:
+                one.close()
         store.dispose()
 
     app = FastAPI(

@@ -31,6 +31,8 @@ class Settings(BaseSettings):
     database_url: str = "sqlite:///camwright.db"  # SQLAlchemy URL: SQLite, or PostgreSQL
     scheduler: str | None = None  # tls:// address of Dask's; None: workers of the service's own
     workers: int = Field(2, ge=1, le=1024)  # processes of the service's own
+    # That each of them may have [2^20 bytes]; None: its share of the machine's, or the container's.
+    worker_memory_mib: int | None = Field(None, ge=256)
     time_budget_s: float = Field(30.0, gt=0.0)  # of a design that requests none [s]
     max_time_budget_s: float = Field(300.0, gt=0.0)  # that a design may request [s]
     grace_s: float = Field(2.0, gt=0.0)  # after the time budget, until the worker is stopped [s]
@@ -51,7 +53,7 @@ class Settings(BaseSettings):
     # Of events, at the same time: each asks the store once a second.
     max_streams: int = Field(64, ge=1)
     max_streams_per_client: int = Field(32, ge=1)  # by address
-    readers: int = Field(2, ge=1, le=64)  # processes that read long bodies: one slow body holds one
+    readers: int = Field(2, ge=1, le=64)  # that read long bodies, and as many that make files
     # Of processor time, that reading a body may take [s]. The longest sensible ones, tables of
     # 20 000 rows, take 0.2 s.
     reading_s: float = Field(10.0, gt=0.0)
@@ -114,6 +116,11 @@ class Settings(BaseSettings):
     def database(self) -> URL:
         """The parsed address of the database."""
         return make_url(self.database_url)
+
+    @property
+    def worker_memory(self) -> int:
+        """Memory that a worker may have [bytes]; 0: its share."""
+        return 2**20 * (self.worker_memory_mib or 0)
 
     def budget_s(self, requested: float | None) -> float:
         """Time budget [s] of a question: what it asks for, or the default, at most the maximum."""

@@ -18,7 +18,7 @@ from service.wire.access import Caller
 from service.wire.observe import Metrics
 from service.wire.places import Places
 from service.workers.engine import Engine
-from service.workers.readers import Readers
+from service.workers.helpers import Helpers
 
 NOBODY = Caller("")  # who has nothing: no owner is called so
 
@@ -32,7 +32,8 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
-    readers: Readers
+    readers: Helpers
+    writers: Helpers
     streams: Places
     jobs: Mapping[str, Jobs]  # by the resource's path
     keys: ApiKeys

@@ -102,8 +102,14 @@ class Work(Generic[Row, AnyRunner]):
             task.exception()  # retrieved, so that asyncio does not log it
 
     async def resume(self) -> None:
-        """Adopt what no living process works on: now, and from now on."""
-        await self._adopt()
+        """Adopt what no living process works on: now, and from now on.
+
+        Where the store fails now, as with a damaged page, later: what it has still is served.
+        """
+        try:
+            await self._adopt()
+        except DBAPIError as error:
+            log.error("work cannot be adopted yet: %s", error.orig)
         self._polling = asyncio.create_task(self._poll())
 
     async def _adopt(self) -> None:
@@ -131,8 +137,8 @@ class Work(Generic[Row, AnyRunner]):
                 if now - looked >= min(POLL_S, 0.5 * self.leases.lease_s):
                     looked = now
                     await self._adopt()
-            except DBAPIError:
-                log.warning("the store cannot be reached")
+            except DBAPIError as error:
+                log.warning("leases could not be renewed: %s", error.orig)
             except Exception:
                 log.exception("leases could not be renewed")
 

@@ -70,6 +70,8 @@ def backup(
 
     The file is a SQLite database, whichever the source is: restore reads it into either.
     """
+    from sqlalchemy.exc import DBAPIError
+
     from service.storage.upkeep import back_up
 
     if file.exists():
@@ -80,6 +82,11 @@ def backup(
         counts = back_up(settings, file)
     except OSError as error:
         stop(f"{file} cannot be written: {error.strerror}.")
+    except DBAPIError as error:
+        stop(
+            f"The database cannot be read: {str(error.orig).strip()}. There is no backup; see what "
+            "`camwright admin verify` says, and restore an earlier one."
+        )
     say(f"{file}: {_told(counts) or 'nothing is kept yet'}; {file.stat().st_size:,} bytes.")
 
 

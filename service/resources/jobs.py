@@ -16,11 +16,12 @@ from pydantic import ValidationError
 
 from service.resources.resource import Resource
 from service.settings import Settings
+from service.storage.answers import Answers
 from service.storage.leases import Leases
-from service.storage.store import Answers, LeaseLost, Store
+from service.storage.store import LeaseLost, Store
 from service.storage.tables import AnswerRow
 from service.wire.errors import ProblemType, ServiceError, problem_type
-from service.wire.fair_queue import whose
+from service.wire.fair_queue import current_owner
 from service.wire.observe import Metrics
 from service.wire.problem import problem_of
 from service.wire.tracing import tracer
@@ -85,14 +86,17 @@ class Jobs:
         self._metrics, self._settings, self._accepted = metrics, settings, accepted
         self._attempts: dict[str, Attempt] = {}
 
-    async def find(self, id: str, owner: str | None) -> AnswerRow:
+    async def find(self, id: str, owner: str | None, *, with_body: bool = True) -> AnswerRow:
         """The answer with this id, by this engine, if the owner holds it (None: in any case).
 
+        ``with_body``: whether its body and spec are needed.
         Where an earlier engine gave it, its question is accepted anew and the answer dropped: the
         row returned has the id that the question has on this engine.
         ServiceError where there is none, or its spec cannot be read any more.
         """
-        row = await self.answers.find(id, owner)
+        row = await self.answers.find(id, owner, with_body=with_body)
+        if row is not None and row.engine < ENGINE_NUMBER and not with_body:
+            row = await self.answers.find(id, owner)
         if row is None:
             raise self.unknown(id)
         if row.engine >= ENGINE_NUMBER:
@@ -111,16 +115,23 @@ class Jobs:
         await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str, owner: str) -> tuple[AnswerRow, bytes]:
-        """As ``find``, with its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id, owner)
-        if row.state != "done" or row.body is None:
+    async def find_done(self, id: str, owner: str) -> AnswerRow:
+        """As ``find``, without its body; ServiceError too where it is not done, or failed."""
+        row = await self.find(id, owner, with_body=False)
+        if row.state != "done":
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."
             raise ProblemType.NOT_DONE(
                 f"{noun} {row.id} is {row.state}: GET {path} says how it stands.{renewed}"
             )
-        return row, row.body
+        return row
+
+    async def body(self, row: AnswerRow) -> bytes:
+        """The body of an answer that is done; ServiceError where it was deleted just now."""
+        body = await self.answers.body(row)
+        if body is None:
+            raise self.unknown(row.id)
+        return body
 
     def unknown(self, id: str) -> ServiceError:
         """The error for an id that does not exist."""
@@ -151,7 +162,7 @@ class Jobs:
                 await self._accepted.start(row)
             attempt = self._attempts.get(id)
             if attempt is not None or row is None or row.state != "accepted":
-                attempt = self._attempt(id, spec, whose.get() or owner)
+                attempt = self._attempt(id, spec, current_owner.get() or owner)
                 try:
                     return await asyncio.shield(attempt.task)
                 except asyncio.CancelledError:
@@ -179,7 +190,7 @@ class Jobs:
     async def begin(self, row: AnswerRow) -> Attempt | None:
         """Work on an accepted question, whose lease this process has."""
         if row.engine >= ENGINE_NUMBER:
-            owner = whose.get() or await self.answers.first_owner(row.id)
+            owner = current_owner.get() or await self.answers.first_owner(row.id)
             attempt = self._attempt(row.id, kept_question(row.name, row.spec), owner)
             attempt.sequence = row.sequence
             return attempt
@@ -228,7 +239,7 @@ class Jobs:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _run(self, attempt: Attempt, id: str, spec: Any, owner: str) -> AnswerRow:
-        whose.set(owner)
+        current_owner.set(owner)
         with tracer.start_as_current_span("question", record_exception=False) as span:
             span.set_attributes({"kind": self.resource.path, "id": id})
             return await self._work_on(attempt, id, spec)

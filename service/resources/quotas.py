@@ -12,7 +12,8 @@ from datetime import UTC, datetime, timedelta
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from service.storage.store import Store, charge
+from service.storage.answers import charge
+from service.storage.store import Store
 from service.storage.tables import AnswerRow, HoldingRow, ItemRow, SweepRow, UsageRow
 from service.sweeps.store import UNDER_WAY
 from service.wire.access import Caller, limit_headers
@@ -28,22 +29,22 @@ class UsedQuotas:
 
     def __init__(self, store: Store) -> None:
         self._do = store.do
-        self._asked: dict[str, set[str]] = defaultdict(set)  # waiting in this process, by owner
+        self._waiting: dict[str, set[str]] = defaultdict(set)  # waiting in this process, by owner
 
     @asynccontextmanager
     async def room(self, caller: Caller, id: str) -> AsyncIterator[None]:
         """While a question is accepted, or its answer waited for. ServiceError: no room for it."""
-        asked, new = self._asked[caller.owner], id not in self._asked[caller.owner]
-        asked.add(id)  # at once, so that those who ask meanwhile count it
+        waiting, new = self._waiting[caller.owner], id not in self._waiting[caller.owner]
+        waiting.add(id)  # at once, so that those who ask meanwhile count it
         try:
             if caller.quotas != type(caller.quotas)():
-                await self._check(caller, id, frozenset(asked))
+                await self._check(caller, id, frozenset(waiting))
             yield
         finally:
             if new:
-                asked.discard(id)
-            if not asked:
-                self._asked.pop(caller.owner, None)
+                waiting.discard(id)
+            if not waiting:
+                self._waiting.pop(caller.owner, None)
 
     @asynccontextmanager
     async def core(self, caller: Caller, budget_s: float) -> AsyncIterator[None]:
@@ -75,7 +76,7 @@ class UsedQuotas:
                 {**headers, "Retry-After": str(left_s)},
             )
 
-    async def _check(self, caller: Caller, id: str, asked: frozenset[str]) -> None:
+    async def _check(self, caller: Caller, id: str, waiting: frozenset[str]) -> None:
         """Refuse what goes beyond a quota, before it is accepted; what was accepted is finished."""
         owner, quotas = caller.owner, caller.quotas
         await self._check_core_seconds(caller)
@@ -89,7 +90,7 @@ class UsedQuotas:
                     headers,
                 )
         if quotas.concurrent is not None:
-            working = (await self._do(lambda session: _worked_on(session, owner))) | asked | {id}
+            working = (await self._do(lambda session: _worked_on(session, owner))) | waiting | {id}
             if len(working) > quotas.concurrent:
                 raise ProblemType.QUOTA_USED_UP(
                     f"{owner} may have {quotas.concurrent} questions worked on at the same time. "

@@ -11,8 +11,10 @@ from fastapi import APIRouter, Query, Request, Response
 from service.contract.documentation import etag_response, problems
 from service.resources.records import DESIGNS, NO_CAM, PROOFS, REPORT, proof_question, write_design
 from service.resources.resource import ResourceFile
-from service.routes.resource_routes import KnownTag, add_file_route, in_worker, send_file
+from service.routes.files import add_file_route, make_in_worker, send_file
+from service.routes.resource_routes import KnownTag
 from service.state import Parts, State
+from service.storage.tables import AnswerRow
 from service.sweeps.views import sweep_path
 from service.wire.conditional import not_modified, tag_of
 from service.wire.errors import ProblemType
@@ -43,14 +45,15 @@ async def get_design_sensitivities(
     larger and smaller. Where the two sides differ, both are given; what is not confirmed is listed
     as such, and what was not reached in time.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
+    row = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "sensitivities")
     return not_modified(request, tag) or Response(
-        await _sensitivities(parts, design), 200, {"ETag": f'"{tag}"'}, "application/json"
+        await _sensitivities(parts, row), 200, {"ETag": f'"{tag}"'}, "application/json"
     )
 
 
-async def _sensitivities(parts: State, design: bytes) -> bytes:
+async def _sensitivities(parts: State, row: AnswerRow) -> bytes:
+    design = await parts.jobs[DESIGNS.path].body(row)
     budget_s = parts.settings.time_budget_s
     async with parts.quotas.core(parts.caller, budget_s):
         return await parts.engine.run(design_sensitivities, design, budget_s, budget_s=budget_s)
@@ -68,14 +71,17 @@ async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Re
 
     Needs the optional part `exact` on the workers; without it the answer is 501.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
+    jobs = parts.jobs[DESIGNS.path]
+    row = await jobs.find_done(design_id, parts.owner)
+    tag = tag_of(row.etag or "", "confirmation", "json", "")
+    known = not_modified(request, tag)
+    if known is not None:
+        return known
+    design = await jobs.body(row)
     if not json.loads(design)["motion"]:
         raise ProblemType.NOTHING_FITS(NO_CAM)
-    tag = tag_of(row.etag or "", "confirmation", "json", "")
-    return not_modified(request, tag) or Response(
-        await in_worker(request, parts, partial(confirm_design, design)), 200,
-        {"ETag": f'"{tag}"'}, "application/json",
-    )  # fmt: skip
+    confirmation = await make_in_worker(request, parts, partial(confirm_design, design))
+    return Response(confirmation, 200, {"ETag": f'"{tag}"'}, "application/json")
 
 
 @router.delete(
@@ -118,14 +124,14 @@ async def _get_report(
         bool, Query(description="Say what each limit costs too: a few solves more.")
     ] = False,
 ) -> Response:
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
+    row = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
     costs = None
     if sensitivities:
-        costs = Sensitivities.model_validate_json(await _sensitivities(parts, design))
+        costs = Sensitivities.model_validate_json(await _sensitivities(parts, row))
     report = report_with(PROFILE_FORMATS, MOTION_FORMATS, costs)
     made_by = "with sensitivities" if costs else ""
     file = ResourceFile(report, write_design, REPORT, made_by=made_by)
-    return await send_file(request, parts, DESIGNS, file, row, design, PictureOptions(theme))
+    return await send_file(request, parts, DESIGNS, file, row, PictureOptions(theme))
 
 
 add_file_route(

@@ -14,16 +14,8 @@ from fastapi import APIRouter, Query, Request, Response
 from service.contract.documentation import file_response
 from service.resources.records import DESIGNS, PROOFS, proof_question
 from service.resources.resource import Accepted
-from service.routes.resource_routes import (
-    UNDER_WAY,
-    KnownTag,
-    Prefer,
-    content_of,
-    download_headers,
-    failure,
-    name_of_file,
-    with_words_for_files,
-)
+from service.routes.files import content_of, download_headers, name_of_file, with_words_for_files
+from service.routes.resource_routes import UNDER_WAY, KnownTag, Prefer, failure
 from service.routes.sweeps import RequestedSweep, find_item
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
@@ -54,11 +46,13 @@ async def get_proof_json(
 
     `camwright proof design.json --checker check.py` writes its checker, one file of Python.
     """
-    row, design = await parts.jobs[DESIGNS.path].find_done(design_id, parts.owner)
+    jobs = parts.jobs[DESIGNS.path]
+    row = await jobs.find_done(design_id, parts.owner)
     tag = tag_of(row.etag or "", "proof.json")
     known = not_modified(request, tag)
     if known is not None:
         return known
+    design = await jobs.body(row)
     kept = await _proof(request, parts, row, design, wait="respond-async" not in prefer.lower())
     if kept.state == "accepted":
         return _accepted_response(request, row, kept)
@@ -128,8 +122,8 @@ async def get_sweep_proofs_zip(
     designs = parts.jobs[DESIGNS.path]
     files = []
     for number, row in rows.items():
-        of, design = await designs.find_done(row.design_id or "", parts.owner)
-        kept = await _proof(request, parts, of, design)
+        of = await designs.find_done(row.design_id or "", parts.owner)
+        kept = await _proof(request, parts, of, await designs.body(of))
         failed = failure(request, kept)
         if failed is not None:
             return failed

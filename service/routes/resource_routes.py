@@ -1,56 +1,26 @@
-"""The routes of a kept resource: POST a question, list, GET and DELETE an answer, get its files."""
+"""The routes of a kept resource: POST a question, list, GET and DELETE an answer."""
 
 # Without postponed annotations: those of handlers name what each resource brings along.
 
-import asyncio
 import hashlib
-import re
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from inspect import cleandoc
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from service.contract.documentation import (
-    UNDER_WAY_HEADERS,
-    etag_response,
-    file_response,
-    problems,
-    spec_body,
-)
-from service.resources.resource import Accepted, Resource, ResourceFile, page_of
+from service.contract.documentation import UNDER_WAY_HEADERS, etag_response, problems, spec_body
+from service.resources.resource import Accepted, Resource, page_of
+from service.routes.files import add_file, nothing
 from service.state import Parts, State
 from service.storage.tables import AnswerRow
 from service.wire.body import read_body
-from service.wire.conditional import IN_PARTS, not_modified, only_head, tag_of
-from service.wire.errors import ProblemType, ServiceError
-from service.wire.observe import SECURITY
+from service.wire.conditional import not_modified, only_head
+from service.wire.errors import ProblemType
 from service.wire.problem import problem_response
-from service.wire.tracing import span
-from synthesis.design.design import WITHOUT_CAM
-from synthesis.errors import TimeBudgetExceeded
-from synthesis.exporters import FileContent, form
 
-T = TypeVar("T")
-
-SVG, PNG = "image/svg+xml", "image/png"
-BINARY = (
-    "application/vnd.apache.parquet", "application/zip", "model/stl", PNG,
-    "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
-)  # fmt: skip
-# A picture runs nothing. A page runs its own script, has no origin, and can reach nothing.
-PICTURE_POLICY = SECURITY["Content-Security-Policy"]
-PAGE_POLICY = (
-    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'unsafe-inline'; "
-    "frame-ancestors 'self'; sandbox allow-scripts"
-)
-POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
 LATER = 500  # HTTP statuses from here on: the same question may be answered another time
-WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
-BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
-Handler = Callable[..., Awaitable[Any]]
 UNDER_WAY: dict[int | str, dict[str, Any]] = {
     202: {
         "model": Accepted,
@@ -83,7 +53,7 @@ def router_of(resource: Resource) -> APIRouter:
     if not resource.own_delete:
         _add_delete(router, resource)
     for file in resource.files:
-        _add_file(router, resource, file)
+        add_file(router, resource, file)
     return router
 
 
@@ -108,7 +78,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
                         return _accepted_response(resource, accepted, applied=True)
                 if row is None or row.state != "done":
                     row = await jobs.answer(spec, row, parts.owner)
-        return _final_response(request, resource, row)
+        return _final_response(request, resource, row, row.body)
 
     router.add_api_route(
         resource.path, handler, methods=["POST"], tags=[resource.tag],
@@ -162,10 +132,18 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         parts: Parts,
         if_none_match: KnownTag = None,
     ) -> Response:
-        row = await parts.jobs[resource.path].find(id, parts.owner)
+        jobs, with_body = parts.jobs[resource.path], if_none_match is None
+        with_body = with_body and not only_head(request)
+        row = await jobs.find(id, parts.owner, with_body=with_body)
         if row.state == "accepted":
             return _accepted_response(resource, row)
-        return not_modified(request, row.etag or "") or _final_response(request, resource, row)
+        known = not_modified(request, row.etag or "")
+        if known is not None:
+            return known
+        body = row.body if with_body else None
+        if row.state == "done" and not with_body and not only_head(request):
+            body = await jobs.body(row)
+        return _final_response(request, resource, row, body)
 
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
@@ -237,12 +215,19 @@ def failure(request: Request, row: AnswerRow, again: str = "") -> Response | Non
     return problem_response(request, problem)
 
 
-def _final_response(request: Request, resource: Resource, row: AnswerRow) -> Response:
-    """The answer, or the problem document of a question that has failed."""
+def _final_response(
+    request: Request, resource: Resource, row: AnswerRow, body: bytes | None
+) -> Response:
+    """The answer, or the problem document of a question that has failed.
+
+    ``body``: None where only the head is wanted.
+    """
     again = f"POST it to {resource.path} to have it tried again."
     headers = {"ETag": f'"{row.etag}"', "Content-Location": resource.at(row.id)}
     failed = failure(request, row, again)
-    return failed or Response(row.body, 200, headers, "application/json")
+    if failed is not None or body is None:
+        return failed or StreamingResponse(nothing(), 200, headers, "application/json")
+    return Response(body, 200, headers, "application/json")
 
 
 def _accepted_response(resource: Resource, row: AnswerRow, applied: bool = False) -> Response:
@@ -261,134 +246,3 @@ def article(noun: str) -> str:
 def _snake(words: str) -> str:
     """Words as a part of an operation's name."""
     return words.replace(" ", "_").replace("-", "_")
-
-
-def _add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None:
-    async def handler(
-        request: Request,
-        id: Annotated[str, Path(alias=resource.id_name)],
-        parts: Parts,
-        query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
-    ) -> Response:
-        options = file.format.options(**dict(query))
-        row, body = await parts.jobs[resource.path].find_done(id, parts.owner)
-        return await send_file(request, parts, resource, file, row, body, options)
-
-    add_file_route(router, resource, file, handler, file.format.in_worker)
-
-
-def add_file_route(
-    router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_fail: bool
-) -> None:
-    """Add the route of a file with a handler, which may or may not fail at making it."""
-    media_type = file.format.media_type.partition(";")[0]
-    router.add_api_route(
-        f"{resource.path}/{{{resource.id_name}}}/{file.path}",
-        handler,
-        tags=[resource.file_tag or resource.tag],
-        name=f"get_{file.prefix}{file.path.replace('.', '_')}",
-        summary=file.format.title,
-        description=file.format.purpose,
-        response_class=Response,
-        responses=file_response(content_of(media_type), may_fail),
-    )
-
-
-def content_of(media_type: str) -> dict[str, Any]:
-    """A file of this type as the contract has it."""
-    schema = {"type": "object"} if media_type == "application/json" else {"type": "string"}
-    if media_type in BINARY:
-        schema["format"] = "binary"
-    return {media_type: {"schema": schema}}
-
-
-async def send_file(
-    request: Request,
-    parts: State,
-    resource: Resource,
-    file: ResourceFile,
-    row: AnswerRow,
-    body: bytes,
-    options: Any,
-) -> Response:
-    """The file of a finished row, or 304 where the caller has it."""
-    tag = tag_of(row.etag or "", file.path, repr(options), file.made_by)
-    known = not_modified(request, tag)
-    if known is not None:
-        return known
-    name = name_of_file(resource, row, file.ending or file.path)
-    headers = download_headers(row.name, name, file.format.media_type)
-    headers |= {"ETag": f'"{tag}"', **IN_PARTS}
-    media_type = file.format.media_type
-    # Where there is a cam there is a file. What only that itself tells, as its length, is left out.
-    if only_head(request) and row.status not in WITHOUT_CAM:
-        return StreamingResponse(nothing(), 200, headers, media_type)
-    make = partial(file.write, file.format, body, options)
-    with span("file", file=file.path), parts.metrics.files.labels(file.path).time():
-        content: FileContent = await (
-            in_worker(request, parts, make) if file.format.in_worker else asyncio.to_thread(make)
-        )
-    headers |= {f"Camwright-{key}": value for key, value in content.metadata.items()}
-    return Response(content.data, 200, headers, media_type)
-
-
-async def nothing() -> AsyncIterator[bytes]:
-    """No bytes."""
-    yield b""
-
-
-async def in_worker(request: Request, parts: State, work: Callable[[], T]) -> T:
-    """Have a worker make what a path leads to, if there is room: it takes long or much memory."""
-    budget_s = parts.settings.budget_s(None)
-    with parts.engine.queue.room():
-        pass
-
-    async def make() -> T:
-        async with parts.quotas.core(parts.caller, budget_s):
-            return await parts.engine.run(work, budget_s=budget_s)
-
-    return await with_words_for_files(request, budget_s, make())
-
-
-def name_of_file(resource: Resource, row: AnswerRow, name: str) -> str:
-    """The end of a saved file's name: it says where a cam breaks its limits."""
-    broken = resource.marks_broken_limits and row.status in BROKEN_LIMITS
-    return f"not-certified-{name}" if broken else name
-
-
-async def with_words_for_files(request: Request, budget_s: float, work: Awaitable[T]) -> T:
-    """Wait for a file; what goes wrong is said of the file that a path leads to."""
-    owner, _, file = request.url.path.rpartition("/")
-    again = f"{request.url.path}?{request.url.query}".removesuffix("?")
-    later = (
-        f"{owner} is as it was: ask for the file again by GET {again}, when less is going on here "
-        "or with coarser options, such as fewer points."
-    )
-    try:
-        return await work
-    except TimeBudgetExceeded:
-        raise ProblemType.TIME_BUDGET(
-            f"{file} took longer than {budget_s:g} s, the time that this server gives a file. "
-            f"{later}"
-        ) from None
-    except ServiceError as error:
-        if error.problem is not ProblemType.WORKER_LOST:
-            raise
-        raise ProblemType.WORKER_LOST(
-            f"The process that made {file} died, perhaps for lack of memory. {later}", error.headers
-        ) from None
-
-
-def download_headers(owner: str, ending: str, media_type: str) -> dict[str, str]:
-    """Pictures and pages are shown, and reach nothing; everything else is saved as a file.
-
-    Args:
-        owner: name that the caller gave to the answer. ending: what the file's name ends in.
-    """
-    # In characters that every system takes.
-    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", owner).strip("-.")[:60] or "cam"
-    file_name = f'filename="{stem}-{ending}"'
-    policy = POLICIES.get(media_type.partition(";")[0])
-    if policy is None:
-        return {"Content-Disposition": f"attachment; {file_name}"}
-    return {"Content-Disposition": f"inline; {file_name}", "Content-Security-Policy": policy}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 from typing import Annotated
@@ -18,23 +17,20 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.routes.resource_routes import (
+from service.routes.files import (
     PNG,
     SVG,
     WORKER_STATUSES,
-    Cursor,
-    Key,
-    check_key,
     content_of,
     download_headers,
-    in_worker,
-    newest,
-    position_of,
+    make_beside,
+    make_in_worker,
 )
+from service.routes.resource_routes import Cursor, Key, check_key, newest, position_of
 from service.state import Parts, State, hold_stream
 from service.storage.tables import ItemRow, SweepRow
 from service.sweeps import views
-from service.sweeps.asked import read_sweep
+from service.sweeps.question import read_sweep
 from service.sweeps.store import UNDER_WAY
 from service.sweeps.sweeps import id_of, spec_of
 from service.wire.body import receive_body
@@ -93,10 +89,10 @@ async def create_sweep(request: Request, parts: Parts, idempotency_key: Key = No
     the scheduler or of a worker loses none.
     """
     body = await receive_body(request, parts.settings.max_body_bytes)
-    asked = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
+    question = await parts.readers.run(read_sweep, body, parts.settings.max_sweep_items)
     await check_key(parts, idempotency_key, body)
-    async with parts.quotas.room(parts.caller, id_of(asked.id, parts.owner)):
-        row = await parts.sweeps.accept(asked, parts.owner)
+    async with parts.quotas.room(parts.caller, id_of(question.id, parts.owner)):
+        row = await parts.sweeps.accept(question, parts.owner)
     headers = {"Location": views.sweep_path(row.id), "Retry-After": "1"}
     return Response(views.sweep_of(row, parts.sweeps), 202, headers, "application/json")
 
@@ -332,7 +328,7 @@ async def get_sweep_pareto_svg(
     """
 
     def paint(drawn: TradeOff) -> Awaitable[bytes]:
-        return asyncio.to_thread(trade_off, drawn, theme)
+        return make_beside(request, parts, partial(trade_off, drawn, theme))
 
     return await _drawn(request, sweep, parts, axes, ("svg", SVG, theme), paint)
 
@@ -357,10 +353,14 @@ async def get_sweep_pareto_png(
     """The drawing, painted. Needs the optional part plots; without it the answer is 501."""
 
     def paint(drawn: TradeOff) -> Awaitable[bytes]:
-        return in_worker(request, parts, partial(rasterise, trade_off(drawn, theme), width_px))
+        return make_in_worker(request, parts, partial(_pixels, drawn, theme, width_px))
 
     options = ("png", PNG, theme, str(width_px))
     return await _drawn(request, sweep, parts, axes, options, paint)
+
+
+def _pixels(drawn: TradeOff, theme: PixelColours, width_px: int) -> bytes:
+    return rasterise(trade_off(drawn, theme), width_px)
 
 
 async def _drawn(

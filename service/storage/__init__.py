@@ -1,4 +1,5 @@
-"""The database: tables (`tables`), what is kept by id (`store`), and migrations between releases.
+"""The database: tables (`tables`), transactions (`store`), what is kept by id
+(`answers`), and migrations between releases.
 
 SQLite by default, PostgreSQL by URL. Begin with `store.py`.
 """

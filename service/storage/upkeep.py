@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, Select, delete, exists, func, insert, select, text
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.settings import Settings
@@ -129,7 +130,14 @@ def _in_utc(value: Any) -> Any:
 
 
 def faults(engine: Engine) -> Iterator[str]:
-    """What is wrong with a database, a sentence each."""
+    """What is wrong with a database, a sentence each; the last where it cannot be read on."""
+    try:
+        yield from _faults(engine)
+    except DBAPIError as error:
+        yield f"It cannot be read further: {str(error.orig).strip()}."
+
+
+def _faults(engine: Engine) -> Iterator[str]:
     with snapshot(engine) as connection, Session(connection) as session:
         if engine.dialect.name == "sqlite":
             for (line,) in connection.exec_driver_sql("pragma integrity_check"):

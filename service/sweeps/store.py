@@ -15,8 +15,9 @@ from typing import Any
 from sqlalchemy import ColumnElement, delete, insert, select, update
 from sqlalchemy.orm import Session, defer
 
+from service.storage.answers import charge
 from service.storage.leases import Leases
-from service.storage.store import LeaseLost, Store, charge, find_or_add, select_newest
+from service.storage.store import LeaseLost, Store, find_or_add, select_newest
 from service.storage.tables import AnswerRow, ItemRow, StrikeRow, SweepRow
 from service.sweeps.tasks import ItemAnswer
 

@@ -22,12 +22,12 @@ from sqlalchemy.exc import DBAPIError
 from service.settings import Settings
 from service.storage.store import LeaseLost, Store
 from service.storage.tables import LOCAL, SweepRow
-from service.sweeps.asked import AskedSweep, asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
+from service.sweeps.question import SweepQuestion, sweep_question
 from service.sweeps.store import STATUSES, SweepStore
 from service.sweeps.tasks import SLICE_S, ItemAnswer, solve_items
 from service.wire.errors import ProblemType, ServiceError, problem_type
-from service.wire.fair_queue import whose
+from service.wire.fair_queue import current_owner
 from service.wire.problem import problem_of
 from service.wire.tracing import separate_span
 from service.work import RETRY_S, STRIKES, Work, retry_transaction
@@ -116,7 +116,7 @@ class SweepRunner:
     async def _run(self) -> None:
         """Run until every item is finished, or the sweep is stopped, or the lease is lost."""
         number = self._row.sequence
-        whose.set(whose.get() or self._row.belongs_to)
+        current_owner.set(current_owner.get() or self._row.belongs_to)
         try:
             self._spec = await spec_of(self._row)
             self._budget_s = self._settings.budget_s(self._spec.base.time_budget_s)
@@ -243,9 +243,9 @@ class Sweeps:
         self.store = SweepStore(store, settings.lease_s)
         self.work: Work[SweepRow, SweepRunner] = Work(self.store, self._begin)
 
-    async def accept(self, asked: AskedSweep, owner: str) -> SweepRow:
+    async def accept(self, question: SweepQuestion, owner: str) -> SweepRow:
         """Accept an owner's sweep, or join it, or continue one that was dismissed."""
-        runners, id = self.work.runners, id_of(asked.id, owner)
+        runners, id = self.work.runners, id_of(question.id, owner)
         most, own = self._settings.max_sweeps, [r for r in runners.values() if r.owner == owner]
         owners = len({owner, *(runner.owner for runner in runners.values())})
         if id not in runners and len(runners) >= most and len(own) >= most // owners:
@@ -256,13 +256,13 @@ class Sweeps:
                 f"in {again_s} s, when one may have ended, or stop one.",
                 {"Retry-After": str(max(1, again_s))},
             )
-        return await self._accept(asked, owner)
+        return await self._accept(question, owner)
 
-    async def _accept(self, asked: AskedSweep, owner: str) -> SweepRow:
+    async def _accept(self, question: SweepQuestion, owner: str) -> SweepRow:
         row = SweepRow(
-            id=id_of(asked.id, owner), belongs_to=owner, engine=ENGINE_NUMBER, name=asked.name,
-            created=datetime.now(UTC), state="accepted",
-            spec=asked.text.encode(), size=asked.size, quantities=[], axes=asked.axes,
+            id=id_of(question.id, owner), belongs_to=owner, engine=ENGINE_NUMBER,
+            name=question.name, created=datetime.now(UTC), state="accepted",
+            spec=question.text.encode(), size=question.size, quantities=[], axes=question.axes,
             **dict.fromkeys(STATUSES, 0),
         )  # fmt: skip
         row = await self.store.accept(row)
@@ -290,7 +290,7 @@ class Sweeps:
         except ValidationError:
             log.warning("the spec of a sweep that an earlier engine began cannot be read")
             return
-        await self._accept(asked_sweep(spec), row.belongs_to)
+        await self._accept(sweep_question(spec), row.belongs_to)
 
     def progress(self, name: str) -> Progress | None:
         """The progress of a sweep that this process runs."""

@@ -20,7 +20,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.wire.errors import ProblemType, ServiceError
-from service.wire.fair_queue import whose
+from service.wire.fair_queue import current_owner
 from service.wire.problem import error_response
 
 audit = logging.getLogger("camwright.audit")
@@ -114,7 +114,7 @@ class Guard:
             scope["caller"] = caller = await self._caller(scope["path"], headers)
             if caller is not None:
                 if caller.key is not None:  # without keys an address is all that tells them apart
-                    whose.set(caller.owner)
+                    current_owner.set(caller.owner)
                 limits = self._count(caller)
                 _check_operator(scope["path"], caller)
         except Exception as error:

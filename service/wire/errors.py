@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -106,3 +107,14 @@ def problem_type(error: Exception) -> ProblemType:
         return error.problem
     rows = (TYPES[base] for base in type(error).__mro__ if base in TYPES)
     return next(rows, ProblemType.INTERNAL)
+
+
+# SQLSTATEs of PostgreSQL for pages that are not what was written (XX001, XX002).
+DAMAGED = ("XX001", "XX002")
+
+
+def is_damage(error: BaseException) -> bool:
+    """Whether a database says that its file is damaged, which no waiting mends."""
+    found = getattr(error, "orig", None)
+    # SQLite has no class of its own for it: what is neither lock nor disk is this.
+    return type(found) is sqlite3.DatabaseError or getattr(found, "sqlstate", "") in DAMAGED

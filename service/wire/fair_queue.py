@@ -28,7 +28,7 @@ from service.wire.errors import ProblemType
 
 # For whom the work at hand is done: the owner of a key, or an address; "": the service itself.
 # Tasks inherit it from whoever makes them, so that it need not pass through every call.
-whose: ContextVar[str] = ContextVar("whose", default="")
+current_owner: ContextVar[str] = ContextVar("current_owner", default="")
 UNMEASURED_S = 0.1  # cost of a work until one was measured: of the order of a usual design [s]
 NEWEST = 0.2  # weight of the last work in the average of costs: about the last ten count
 # How long a place is kept for who was told to come back [s]: Retry-After has whole seconds, and
@@ -113,9 +113,11 @@ class FairQueue:
         finally:
             self.release(turn)
 
-    async def acquire(self, *, urgent: bool = True) -> Turn:
-        """Wait for a turn, which has to be released."""
+    async def acquire(self, *, urgent: bool = True, limited: bool = False) -> Turn:
+        """Wait for a turn, which has to be released; ``limited``: if there is ``room`` to wait."""
         flow = self._flow()
+        if limited:
+            self._check_room(flow)
         place: asyncio.Future[Turn] = asyncio.get_running_loop().create_future()
         line = flow.urgent if urgent else flow.rest
         line.append(place)
@@ -168,6 +170,14 @@ class FairQueue:
         places as there are for each of those who have some.
         """
         flow = self._flow()
+        self._check_room(flow)
+        flow.expected += 1
+        try:
+            yield
+        finally:
+            flow.expected -= 1
+
+    def _check_room(self, flow: _Flow) -> None:
         again_s = self._until_room(flow)
         if again_s:
             raise ProblemType.BUSY(
@@ -175,11 +185,6 @@ class FairQueue:
                 f"what they take, there is room in {again_s} s.",
                 {"Retry-After": str(again_s)},
             )
-        flow.expected += 1
-        try:
-            yield
-        finally:
-            flow.expected -= 1
 
     def _until_room(self, flow: _Flow) -> int:
         """After how many seconds there is room for one more work of an owner; 0: there is now."""
@@ -207,13 +212,16 @@ class FairQueue:
         return again_s
 
     def _flow(self) -> _Flow:
-        """Whose work it is; one who had nothing under way begins at the virtual time."""
-        name = whose.get()
+        """Whose work it is; where nothing of his waits he begins at the virtual time, or later.
+
+        Though some is under way: what that costs is not known yet, and would be owed to him.
+        """
+        name = current_owner.get()
         flow = self._flows.get(name)
         if flow is None:
             self._forget()
             flow = self._flows[name] = _Flow(self._virtual, self._mean_s)
-        elif not (flow.running or flow.waits):
+        elif not flow.waits:
             flow.tag = max(flow.tag, self._virtual)
         return flow
 
@@ -240,7 +248,7 @@ class TakeTurns:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
-            whose.set(address_of(scope))
+            current_owner.set(address_of(scope))
             turn = await self._queue.acquire()
             asyncio.get_running_loop().call_soon(self._queue.release, turn)
         await self._app(scope, receive, send)

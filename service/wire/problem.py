@@ -14,7 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from service.wire.errors import TYPES, ProblemType, ServiceError, problem_type
+from service.wire.errors import TYPES, ProblemType, ServiceError, is_damage, problem_type
 from service.wire.violations import Violation, describe_parameter_errors
 from synthesis.design.cam_set import CamSet
 from synthesis.design.design import Design
@@ -79,6 +79,8 @@ def problem_of(error: Exception) -> dict[str, Any]:
         violations = [{"pointer": error.field, **wrong}]
     meant_for_callers = isinstance(error, ServiceError | CamwrightError)
     detail = str(error) if meant_for_callers else f"{kind.title}."
+    if is_damage(error):
+        detail = "Its database is damaged where this is kept; its operator has to restore a backup."
     best = error.best if isinstance(error, TimeBudgetExceeded) else None
     return problem_document(kind, detail, violations, best)
 

@@ -90,6 +90,7 @@ class Engine:
         *arguments: Any,
         budget_s: float,
         low_priority: bool = False,
+        limited: bool = False,
         name: str = "",
     ) -> T:
         """Run some work on a worker; cancelled when it overruns its budget or its caller is.
@@ -97,11 +98,12 @@ class Engine:
         Args:
             work: a function that a worker can import. arguments: of it.
             budget_s: time that it has. low_priority: whether its owner's other work goes first.
+            limited: whether it is refused where the queue is full.
             name: to cancel it by; unique.
         """
         kind = "sweep" if low_priority else "single"
         with span("queue"), self._metrics.queue.labels(kind).time():
-            turn = await self.queue.acquire(urgent=not low_priority)
+            turn = await self.queue.acquire(urgent=not low_priority, limited=limited)
         key = name or new_task_name()
         with span("worker"), self._metrics.work.labels(kind).time():
             result: asyncio.Future[tuple[T, list[Solve]]] = asyncio.ensure_future(
@@ -217,7 +219,7 @@ def _workers_of(
     settings: Settings, prepare: Callable[[], None]
 ) -> AbstractAsyncContextManager[Workers]:
     if settings.scheduler is None:
-        return local_workers(settings.workers, prepare)
+        return local_workers(settings.workers, prepare, settings.worker_memory)
     from service.workers.remote import remote_workers  # Dask, for those who have a scheduler
 
     return remote_workers(settings.scheduler, settings.workers, prepare)

@@ -21,7 +21,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from functools import partial
 from multiprocessing.connection import Connection, wait
-from pathlib import Path
 from queue import SimpleQueue
 from threading import Event, Lock, Thread
 from typing import Any, TypeVar
@@ -31,19 +30,15 @@ import cloudpickle
 from service.wire.errors import ProblemType
 from service.wire.logs import configure_logs
 from service.workers import prefork
+from service.workers.memory import SPENT, limit_memory, needed_more, share_of_memory
 from synthesis.numerics import clock
 
 log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 RETRY = {"Retry-After": "2"}  # [s]: by then a lost worker has been replaced
 ANEW_S = 1.0  # after a worker that ended before it was ready
-LOOK_S = 0.25  # between looks at how much memory the workers have
-MIB = 2**20  # bytes
 TASK, CANCEL = b"+", b"-"  # what messages to a worker begin with
 UNKNOWN = 255  # what multiprocessing says where nobody saw how a process ended
-PROC = Path("/proc")
-CGROUP = Path("/sys/fs/cgroup/memory.max")  # what a container may have
-RESERVE = 0.95  # of the memory: the rest is for all else; the share that Dask's nannies leave too
 
 
 class Worker:
@@ -89,9 +84,12 @@ class Worker:
 
 
 class LocalWorkers:
-    """A fixed number of worker processes, each replaced when it ends."""
+    """A fixed number of worker processes, each replaced when it ends.
 
-    def __init__(self, slots: int, prepare: Callable[[], None]) -> None:
+    ``memory``: that each may have [bytes]; 0: its share of the machine's.
+    """
+
+    def __init__(self, slots: int, prepare: Callable[[], None], memory: int) -> None:
         self.slots, self._prepare = slots, prepare
         self._method: Any = multiprocessing.get_context(prefork.METHOD)
         self._ready: set[Worker] = set()
@@ -102,7 +100,7 @@ class LocalWorkers:
         # and reads how they ended: multiprocessing looks at all its children at each start.
         self._threads = ThreadPoolExecutor(2 * slots, "workers")
         self._starting = ThreadPoolExecutor(1, "starting")
-        self._memory = memory_of_this_machine() * RESERVE / max(slots, os.cpu_count() or 1)
+        self._memory = memory or share_of_memory(slots)
 
     async def run(self, key: str, work: Callable[..., T], *arguments: Any) -> T:
         message, loop = dumps((key, partial(work, *arguments))), asyncio.get_running_loop()
@@ -174,11 +172,14 @@ class LocalWorkers:
                 code = await loop.run_in_executor(self._starting, exit_code, worker.process)
                 if code == UNKNOWN:  # the process that forks has died, and this one may live
                     worker.kill()
-                worker.ended.set_result(reason_of(code) if worker.reason is None else worker.reason)
+                reason = needed_more(self._memory) if code == SPENT else reason_of(code)
+                worker.ended.set_result(reason if worker.reason is None else worker.reason)
 
     async def _start_worker(self) -> Worker:
         ours, theirs = multiprocessing.Pipe()
-        process = self._method.Process(target=serve, args=(theirs, self._prepare), daemon=True)
+        process = self._method.Process(
+            target=serve, args=(theirs, self._prepare, self._memory), daemon=True
+        )
         loop = asyncio.get_running_loop()
         await asyncio.shield(loop.run_in_executor(self._starting, process.start))
         theirs.close()
@@ -195,15 +196,6 @@ class LocalWorkers:
             return False
         return True
 
-    async def limit_memory(self) -> None:
-        """Stop workers that take more than their share of the machine's memory, where it tells."""
-        while self._memory:
-            await asyncio.sleep(LOOK_S)
-            for worker in list(self._busy.values()):
-                if resident_bytes(worker.process.pid) > self._memory:
-                    most = f"{self._memory / MIB:.0f} MiB"
-                    worker.kill(f"needed more than {most} of memory and was stopped")
-
     def close(self) -> None:
         """Let the threads go: the workers have ended."""
         for threads in (self._threads, self._starting):
@@ -211,12 +203,13 @@ class LocalWorkers:
 
 
 @asynccontextmanager
-async def local_workers(slots: int, prepare: Callable[[], None]) -> AsyncIterator[LocalWorkers]:
+async def local_workers(
+    slots: int, prepare: Callable[[], None], memory: int = 0
+) -> AsyncIterator[LocalWorkers]:
     """Worker processes for as long as they are wanted; they are all ready."""
     prefork.start_fork_server()
-    workers = LocalWorkers(slots, prepare)
+    workers = LocalWorkers(slots, prepare, memory)
     tasks = [asyncio.create_task(workers.keep()) for _ in range(slots)]
-    tasks.append(asyncio.create_task(workers.limit_memory()))
     try:
         await workers.all_ready.wait()
         yield workers
@@ -249,29 +242,11 @@ def reason_of(code: int) -> str:
     return f"was ended by signal {-code}{known.get(-code, '')}, perhaps for lack of memory"
 
 
-def memory_of_this_machine() -> int:
-    """Memory [bytes] of the machine, or of the container; 0 where the system does not tell."""
-    if not PROC.exists():
-        return 0
-    whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    limit = CGROUP.read_text().strip() if CGROUP.exists() else "max"
-    return min(whole, int(limit)) if limit.isdecimal() else whole
-
-
-def resident_bytes(process: int) -> int:
-    """Memory that a process takes now; 0 where it has ended."""
-    try:
-        pages = (PROC / str(process) / "statm").read_text().split()[1]
-    except OSError:
-        return 0
-    return int(pages) * os.sysconf("SC_PAGE_SIZE")
-
-
 # -- in the worker process ---------------------------------------------------------------------
 
 
-def serve(connection: Connection, prepare: Callable[[], None]) -> None:
-    """Run tasks from a pipe until it ends."""
+def serve(connection: Connection, prepare: Callable[[], None], memory: int) -> None:
+    """Run tasks from a pipe until it ends, in so much memory [bytes]."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, but the service stops it
     configure_logs("warning")
     tasks: SimpleQueue[tuple[str, Any]] = SimpleQueue()
@@ -281,6 +256,7 @@ def serve(connection: Connection, prepare: Callable[[], None]) -> None:
         prepare()
     except Exception:  # the worker itself works; the first design will show what is wrong
         log.exception("warm-up failed")
+    limit_memory(memory)
     reply = b""  # it is ready
     with contextlib.suppress(OSError):  # the service has ended
         while True:
@@ -310,10 +286,22 @@ def _listen(connection: Connection, tasks: SimpleQueue[Any], events: dict[str, E
 
 
 def _reply(key: str, work: Callable[[], Any], events: dict[str, Event]) -> bytes:
-    """Run a task; whether it succeeded, and its result or the exception."""
     try:
         with clock.cancellation_scope(events[key]):
-            return dumps((True, work()))
+            return reply_of(work)
+    finally:
+        del events[key]
+
+
+def reply_of(work: Callable[[], Any]) -> bytes:
+    """Run a task; whether it succeeded, and its result or the exception.
+
+    The process ends where it takes too much memory: whatever it holds still, it is replaced.
+    """
+    try:
+        return dumps((True, work()))
+    except MemoryError:
+        os._exit(SPENT)
     except Exception as error:
         error.add_note(traceback.format_exc())  # the traceback itself stays here
         try:
@@ -323,5 +311,3 @@ def _reply(key: str, work: Callable[[], Any], events: dict[str, Event]) -> bytes
             text = "".join(traceback.format_exception(error))
             return dumps((False, RuntimeError(text)))
         return reply
-    finally:
-        del events[key]

@@ -11,7 +11,8 @@ import signal
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 gc.disable()
 
-import service.workers.local  # noqa: E402, F401
+import service.workers.local  # noqa: E402
+import service.workers.tasks  # noqa: E402, F401
 import synthesis.pipeline.synthesise  # noqa: E402, F401
 
 gc.freeze()

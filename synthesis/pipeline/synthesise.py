@@ -100,6 +100,9 @@ def synthesise(
         answer = answer.with_warm_start(near.id)
     # 4. What an engineer would say of the cam.
     answer = with_warnings(answer)
+    #    The report tells the time of the whole, that of summaries and warnings included.
+    report = answer.report.model_copy(update={"seconds": time.perf_counter() - began})
+    answer = answer.model_copy(update={"report": report})
     if late and answer.status == "feasible":
         raise TimeBudgetExceeded(budget, answer)
     local_optimum = attempt.searches[0].local_optimum if attempt.searches else None

@@ -24,9 +24,10 @@ from tests.service import fake_core
 class Running:
     """A service that listens."""
 
-    def __init__(self, settings: Settings, real: bool) -> None:
+    def __init__(self, settings: Settings, real: bool, *, keys_needed: bool = False) -> None:
         configure_logs("warning")
-        self.app = create_app(settings, running_engine if real else fake_core.engine)
+        engine = running_engine if real else fake_core.engine
+        self.app = create_app(settings, engine, keys_needed=keys_needed)
         self._socket = listening_socket(settings)
         self.url = f"http://127.0.0.1:{self._socket.getsockname()[1]}"
         self.server = uvicorn.Server(server_config(self.app, settings))

@@ -40,7 +40,7 @@ numbers = count()
 
 
 @dataclass
-class Asked:
+class Record:
     """What came of the questions of one owner: times [s], refusals, and who came back."""
 
     times: list[float] = field(default_factory=list)
@@ -81,7 +81,7 @@ async def ask(
     return int(status.split()[1]), {name.lower(): value for name, _, value in pairs}, rest
 
 
-async def keep_asking(port: int, key: str, asked: Asked, end: float) -> None:
+async def keep_asking(port: int, key: str, asked: Record, end: float) -> None:
     """One client: a design after the other; who is refused waits as long as he is told."""
     told = False
     while time.monotonic() < end:
@@ -122,11 +122,12 @@ def memory(session: int) -> float:
 
 async def measure(port: int, session: int, keys: list[str], clients: int) -> str:
     """A line of the table."""
-    quiet, loud, end = Asked(), Asked(), time.monotonic() + HELD_S
+    quiet, loud = Record(), Record()
     swept = {"kind": "range", "pointer": "/speed_rpm", "start": 10.0 + clients,
              "stop": 5000.0 + clients, "count": SWEPT}  # fmt: skip
     body = {"name": "load", "base": CAM, "axes": [swept]}
     _, headers, _ = await ask(port, keys[1], "POST", "/v1/sweeps", body)
+    end = time.monotonic() + HELD_S
     tasks = [asyncio.create_task(keep_asking(port, keys[1], loud, end)) for _ in range(clients)]
     tasks.append(asyncio.create_task(keep_asking(port, keys[0], quiet, end)))
     most = 0.0

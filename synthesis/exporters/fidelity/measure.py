@@ -13,19 +13,21 @@ The motion of a follower on such a curve: `motion`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from functools import partial
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
+from scipy.interpolate import CubicSpline, PPoly
 
 from synthesis.catalogue.followers.base import flat_face
 from synthesis.exporters.fidelity.motion import CurveSamples, FollowerMotion, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.sampling import Written, in_degrees
 from synthesis.numerics.geometry.plane import to_cam
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, horner
 from synthesis.units import DEGREE, FULL_TURN
 
 ReaderName = Literal["polyline", "periodic", "not-a-knot", "natural"]
@@ -43,10 +45,13 @@ SHARP = 1e12  # curvature of a corner [1/mm]
 
 @dataclass(frozen=True)
 class Deviation:
-    """A greatest deviation, in the unit of what deviates, and the cam angle where it is [deg]."""
+    """A greatest deviation, in the unit of what deviates, and the cam angle where it is [deg].
+
+    None: where the velocity deviates most, as it jumps there.
+    """
 
     value: float
-    angle_deg: float
+    angle_deg: float | None
 
     @classmethod
     def of(cls, error: Array, theta: Array) -> Deviation:
@@ -62,15 +67,16 @@ class Fidelity:
     Attributes:
         reader: how it draws the curve.
         form: greatest distance of the curve from the true one, along its normal [mm].
-        velocity, acceleration: greatest error of the follower's s' and s'' [mm per radian];
-            infinite where the velocity jumps.
+        acceleration: greatest error of the follower's s'' [mm per radian²]; infinite where the
+            velocity jumps.
+        find_velocity: finds that of its s' [mm per radian]; of straight lines it takes a while.
         corner: angle between the curve's two ends, whose jerk is not counted [rad].
     """
 
     reader: ReaderName
     form: Deviation
-    velocity: Deviation
     acceleration: Deviation
+    find_velocity: Callable[[], Deviation]
     corner: float = 0.0
 
 
@@ -79,12 +85,14 @@ class Interpolant:
     """One turn of the curve that a reader draws.
 
     Attributes:
-        spline: chord length to points and their derivatives.
+        breaks: (m + 1,) the parameter, which is chord length, at all points that it goes through.
+        polynomials: (d + 1, 2, m) between them, about the one before, highest power first.
         knots: (n + 1,) the parameter at the points, the first one's again at the end.
         first: index of the point it begins with: not 0 where some points are repeated.
     """
 
-    spline: CubicSpline | BSpline
+    breaks: Array
+    polynomials: Array
     knots: Array
     first: int
 
@@ -102,11 +110,17 @@ class Interpolant:
         knots = np.concatenate([[0.0], np.cumsum(steps)])
         first = repeated // 2
         used = knots[first : first + len(points) + 1]
-        return cls(interpolate(knots, all_points, reader), used, first)
+        pieces = np.swapaxes(interpolate(knots, all_points, reader).c, 1, 2)
+        return cls(knots, np.ascontiguousarray(pieces), used, first)
 
-    def __call__(self, parameter: Array, order: int = 0) -> Array:
-        """The points (2, k), or a derivative of them, at parameters (k,)."""
-        return np.asarray(self.spline(parameter, order), dtype=float).T
+    def __call__(self, parameter: Array, highest: int = 0) -> Array:
+        """The points and their derivatives up to this one, (highest + 1, 2, k), at parameters (k,).
+
+        All at once: each would look for its pieces anew.
+        """
+        piece = np.searchsorted(self.breaks[1:-1], parameter, side="right")
+        falling = self.polynomials.take(piece, axis=-1)
+        return horner(falling, parameter - self.breaks[piece], highest)
 
     @property
     def probes(self) -> Array:
@@ -114,10 +128,11 @@ class Interpolant:
         return (self.knots[:-1, None] + BETWEEN * np.diff(self.knots)[:, None]).ravel()
 
 
-def interpolate(knots: Array, values: Array, reader: ReaderName) -> CubicSpline | BSpline:
+def interpolate(knots: Array, values: Array, reader: ReaderName) -> PPoly:
     """A reader's interpolant of values (n,) or (n, d) at given parameters (n,)."""
     if reader == "polyline":
-        return make_interp_spline(knots, values, k=1)
+        slopes = (np.diff(values, axis=0).T / np.diff(knots)).T
+        return PPoly(np.stack([slopes, values[:-1]]), knots)
     return CubicSpline(knots, values, bc_type=reader)
 
 
@@ -199,35 +214,39 @@ def _errors(
         part: (k,) which probes. near, true: cam angles [rad] and the true curve there, (k,) each.
     """
     parameter = curve.probes[part]
-    (x, y), (dx, dy), (sx, sy) = (curve(parameter, order) for order in range(3))
+    jet = curve(parameter, 2)
+    (x, y), (dx, dy), (sx, sy) = jet
     speed = np.hypot(dx, dy)
     curvature = (dy * sx - dx * sy) / speed**3
     samples = CurveSamples(x, y, dx / speed, dy / speed, curvature)
-    form = _form(curve, parameter, true, [(x, y), (dx, dy)])
+    form = _form(curve, parameter, true, jet[:2])
     return Errors(form, *_motion(cam, follower_motion(cam, samples, near)))
 
 
 def _smooth(reader: ReaderName, curve: Interpolant, errors: Errors, probes: Array) -> Fidelity:
     """The greatest errors of a spline."""
-    (ax, bx), (ay, by) = curve(curve.knots[[0, -1]], 1)
+    (ax, bx), (ay, by) = curve(curve.knots[[0, -1]], 1)[1]
     corner = float(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)))
+    corner = 0.0 if reader == "periodic" else corner
     form = Deviation.of(errors.form, probes)
-    velocity = Deviation.of(errors.velocity, errors.theta)
     acceleration = Deviation.of(errors.acceleration, errors.theta)
-    return Fidelity(reader, form, velocity, acceleration, corner)
+    velocity = partial(Deviation.of, errors.velocity, errors.theta)
+    return Fidelity(reader, form, acceleration, velocity, corner)
 
 
-def _form(curve: Interpolant, parameter: Array, true: CurveSamples, jet: Any = None) -> Array:
+def _form(
+    curve: Interpolant, parameter: Array, true: CurveSamples, jet: Array | None = None
+) -> Array:
     """Distances along the true normals: Newton's method finds where these meet the curve.
 
     ``jet``: points and derivatives at the parameters, where they are known.
     """
     for step in range(NEWTON_STEPS):
         known = jet if step == 0 else None
-        (x, y), (dx, dy) = known or (curve(parameter), curve(parameter, 1))
+        (x, y), (dx, dy) = curve(parameter, 1) if known is None else known
         ahead = (x - true.x) * true.tx + (y - true.y) * true.ty
         parameter = parameter - ahead / (dx * true.tx + dy * true.ty)
-    x, y = curve(parameter)
+    ((x, y),) = curve(parameter)
     return np.asarray((y - true.y) * true.tx - (x - true.x) * true.ty)
 
 
@@ -252,7 +271,8 @@ def _polyline(
     In a corner that does not stand out, as under a flat face and of a path, the velocity jumps.
     """
     form = Deviation.of(_form(curve, curve.probes, true), probes)
-    points, step = curve(curve.knots[:-1]), np.diff(curve(curve.knots), axis=1)
+    ends = curve(curve.knots)[0]
+    points, step = ends[:, :-1], np.diff(ends, axis=1)
     after = np.append(theta[1:], theta[0] + FULL_TURN)
     direction = step / np.hypot(*step)
     before = np.roll(direction, 1, axis=1)
@@ -272,8 +292,14 @@ def _polyline(
         np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)
     )
     samples = CurveSamples(x, y, tx, ty, curvature)
-    *errors, at = _motion(cam, follower_motion(cam, samples, near))
-    velocity, acceleration = (Deviation.of(each, at) for each in errors)
-    if not rounds:
-        acceleration = Deviation(float("inf"), velocity.angle_deg)
-    return Fidelity("polyline", form, velocity, acceleration)
+
+    def deviations() -> tuple[Deviation, Deviation]:
+        *errors, at = _motion(cam, follower_motion(cam, samples, near))
+        velocity, acceleration = (Deviation.of(each, at) for each in errors)
+        return velocity, acceleration
+
+    if rounds:
+        velocity, acceleration = deviations()
+        return Fidelity("polyline", form, acceleration, lambda: velocity)
+    knock = Deviation(float("inf"), None)
+    return Fidelity("polyline", form, knock, lambda: deviations()[0])

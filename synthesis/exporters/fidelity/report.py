@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from synthesis.exporters.samples.cam import Cam
 from synthesis.exporters.samples.columns import column_name
 from synthesis.exporters.samples.cutting import checked_cam
 from synthesis.exporters.samples.sampling import Written, written_points
+from synthesis.numerics.piecewise import Array
 from synthesis.units import DEGREE, FULL_TURN
 
 METHOD = (
@@ -36,19 +37,21 @@ DERIVATIVES = ("displacement", "velocity", "acceleration")
 
 def fidelity_block(cam: Cam, written: Written, options: PointOptions) -> dict[str, Any]:
     """How true the curve of every reader is, in the units of the wire."""
-    theta = np.union1d(FULL_TURN * np.arange(PEAK_ANGLES) / PEAK_ANGLES, cam.joints.theta)
-    peaks = np.max(np.abs(cam.motion.derivatives(theta, 2)), axis=1)
-    readers = [
-        {
+    peaks = _peaks(cam)
+    readers = []
+    for each in fidelities(cam, written, options.turn_deg, options.overlap_points):
+        velocity, acceleration = each.find_velocity(), each.acceleration
+        if acceleration.angle_deg is None:
+            acceleration = replace(acceleration, angle_deg=velocity.angle_deg)
+        reader = {
             "reader": each.reader,
             "form_um": four_digits(1e3 * each.form.value),
             "form_at_deg": each.form.angle_deg,
-            **deviation_fields(cam, 1, each.velocity, peaks[1]),
-            **deviation_fields(cam, 2, each.acceleration, peaks[2]),
+            **deviation_fields(cam, 1, velocity, peaks[1]),
+            **deviation_fields(cam, 2, acceleration, peaks[2]),
             "seam_corner_deg": four_digits(each.corner / DEGREE),
         }
-        for each in fidelities(cam, written, options.turn_deg, options.overlap_points)
-    ]
+        readers.append(reader)
     return {
         "points": len(written.points),
         "decimals": options.decimals,
@@ -58,14 +61,24 @@ def fidelity_block(cam: Cam, written: Written, options: PointOptions) -> dict[st
     }
 
 
+def _peaks(cam: Cam) -> Array:
+    """The greatest |s|, |s'| and |s''| of the true motion (3,) [mm, per radian]."""
+    theta = np.union1d(FULL_TURN * np.arange(PEAK_ANGLES) / PEAK_ANGLES, cam.joints.theta)
+    return np.asarray(np.max(np.abs(cam.motion.derivatives(theta, 2)), axis=1))
+
+
 def deviation_fields(cam: Cam, order: int, deviation: Deviation, peak: float) -> dict[str, Any]:
     """Of a derivative of s: its error in the unit of the wire, where, and as part of its peak."""
     name, worst = DERIVATIVES[order], four_digits(deviation.value * cam.rate(order))
     return {
         column_name(name, cam.travel.derivative_unit(order)): worst,
         f"{name}_at_deg": deviation.angle_deg,
-        f"{name}_part": four_digits(deviation.value / max(peak, np.finfo(float).tiny)),
+        f"{name}_part": _part(deviation, peak),
     }
+
+
+def _part(deviation: Deviation, peak: float) -> float | None:
+    return four_digits(deviation.value / max(peak, np.finfo(float).tiny))
 
 
 def four_digits(value: float) -> float | None:
@@ -84,10 +97,11 @@ def fidelity_header(design: Design, options: PointOptions) -> Mapping[str, str]:
     written = written_points(cam, options)
     if len(written.points) > MAX_ROWS:
         return {"Fidelity": f"more than {MAX_ROWS} points: ask for profile.fidelity.json"}
+    peak = _peaks(cam)[2]
     lines = [
-        f"{each['reader']}: form {each['form_um']:.3g} um, acceleration "
-        f"{percentage(each['acceleration_part'])}"
-        for each in fidelity_block(cam, written, options)["readers"]
+        f"{each.reader}: form {four_digits(1e3 * each.form.value):.3g} um, acceleration "
+        f"{percentage(_part(each.acceleration, peak))}"
+        for each in fidelities(cam, written, options.turn_deg, options.overlap_points)
     ]
     return {"Fidelity": "; ".join(lines)}
 

@@ -39,7 +39,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     for name in ("from", "to"):
         parser.add_argument(f"--{name}", choices=("sqlite", "postgresql"), default="sqlite")
-    for name, default in (("singles", 60), ("sweeps", 2), ("items", 200)):
+    for name, default in (("singles", 60), ("sweeps", 2), ("items", 200), ("over", 15)):
         parser.add_argument(f"--{name}", type=int, default=default)
     chosen = vars(parser.parse_args())
     with ExitStack() as stack:
@@ -47,15 +47,17 @@ def main() -> int:
         here = stack.enter_context(opened(chosen["from"]))
         there = stack.enter_context(opened(chosen["to"]))
         ports = [free_port(), free_port()]
-        clients = [httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0)
-                   for port in ports]  # fmt: skip
+        clients = [
+            stack.enter_context(httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0))
+            for port in ports
+        ]
         first = service(folder, ports[0], CAMWRIGHT_DATABASE_URL=here.url)
         stack.callback(first.stop)
         answering(clients[0])
         asking = Asking(ports[:1], random.Random(1), FakeWork())
         posting = [
             threading.Thread(target=asking.post_sweeps, args=(chosen["sweeps"], chosen["items"])),
-            threading.Thread(target=asking.post_designs, args=(chosen["singles"], 15.0)),
+            threading.Thread(target=asking.post_designs, args=(chosen["singles"], chosen["over"])),
         ]
         for thread in posting:
             thread.start()

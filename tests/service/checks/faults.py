@@ -48,33 +48,35 @@ PACE_S = 3.0  # by fault, over which designs are posted
 
 
 class Services:
-    """Two services that share the store, and the cluster of the second; each started again."""
+    """Services that share the store, and the cluster of the second; each started again."""
 
-    def __init__(self, folder: Path, store: Store, draw: random.Random, real: bool) -> None:
-        self.ports, scheduler = [free_port(), free_port()], free_port()
+    def __init__(
+        self, folder: Path, store: Store, draw: random.Random, real: bool, count: int
+    ) -> None:
+        self.ports, scheduler = [free_port() for _ in range(count)], free_port()
         self._draw, self.stopped = draw, threading.Event()
         certificate = folder / "cluster.pem"
         make_certificate(certificate)
         cluster = {**cluster_of(certificate), LOG: str(folder / "log")}
         address = f"tls://127.0.0.1:{scheduler}"
-        self.scheduler = Process(
-            "-m", "service.workers.scheduler", "--host=127.0.0.1", f"--port={scheduler}",
-            "--no-dashboard", "--dashboard-address=127.0.0.1:0", **cluster,
-        )  # fmt: skip
-        self.nannies = Process(
-            "-m", "dask", "worker", address, "--nworkers=1", "--nthreads=1", "--no-dashboard",
-            "--dashboard-address=127.0.0.1:0", f"--local-directory={folder}",
-            "--death-timeout=60", **cluster,
-        )  # fmt: skip
         more = {"CAMWRIGHT_DATABASE_URL": store.url, "CAMWRIGHT_LEASE_S": str(LEASE_S),
                 "CAMWRIGHT_ACCESS": "open-to-anyone", **cluster}  # fmt: skip
-        own: tuple[dict[str, str], ...] = ({}, {"CAMWRIGHT_SCHEDULER": address})
         self.services: list[Process] = []
-        for number, (port, settings) in enumerate(zip(self.ports, own, strict=True)):
+        for number, port in enumerate(self.ports):
             place = folder / f"service {number}"
             place.mkdir()
-            self.services.append(service(place, port, real=real, **more, **settings))
-        self.all = [self.scheduler, self.nannies, *self.services]
+            workers = {"CAMWRIGHT_SCHEDULER": address} if number else {}
+            self.services.append(service(place, port, real=real, **more, **workers))
+        self.cluster = [
+            Process(*words, **cluster) for words in (
+                ("-m", "service.workers.scheduler", "--host=127.0.0.1", f"--port={scheduler}",
+                 "--no-dashboard", "--dashboard-address=127.0.0.1:0"),
+                ("-m", "dask", "worker", address, "--nworkers=1", "--nthreads=1", "--no-dashboard",
+                 "--dashboard-address=127.0.0.1:0", f"--local-directory={folder}",
+                 "--death-timeout=60"),
+            ) if count > 1
+        ]  # fmt: skip
+        self.all = [*self.cluster, *self.services]
 
     def supervise(self) -> None:
         """Start again whatever has ended, as Docker and systemd do."""
@@ -91,15 +93,17 @@ class Services:
 
     def faults(self, asking: Asking) -> dict[str, Fault]:
         """What may happen to them."""
-        return {
+        found = {
             "kill -9 of a service": self._draw.choice(self.services).kill,
             "kill -9 of a worker": self._kill_worker,
             "kill -9 of what forks": self._kill_forking,
-            "kill -9 of the scheduler": self.scheduler.kill,
-            "kill -9 of a worker of the scheduler": self._kill_remote,
             "stands still": self._stop,
             "connection cut": lambda: self._cut(asking),
         }  # fmt: skip
+        if self.cluster:
+            found["kill -9 of the scheduler"] = self.cluster[0].kill
+            found["kill -9 of a worker of the scheduler"] = self._kill_remote
+        return found
 
     def _kill_worker(self) -> None:
         for worker in children(self.services[0].running.pid)[:1]:
@@ -113,7 +117,7 @@ class Services:
 
     def _kill_remote(self) -> None:
         """What solves, or now and then what starts it again as well."""
-        nanny, *forked = processes.family(self.nannies.running.pid)
+        nanny, *forked = processes.family(self.cluster[1].running.pid)
         if self._draw.random() < 0.3 or not forked:
             os.kill(nanny, signal.SIGKILL)
         for each in forked:
@@ -149,7 +153,7 @@ def main() -> int:
     parser.add_argument("--store", choices=("sqlite", "postgresql"), default="sqlite")
     parser.add_argument("--core", choices=("fake", "real"), default="fake")
     for name, default in (("faults", 100), ("singles", 500), ("sweeps", 5), ("items", 200),
-                          ("seed", 1)):  # fmt: skip
+                          ("seed", 1), ("services", 2)):  # fmt: skip
         parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("--only", default="", help="faults whose name holds this")
     chosen = parser.parse_args()
@@ -158,7 +162,7 @@ def main() -> int:
     with ExitStack() as stack:
         stack.callback(shutil.rmtree, folder, ignore_errors=True)
         store = stack.enter_context(opened(chosen.store))
-        services = Services(folder, store, draw, real)
+        services = Services(folder, store, draw, real, chosen.services)
         for each in services.all:
             stack.callback(each.stop)
         supervisor = threading.Thread(daemon=True, target=services.supervise)

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import select, update
+from sqlalchemy import event, inspect, select, text, update
 
-from service.storage.store import Answers, Store
+from service.storage.answers import Answers
+from service.storage.store import Store
 from service.storage.tables import AnswerRow, KeyRow, UsageRow
 from tests.service.conftest import settings_for
 
@@ -232,5 +233,44 @@ def test_a_transaction_that_fails_leaves_nothing(tmp_path: Path) -> None:
 
         assert await store.do(added) == "found"
         assert len(tried) == 2
+
+    on_store(tmp_path, work)
+
+
+def test_only_what_nobody_is_told_of_may_wait_for_the_disk(tmp_path: Path) -> None:
+    """That somebody asks what has no answer yet; every other transaction is on the disk."""
+
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        async def synchronous() -> int:
+            return await store.do(lambda session: session.scalar(text("pragma synchronous")))
+
+        seen: list[int] = []
+
+        @event.listens_for(store.engine, "commit")
+        def look(connection: Any) -> None:
+            seen.append(connection.exec_driver_sql("pragma synchronous").scalar_one())
+
+        full, normal = 2, 1
+        await one.claim("a", ME)
+        assert await synchronous() == full
+        await one.finish(row("a", state="done", body=b"x"), accepted=False)
+        await one.claim("a", "another")  # is told the answer
+        assert seen[0] == normal
+        assert set(seen[1:]) == {full}
+
+    on_store(tmp_path, work)
+
+
+def test_a_head_is_read_without_the_body(tmp_path: Path) -> None:
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        await one.claim("a", ME)
+        await one.finish(row("a", state="done", body=b"x", etag="e"), accepted=False)
+        head = await one.find("a", ME, with_body=False)
+        assert head is not None
+        assert head.etag == "e"
+        assert {"body", "spec"} <= inspect(head).unloaded
+        assert await one.body(head) == b"x"
+        await one.release("a", ME)
+        assert await one.body(head) is None
 
     on_store(tmp_path, work)

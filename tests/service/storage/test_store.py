@@ -18,8 +18,9 @@ from alembic.runtime.migration import MigrationContext
 from sqlalchemy.orm import Session
 
 from service.server import serve
+from service.storage.answers import Answers
 from service.storage.migrations import HEAD, REVISIONS, migrate
-from service.storage.store import Answers, Store
+from service.storage.store import Store
 from service.storage.tables import LOCAL, AnswerRow, Base, HoldingRow, ItemRow, SweepRow
 from service.sweeps.store import SweepStore
 from tests.service.conftest import settings_for

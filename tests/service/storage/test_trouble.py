@@ -5,17 +5,23 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from sqlalchemy import update
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError, OperationalError
 
 from service.storage import store as store_module
+from service.storage.answers import Answers
 from service.storage.leases import Leases
-from service.storage.store import Answers, Store
+from service.storage.store import Store
 from service.storage.tables import AnswerRow
+from service.storage.upkeep import faults
+from service.wire.errors import is_damage
+from service.wire.problem import problem_of
+from service.work import Work
 from tests.service.conftest import settings_for
-from tests.service.storage.test_answers import ONE, row
+from tests.service.storage.test_answers import ME, ONE, row
 
 HOUR_S = 3600.0
 
@@ -66,3 +72,48 @@ def test_a_lease_from_before_the_clock_was_set_back_holds_nobody_up(store: Store
         assert await dead.renew() == set()
 
     asyncio.run(story())
+
+
+def test_a_damaged_page_is_told_and_the_rest_is_served(tmp_path: Path) -> None:
+    """As a block that the disk has lost: what lies on other pages is answered still."""
+    settings, file = settings_for(tmp_path), tmp_path / "designs.db"
+    page, bodies = 4096, {f"{number}": f"{number:04d}".encode() * 5000 for number in range(20)}
+
+    async def fill(store: Store) -> None:
+        answers = Answers(ONE, store)
+        for name, body in bodies.items():
+            await answers.claim(name, ME)
+            await answers.finish(row(name, state="done", body=body, etag="e"), accepted=False)
+
+    async def read(store: Store) -> list[DBAPIError]:
+        answers, errors = Answers(ONE, store), list[DBAPIError]()
+        assert await store.works()
+        for name, body in bodies.items():
+            try:
+                kept = await answers.find(name, ME)
+            except DBAPIError as error:
+                errors.append(error)
+            else:
+                assert kept is not None
+                assert kept.body == body
+        assert not await store.works()
+        nothing: Any = None
+        work = Work(Leases(AnswerRow, ("accepted",), store, 1.0), nothing)
+        await work.resume()  # a service starts with it
+        await work.close()
+        return errors
+
+    whole = Store(settings)
+    asyncio.run(fill(whole))
+    whole.dispose()
+    content = bytearray(file.read_bytes())
+    middle = content.index(bodies["10"][:100]) // page * page + page  # in the midst of a body
+    content[middle : middle + page] = b"\xff" * page
+    file.write_bytes(content)
+    damaged = Store(settings)
+    errors = asyncio.run(read(damaged))
+    assert len(errors) == 1
+    assert is_damage(errors[0])
+    assert "damaged" in problem_of(errors[0])["detail"]
+    assert any("malformed" in sentence for sentence in faults(damaged.engine))
+    damaged.dispose()

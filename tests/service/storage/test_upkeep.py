@@ -17,7 +17,8 @@ from typer.testing import CliRunner, Result
 
 from service.cli import app
 from service.storage import upkeep
-from service.storage.store import Answers, Store
+from service.storage.answers import Answers
+from service.storage.store import Store
 from service.sweeps.store import SweepStore
 from service.sweeps.tasks import ItemAnswer
 from tests.service.conftest import settings_for

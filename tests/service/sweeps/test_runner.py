@@ -18,8 +18,8 @@ from service import work as work_module
 from service.storage.store import Store
 from service.storage.tables import LOCAL, SweepRow
 from service.sweeps import sweeps as sweeps_module
-from service.sweeps.asked import asked_sweep
 from service.sweeps.chunks import CHAIN, Chunks
+from service.sweeps.question import sweep_question
 from service.sweeps.store import LeaseLost, design_of_item
 from service.sweeps.sweeps import Progress, Sweeps
 from service.sweeps.tasks import ItemAnswer, solve_items
@@ -79,7 +79,7 @@ def run(
 
     async def whole() -> tuple[SweepRow, dict[int, int], set[int]]:
         sweeps = Sweeps(engine, store, settings)  # type: ignore[arg-type]
-        row = await sweeps.accept(asked_sweep(spec), LOCAL)
+        row = await sweeps.accept(sweep_question(spec), LOCAL)
         if started is not None:
             await started(sweeps)
         for runner in list(sweeps.work.runners.values()):
@@ -235,7 +235,7 @@ def test_a_sweep_whose_process_has_died_is_continued(
     async def work() -> SweepRow | None:
         first = Sweeps(engine, store, settings)  # type: ignore[arg-type]
         monkeypatch.setattr(first.work, "start", lambda row: asyncio.sleep(0))
-        row = await first.accept(asked_sweep(spec), LOCAL)
+        row = await first.accept(sweep_question(spec), LOCAL)
         first.store.lease_s = 0.4
         assert await first.store.take(row.sequence)
         second = Sweeps(engine, store, settings)  # type: ignore[arg-type]

@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 from sqlalchemy import select
 
-from service.storage.store import Answers, Store
+from service.storage.answers import Answers
+from service.storage.store import Store
 from service.storage.tables import LOCAL, ItemRow, StrikeRow, SweepRow
 from service.sweeps import store as sweep_store
 from service.sweeps.store import LeaseLost, SweepStore, design_of_item

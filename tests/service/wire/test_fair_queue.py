@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from service.wire.errors import ServiceError
-from service.wire.fair_queue import FairQueue, address_of, whose
+from service.wire.fair_queue import FairQueue, address_of, current_owner
 
 
 class Clock:
@@ -40,7 +40,7 @@ def test_a_newcomer_waits_for_one_work_of_each_other_at_most(clock: Clock) -> No
         queue = FairQueue(lambda: 1, clock=clock)
 
         async def work(owner: str, seconds: float, urgent: bool = True) -> None:
-            whose.set(owner)
+            current_owner.set(owner)
             async with queue.turn(urgent=urgent):
                 begun.append(owner if urgent else f"{owner}'s sweep")
                 await asyncio.sleep(0)
@@ -93,7 +93,7 @@ def test_a_full_queue_has_room_for_who_has_none_yet(clock: Clock) -> None:
             await waits(queue.acquire())  # type: ignore[arg-type]
         with pytest.raises(ServiceError, match="4 questions are waiting already, 4 of them yours"):
             queue.room().__enter__()
-        whose.set("quiet")
+        current_owner.set("quiet")
         with queue.room():
             assert queue.waiting == 5
 

@@ -9,7 +9,7 @@ import httpx2
 import pytest
 
 from service.contract.examples import examples
-from service.routes import resource_routes
+from service.routes import files
 from tests.service.conftest import Running
 from tests.service.fake_core import Gate
 from tests.service.specs import spec
@@ -31,7 +31,7 @@ def test_head_tells_what_get_would_and_makes_nothing(
     path, plain = f"{owner}/motion.svg", {"Accept-Encoding": "identity"}
     file = client.get(path, headers=plain)
     assert file.status_code == 200
-    monkeypatch.setattr(resource_routes, "partial", None)  # to make a file would fail
+    monkeypatch.setattr(files, "partial", None)  # to make a file would fail
     assert client.get(path, headers=plain).status_code == 500
     head = client.head(path, headers=plain)
     assert (head.status_code, head.content) == (200, b"")
@@ -45,7 +45,7 @@ def test_head_of_a_file_that_cannot_be(
     client: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It has no cam: as GET says."""
-    monkeypatch.setattr(resource_routes, "WITHOUT_CAM", ("optimal",))
+    monkeypatch.setattr(files, "WITHOUT_CAM", ("optimal",))
     owner = client.post("/v1/designs", json=spec()).headers["content-location"]
     assert client.head(f"{owner}/profile.csv").status_code == 409
 

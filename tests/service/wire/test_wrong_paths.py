@@ -11,7 +11,7 @@ import pytest
 
 from service.client import Refused
 from service.resources.quotas import UsedQuotas
-from service.routes.resource_routes import in_worker
+from service.routes.files import make_in_worker
 from service.state import NOBODY
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.fair_queue import FairQueue
@@ -109,7 +109,7 @@ def test_a_file_that_is_not_made_says_where_to_get_it_later(
     url = SimpleNamespace(path="/v1/designs/abc/solid.step", query="tolerance_um=1")
     request: Any = SimpleNamespace(url=url)
     with pytest.raises(ServiceError) as refused:
-        asyncio.run(in_worker(request, parts, lambda: None))
+        asyncio.run(make_in_worker(request, parts, lambda: None))
     assert refused.value.problem is problem
     assert refused.value.headers == getattr(raised, "headers", {})
     text = str(refused.value)

@@ -11,14 +11,17 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import httpx2
+import numpy as np
 import pytest
 
 from benchmarks import processes
-from service.wire.errors import ServiceError
-from service.workers import local
+from service.wire.errors import ProblemType, ServiceError
+from service.workers import memory
 from service.workers.local import LocalWorkers, local_workers
+from service.workers.memory import MIB, share_of_memory
 from service.workers.prefork import ENVIRONMENT, start_fork_server
 from synthesis.errors import Cancelled
+from synthesis.numerics import clock
 from tests.service.fake_core import prepare
 from tests.service.killing import answering, free_port, service
 
@@ -75,7 +78,7 @@ def at_work(done: Path) -> int:
     with begun.open("a") as log:
         log.write(f"{os.getpid()}\n")
     while not done.exists():
-        local.clock.now()
+        clock.now()
         os.sched_yield()
     return os.getpid()
 
@@ -99,7 +102,7 @@ def test_a_worker_that_died_idle_costs_nothing() -> None:
         assert await workers.run("c", bytes, sent) == sent
         with pytest.raises(ZeroDivisionError, match="division") as raised:
             await workers.run("d", divmod, 7, 0)
-        assert "in _reply" in raised.value.__notes__[0]
+        assert "in reply_of" in raised.value.__notes__[0]
 
     with_one_worker(story)
 
@@ -175,22 +178,26 @@ def test_a_cancelled_one_ends_and_its_worker_stays(tmp_path: Path) -> None:
     with_one_worker(story)
 
 
-def test_more_than_its_share_of_the_memory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(local, "memory_of_this_machine", lambda: 2**32)
-    monkeypatch.setattr(os, "cpu_count", lambda: 16)  # a share of 243 MiB
+def test_more_than_its_memory_is_told() -> None:
+    """By the kernel, so that what grows faster than anybody looks does not take the machine."""
 
-    async def story(workers: LocalWorkers) -> None:
-        with pytest.raises(ServiceError, match="needed more than 243 MiB of memory"):
-            await workers.run("a", hold, 2**29)
-        assert await workers.run("b", len, "goes on") == 7
+    async def told() -> None:
+        async with local_workers(1, prepare, MIB) as workers:  # the least there is
+            with pytest.raises(ServiceError, match="needed more than 1 MiB of memory") as raised:
+                await workers.run("a", np.ones, 2**28)  # 2 GiB
+            assert raised.value.problem is ProblemType.WORKER_LOST
+            assert await workers.run("b", len, "goes on") == 7
 
-    with_one_worker(story)
+    asyncio.run(told())
 
 
-def hold(size: int) -> None:
-    held = bytearray(b"1") * size
-    while held:
-        local.clock.now()
+def test_its_share_of_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No core has more than another, however few workers there are."""
+    monkeypatch.setattr(memory, "memory_of_this_machine", lambda: 2**32)
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    assert [share_of_memory(workers) * workers / 2**32 for workers in (2, 4, 8)] == pytest.approx(
+        [0.475, 0.95, 0.95]
+    )
 
 
 def test_what_cannot_be_sent_back_is_an_error_of_its_own() -> None:

@@ -1,4 +1,4 @@
-"""A sweep as it was asked for: read and checked in a process that reads bodies."""
+"""What is asked of a sweep: read and checked in a process that reads bodies."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SAMPLED = 8  # items that are validated before a sweep is accepted: the first, t
 
 
 @dataclass(frozen=True)
-class AskedSweep:
+class SweepQuestion:
     """What the store and lists need of a sweep's spec; ``text`` is the spec with all fields."""
 
     id: str
@@ -24,13 +24,13 @@ class AskedSweep:
     text: str
 
 
-def asked_sweep(spec: SweepSpec) -> AskedSweep:
+def sweep_question(spec: SweepSpec) -> SweepQuestion:
     """The same of a spec that was read already."""
     axes = [axis.pointer for axis in spec.axes]
-    return AskedSweep(sweep_id(spec), spec.name, spec.size, axes, spec.model_dump_json())
+    return SweepQuestion(sweep_id(spec), spec.name, spec.size, axes, spec.model_dump_json())
 
 
-def read_sweep(body: bytes, most: int) -> AskedSweep:
+def read_sweep(body: bytes, most: int) -> SweepQuestion:
     """Bytes as a sweep of at most so many items.
 
     Invalid items fail one by one when their turn comes: a corner of a grid may be out of reach.
@@ -51,7 +51,7 @@ def read_sweep(body: bytes, most: int) -> AskedSweep:
         except ServiceError as error:
             first = first or error
         else:
-            return asked_sweep(spec)
+            return sweep_question(spec)
     assert first is not None
     violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
     raise ProblemType.INVALID_REQUEST(

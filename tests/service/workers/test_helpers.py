@@ -1,4 +1,4 @@
-"""Long bodies are read in other processes, which are ended where they take too long."""
+"""What is done beside the event loop: its processes are ended where they take too much."""
 
 from __future__ import annotations
 
@@ -19,20 +19,23 @@ from service.resources.records import DESIGNS
 from service.settings import Settings
 from service.wire.body import SHORT, read_body
 from service.wire.errors import ProblemType, ServiceError
+from service.wire.fair_queue import current_owner
 from service.wire.validation import parse_json
-from service.workers.readers import Readers
+from service.workers.helpers import Helpers, readers_of, writers_of
+from service.workers.memory import MIB
+from synthesis.errors import TimeBudgetExceeded
 from synthesis.spec.design_spec import DesignSpec
 from tests.service.wire.hostile_bodies import CAM
 
 
 @pytest.fixture
-def readers() -> Iterator[Readers]:
-    found = Readers(Settings.model_validate({"readers": 1, "reading_s": 0.5, "max_waiting": 2}))
+def readers() -> Iterator[Helpers]:
+    found = readers_of(Settings.model_validate({"readers": 1, "reading_s": 0.5, "max_waiting": 2}))
     yield found
     found.close()
 
 
-def test_what_is_read_elsewhere_is_as_if_read_here(readers: Readers) -> None:
+def test_what_is_read_elsewhere_is_as_if_read_here(readers: Helpers) -> None:
     async def run() -> None:
         assert await readers.run(os.getpid) not in (os.getpid(), None)
         error = ProblemType.NOT_JSON("No.", {"a": "b"}, [{"pointer": ""}])
@@ -44,7 +47,7 @@ def test_what_is_read_elsewhere_is_as_if_read_here(readers: Readers) -> None:
     asyncio.run(run())
 
 
-def test_reading_that_takes_too_long_is_ended(readers: Readers) -> None:
+def test_reading_that_takes_too_long_is_ended(readers: Helpers) -> None:
     async def run() -> None:
         first = await readers.run(os.getpid)
         with pytest.raises(ServiceError, match=r"more than 0\.5 s of processor time") as raised:
@@ -55,7 +58,7 @@ def test_reading_that_takes_too_long_is_ended(readers: Readers) -> None:
     asyncio.run(run())
 
 
-def test_a_reader_that_dies_is_replaced(readers: Readers) -> None:
+def test_a_reader_that_dies_is_replaced(readers: Helpers) -> None:
     async def run() -> None:
         with pytest.raises(ServiceError, match="died") as raised:
             await readers.run(signal.raise_signal, signal.SIGKILL)
@@ -65,7 +68,58 @@ def test_a_reader_that_dies_is_replaced(readers: Readers) -> None:
     asyncio.run(run())
 
 
-def test_few_bodies_may_wait(readers: Readers) -> None:
+def test_a_file_that_takes_too_long_is_ended() -> None:
+    writers = writers_of(Settings.model_validate({"readers": 1, "time_budget_s": 0.3}))
+
+    async def run() -> None:
+        with pytest.raises(TimeBudgetExceeded):
+            await writers.run(pow, 3, 10**9)
+        assert await writers.run(len, "goes on") == 7
+
+    try:
+        asyncio.run(run())
+    finally:
+        writers.close()
+
+
+def test_what_takes_too_much_memory_is_ended() -> None:
+    """By the kernel, however fast it grows; what has less goes on."""
+    helpers = Helpers(1, 1, 5.0, "works", AssertionError, memory=MIB)  # the least there is
+
+    async def run() -> None:
+        with pytest.raises(ServiceError, match="needed more than 1 MiB of memory") as raised:
+            await helpers.run(bytearray, 2**31)
+        assert raised.value.problem is ProblemType.WORKER_LOST
+        assert await helpers.run(bytes, 5) == bytes(5)
+
+    try:
+        asyncio.run(run())
+    finally:
+        helpers.close()
+
+
+def test_owners_are_served_in_turn(readers: Helpers) -> None:
+    """However many one asks, another waits for what is under way alone, even if he has left."""
+    ended: list[str] = []
+
+    async def ask(owner: str) -> None:
+        current_owner.set(owner)
+        await readers.run(time.sleep, 0.1)
+        ended.append(owner)
+
+    async def run() -> None:
+        await readers.run(len, "started")
+        gone = asyncio.create_task(ask("loud"))
+        loud = [asyncio.create_task(ask("loud")) for _ in range(2)]
+        await asyncio.sleep(0.02)
+        gone.cancel()
+        await asyncio.gather(*loud, asyncio.create_task(ask("quiet")))
+        assert ended == ["quiet", "loud", "loud"]
+
+    asyncio.run(run())
+
+
+def test_few_bodies_may_wait(readers: Helpers) -> None:
     async def run() -> None:
         waiting = [asyncio.create_task(readers.run(time.sleep, 0.2)) for _ in range(3)]
         await asyncio.sleep(0.01)
