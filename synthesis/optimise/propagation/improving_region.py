@@ -8,7 +8,7 @@ with these rows, and the rows tighter with these bounds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +27,9 @@ from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 
-NODE_DISTANCE = 0.05  # of a law
+NODE_DISTANCE = 0.05  # of a law, at first
+CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
+DEVIATION = 0.25  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
@@ -67,8 +69,35 @@ class PointBounds:
 
     @property
     def width(self) -> float:
-        """How far X and u are open at a node, on average [length]."""
-        return float(np.mean(self.high[:2] - self.low[:2]))
+        """How far X and u are open, on average [length]: at nodes, and u in between by more."""
+        return float(np.mean(self.high[:2] - self.low[:2]) + np.mean(self._deviations()))
+
+    def with_closer_nodes(self) -> PointBounds:
+        """The same with a node more between two where u may deviate from the bounds at these.
+
+        Bounds at nodes become narrower with every iteration; what the cap leaves open in between
+        does not, and falls with the square of their distance.
+        """
+        middle, distance = 0.5 * (self.nodes[1:] + self.nodes[:-1]), np.diff(self.nodes)
+        open_ = self.high[1] - self.low[1]
+        coarse = self._deviations() > DEVIATION * np.minimum(open_[1:], open_[:-1])
+        coarse &= distance > 2.0 * CLOSEST_NODES
+        coarse &= np.any([(a < middle) & (middle < b) for a, b in self.parts], axis=0)
+        new = middle[coarse]
+        if not len(new):
+            return self
+        ends = list[Array]()
+        for known, here, bends in zip(
+            (self.low, self.high), self.at(new), self.acceleration_bounds(new), strict=True
+        ):
+            rows = np.stack([*here[:2], bends])[: len(known)]
+            ends.append(np.insert(known, np.flatnonzero(coarse) + 1, rows, axis=1))
+        return replace(self, nodes=np.union1d(self.nodes, new), low=ends[0], high=ends[1])
+
+    def _deviations(self) -> Array:
+        """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""
+        width = self.angle * np.diff(self.nodes)
+        return np.asarray(self.cap * width * (0.5 if self.order == 2 else 0.125 * width))
 
     def along(self, spans: Array) -> tuple[Array, Array]:
         """Bounds of (X, u, e) all along spans (r, 2) that ascend: (3, r) each.
@@ -144,8 +173,7 @@ class PointBounds:
 
     def _interval_speed_bounds(self) -> tuple[Array, Array]:
         """Bounds of X' = u + e over every interval."""
-        width = self.angle * np.diff(self.nodes)
-        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
+        over = self._deviations()
         slow = np.minimum(self.low[1, :-1], self.low[1, 1:]) - over + self.offsets[0]
         fast = np.maximum(self.high[1, :-1], self.high[1, 1:]) + over + self.offsets[1]
         if self.monotone > 0:
@@ -196,6 +224,14 @@ class ImprovingRegion:
             for key, bounds in self.point_bounds.items()
         }
         return replace(self, sizes=sizes, point_bounds=point_bounds)
+
+    def with_closer_nodes(self, positions: Collection[int]) -> ImprovingRegion:
+        """The same with nodes of some laws that lie as close as their bounds are narrow."""
+        point_bounds = {
+            key: bounds.with_closer_nodes() if key[0] in positions else bounds
+            for key, bounds in self.point_bounds.items()
+        }
+        return replace(self, point_bounds=point_bounds)
 
     def for_laws(self, positions: Sequence[int]) -> ImprovingRegion:
         """What it says of some laws, numbered anew."""
