@@ -29,6 +29,7 @@ from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 
 NODE_DISTANCE = 0.05  # of a law, at first
 CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
+SAME = 1e-9  # of a part: rounding of a quotient that is a whole number
 DEVIATION = 0.25  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
@@ -73,26 +74,34 @@ class PointBounds:
         return float(np.mean(self.high[:2] - self.low[:2]) + np.mean(self._deviations()))
 
     def with_closer_nodes(self) -> PointBounds:
-        """The same with a node more between two where u may deviate from the bounds at these.
+        """The same with more nodes between two where u may deviate from the bounds at these.
 
         Bounds at nodes become narrower with every iteration; what the cap leaves open in between
-        does not, and falls with the square of their distance.
+        does not, and falls with a power of their distance.
         """
         middle, distance = 0.5 * (self.nodes[1:] + self.nodes[:-1]), np.diff(self.nodes)
-        open_ = self.high[1] - self.low[1]
-        coarse = self._deviations() > DEVIATION * np.minimum(open_[1:], open_[:-1])
-        coarse &= distance > 2.0 * CLOSEST_NODES
-        coarse &= np.any([(a < middle) & (middle < b) for a, b in self.parts], axis=0)
-        new = middle[coarse]
-        if not len(new):
+        open_ = np.maximum(self.high[1] - self.low[1], 0.0)
+        allowed = DEVIATION * np.minimum(open_[1:], open_[:-1])
+        wanted = (self._deviations() / np.maximum(allowed, 1e-300)) ** (1.0 / (self.order - 1))
+        inside = np.any([(a < middle) & (middle < b) for a, b in self.parts], axis=0)
+        wanted = np.where(inside, np.minimum(wanted, distance / CLOSEST_NODES), 1.0)
+        counts = np.maximum(np.ceil(wanted - SAME).astype(int), 1)
+        if np.all(counts == 1):
             return self
-        ends = list[Array]()
+        # equal parts of every interval: where it begins, and the number of the part
+        of = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
+        nodes = np.append(self.nodes[of] + number / counts[of] * distance[of], self.nodes[-1])
+        new, ends = np.append(number > 0, False), list[Array]()
         for known, here, bends in zip(
-            (self.low, self.high), self.at(new), self.acceleration_bounds(new), strict=True
-        ):
-            rows = np.stack([*here[:2], bends])[: len(known)]
-            ends.append(np.insert(known, np.flatnonzero(coarse) + 1, rows, axis=1))
-        return replace(self, nodes=np.union1d(self.nodes, new), low=ends[0], high=ends[1])
+            (self.low, self.high), self.at(nodes[new]), self.acceleration_bounds(nodes[new]),
+            strict=True,
+        ):  # fmt: skip
+            table = np.empty((len(known), len(nodes)))
+            table[:, ~new] = known
+            table[:, new] = np.stack([*here[:2], bends])[: len(known)]
+            ends.append(table)
+        return replace(self, nodes=nodes, low=ends[0], high=ends[1])
 
     def _deviations(self) -> Array:
         """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""
