@@ -30,7 +30,7 @@ from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 NODE_DISTANCE = 0.05  # of a law, at first
 CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
 SAME = 1e-9  # of a part: rounding of a quotient that is a whole number
-DEVIATION = 0.25  # of the bounds at two nodes: how far u may leave these in between
+DEVIATION = 0.1  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
 FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
