@@ -18,7 +18,6 @@ from synthesis.catalogue.constraints import MotionBox, SlideCoordinates, Vector
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic import tangent_cuts as cuts
-from synthesis.optimise.conic.assembly import ConeBlock
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock, Tightening
 from synthesis.optimise.conic.program import ConicModel
@@ -33,7 +32,6 @@ SAME = 1e-9  # of a part: rounding of a quotient that is a whole number
 DEVIATION = 0.1  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
-FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = tuple[tuple[float, float], ...]
 Parts = tuple[tuple[float, float], ...]
@@ -393,25 +391,3 @@ def initial_region(
                 coordinates.offset_range(sizes),
             )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))
-
-
-def cone_tangents(model: ConicModel, cone: ConeBlock, sizes: Sizes) -> Iterator[LinearBlock]:
-    """Tangents of a cone on the size, all round where sizes of the box may lie on it."""
-    if cone.bound_column is not None or cone.norm is None:
-        return
-    matrix = cone.matrix[:, model.size]
-    corners = np.stack(np.meshgrid(*(np.array(ends) for ends in sizes)), axis=-1)
-    images = corners.reshape(-1, len(sizes)) / model.scales.size @ matrix.T + cone.shift
-    if images.shape[1] == 2:
-        middle = np.mean(images, axis=0)
-        main = np.arctan2(*middle)
-        off = np.arctan2(*images.T) - main
-        off = (off + np.pi) % (2.0 * np.pi) - np.pi
-        steps = min(int(np.ceil(np.ptp(off) / TURN)) + 1, FAN)
-        angles = main + np.linspace(np.min(off), np.max(off), steps)
-        directions = np.stack([np.sin(angles), np.cos(angles)], axis=1)
-    else:
-        norms = np.linalg.norm(images, axis=1)
-        directions = images[norms > 0.0] / norms[norms > 0.0, None]
-    for y in directions:
-        yield LinearBlock.of_size(y @ matrix, np.array([cone.radius - y @ cone.shift]), cone.source)

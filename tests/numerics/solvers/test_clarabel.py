@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -44,3 +46,22 @@ def test_the_nearest_such_point_is_taken() -> None:
     rows = question.matrix.toarray()
     part, *_ = np.linalg.lstsq(rows.T, closed - away, rcond=1e-12)
     assert rows.T @ part == pytest.approx(closed - away, abs=1e-12)
+
+
+def test_a_program_that_ends_at_the_limit_of_iterations_is_solved_with_less_regularisation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    once, regular = clarabel._solve_once, list[float]()
+
+    def drifting(question: ConeProgram, time_limit: float, much: float) -> clarabel.ConeSolution:
+        regular.append(much)
+        found = once(question, time_limit, much)
+        if much == clarabel.LESS_REGULAR:
+            return found
+        lost = StopReason.OUT_OF_ITERATIONS
+        return replace(found, x=0.0 * found.x, stopped=lost, iterations=clarabel.MOST_ITERATIONS)
+
+    monkeypatch.setattr(clarabel, "_solve_once", drifting)
+    found = solve(program())
+    assert found.stopped is StopReason.SOLVED
+    assert regular == [clarabel.REGULAR, clarabel.LESS_REGULAR]
