@@ -45,7 +45,9 @@ SPARE = 1e-9  # relative slack of a value that is held, against rounding
 FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
 WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
-MAX_MESHES = 6  # meshes of one relaxation, each finer than the one before
+MESHES, MORE_MESHES = 6, 10
+"""Of one relaxation, each finer than the one before, at most; and where its splines hold no better
+cam any more: then nothing but knots keeps the bound low."""
 EARLY_MESHES = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
@@ -264,7 +266,8 @@ def _tighten_region(
     cap is raised by what the incumbent is above the target, then their intervals are halved.
     """
     task, grids = node.task, tuple(grid.knots_only for grid in node.grids)
-    region = node.region.restrict(size_rows.tighten_sizes(task.problem, node.region.sizes))
+    region = node.region.with_closer_nodes(among)
+    region = region.restrict(size_rows.tighten_sizes(task.problem, region.sizes))
     if region.is_empty:
         return region
     pending = frozenset(among)
@@ -307,7 +310,7 @@ def solve_relaxation(
     inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
     problem = replace(task.problem, sizing=inside)
     grids = _coarse_mesh(node)
-    for number in range(MAX_MESHES):
+    for number in range(MORE_MESHES):
         # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
         grids = tuple(grid.knots_only for grid in grids)
         bare = formulate(problem, grids)
@@ -328,7 +331,7 @@ def solve_relaxation(
         if solution.stopped is StopReason.INFEASIBLE:
             for each in distributed:
                 node = node.with_bound(infeasibility_bound(density.model, each, ends))
-            if node.is_empty or state.time_left <= 0.0:
+            if node.is_empty or state.time_left <= 0.0 or number + 1 >= MESHES:
                 break
             grids = halve_intervals(problem, grids)
             continue
@@ -356,6 +359,9 @@ def solve_relaxation(
         missing, lost = node.largest_value - cam.value, cam.value - bound.value
         fine = lost < (MESH_LOSS if number < EARLY_MESHES else LATE_MESH_LOSS) * missing
         if missing > 0.0 and fine and not every_mesh:
+            break
+        finest = any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids)
+        if number + 1 >= MESHES and (missing > 0.0 or finest):
             break
         grids = refine_mesh(problem, grids, cam, bound)
     return node

@@ -35,8 +35,13 @@ from synthesis.optimise.dual_bound.batch import (
     dual_bounds,
     solve_boundary_costates,
 )
-from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces, directions_around
-from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes, cone_tangents
+from synthesis.optimise.propagation.half_spaces import (
+    LOOSENING,
+    HalfSpaces,
+    cone_tangents,
+    directions_around,
+)
+from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes
 
 SPREAD = 12  # points between two rows over which multipliers are distributed
 

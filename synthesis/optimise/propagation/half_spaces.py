@@ -6,7 +6,7 @@ from law to law what all others have to say.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
@@ -16,7 +16,9 @@ from scipy import sparse
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.optimise.conic.assembly import ConeBlock
 from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.bound import ROUNDING
 
 LOOSENING = 1e-9
@@ -25,6 +27,7 @@ LOOSENING = 1e-9
 """
 DIRECTIONS = 16
 """In which two sizes are bounded: a polygon of 16 sides is 2 % wider than its circle."""
+FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = Sequence[tuple[float, float]]
 
@@ -115,3 +118,25 @@ def directions_around(box: Sizes) -> Array:
     result[:, open_] = np.stack([np.cos(angle), np.sin(angle)], axis=1) / half[open_]
     result[np.abs(result) * half < LOOSENING] = 0.0  # along the axes
     return result
+
+
+def cone_tangents(model: ConicModel, cone: ConeBlock, sizes: Sizes) -> Iterator[LinearBlock]:
+    """Tangents of a cone on the size, all round where sizes of the box may lie on it."""
+    if cone.bound_column is not None or cone.norm is None:
+        return
+    matrix = cone.matrix[:, model.size]
+    corners = np.stack(np.meshgrid(*(np.array(ends) for ends in sizes)), axis=-1)
+    images = corners.reshape(-1, len(sizes)) / model.scales.size @ matrix.T + cone.shift
+    if images.shape[1] == 2:
+        middle = np.mean(images, axis=0)
+        main = np.arctan2(*middle)
+        off = np.arctan2(*images.T) - main
+        off = (off + np.pi) % (2.0 * np.pi) - np.pi
+        steps = min(int(np.ceil(np.ptp(off) / TURN)) + 1, FAN)
+        angles = main + np.linspace(np.min(off), np.max(off), steps)
+        directions = np.stack([np.sin(angles), np.cos(angles)], axis=1)
+    else:
+        norms = np.linalg.norm(images, axis=1)
+        directions = images[norms > 0.0] / norms[norms > 0.0, None]
+    for y in directions:
+        yield LinearBlock.of_size(y @ matrix, np.array([cone.radius - y @ cone.shift]), cone.source)

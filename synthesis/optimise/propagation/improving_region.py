@@ -8,7 +8,7 @@ with these rows, and the rows tighter with these bounds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,6 @@ from synthesis.catalogue.constraints import MotionBox, SlideCoordinates, Vector
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic import tangent_cuts as cuts
-from synthesis.optimise.conic.assembly import ConeBlock
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock, Tightening
 from synthesis.optimise.conic.program import ConicModel
@@ -27,10 +26,12 @@ from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
 
-NODE_DISTANCE = 0.05  # of a law
+NODE_DISTANCE = 0.05  # of a law, at first
+CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
+SAME = 1e-9  # of a part: rounding of a quotient that is a whole number
+DEVIATION = 0.1  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
-FAN, TURN = 24, 0.03  # tangents of a circle: most of them, and their step [rad]
 
 Sizes = tuple[tuple[float, float], ...]
 Parts = tuple[tuple[float, float], ...]
@@ -67,8 +68,43 @@ class PointBounds:
 
     @property
     def width(self) -> float:
-        """How far X and u are open at a node, on average [length]."""
-        return float(np.mean(self.high[:2] - self.low[:2]))
+        """How far X and u are open, on average [length]: at nodes, and u in between by more."""
+        return float(np.mean(self.high[:2] - self.low[:2]) + np.mean(self._deviations()))
+
+    def with_closer_nodes(self) -> PointBounds:
+        """The same with more nodes between two where u may deviate from the bounds at these.
+
+        Bounds at nodes become narrower with every iteration; what the cap leaves open in between
+        does not, and falls with a power of their distance.
+        """
+        middle, distance = 0.5 * (self.nodes[1:] + self.nodes[:-1]), np.diff(self.nodes)
+        open_ = np.maximum(self.high[1] - self.low[1], 0.0)
+        allowed = DEVIATION * np.minimum(open_[1:], open_[:-1])
+        wanted = (self._deviations() / np.maximum(allowed, 1e-300)) ** (1.0 / (self.order - 1))
+        inside = np.any([(a < middle) & (middle < b) for a, b in self.parts], axis=0)
+        wanted = np.where(inside, np.minimum(wanted, distance / CLOSEST_NODES), 1.0)
+        counts = np.maximum(np.ceil(wanted - SAME).astype(int), 1)
+        if np.all(counts == 1):
+            return self
+        # equal parts of every interval: where it begins, and the number of the part
+        of = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
+        nodes = np.append(self.nodes[of] + number / counts[of] * distance[of], self.nodes[-1])
+        new, ends = np.append(number > 0, False), list[Array]()
+        for known, here, bends in zip(
+            (self.low, self.high), self.at(nodes[new]), self.acceleration_bounds(nodes[new]),
+            strict=True,
+        ):  # fmt: skip
+            table = np.empty((len(known), len(nodes)))
+            table[:, ~new] = known
+            table[:, new] = np.stack([*here[:2], bends])[: len(known)]
+            ends.append(table)
+        return replace(self, nodes=nodes, low=ends[0], high=ends[1])
+
+    def _deviations(self) -> Array:
+        """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""
+        width = self.angle * np.diff(self.nodes)
+        return np.asarray(self.cap * width * (0.5 if self.order == 2 else 0.125 * width))
 
     def along(self, spans: Array) -> tuple[Array, Array]:
         """Bounds of (X, u, e) all along spans (r, 2) that ascend: (3, r) each.
@@ -144,8 +180,7 @@ class PointBounds:
 
     def _interval_speed_bounds(self) -> tuple[Array, Array]:
         """Bounds of X' = u + e over every interval."""
-        width = self.angle * np.diff(self.nodes)
-        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
+        over = self._deviations()
         slow = np.minimum(self.low[1, :-1], self.low[1, 1:]) - over + self.offsets[0]
         fast = np.maximum(self.high[1, :-1], self.high[1, 1:]) + over + self.offsets[1]
         if self.monotone > 0:
@@ -196,6 +231,14 @@ class ImprovingRegion:
             for key, bounds in self.point_bounds.items()
         }
         return replace(self, sizes=sizes, point_bounds=point_bounds)
+
+    def with_closer_nodes(self, positions: Collection[int]) -> ImprovingRegion:
+        """The same with nodes of some laws that lie as close as their bounds are narrow."""
+        point_bounds = {
+            key: bounds.with_closer_nodes() if key[0] in positions else bounds
+            for key, bounds in self.point_bounds.items()
+        }
+        return replace(self, point_bounds=point_bounds)
 
     def for_laws(self, positions: Sequence[int]) -> ImprovingRegion:
         """What it says of some laws, numbered anew."""
@@ -354,25 +397,3 @@ def initial_region(
                 coordinates.offset_range(sizes),
             )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))
-
-
-def cone_tangents(model: ConicModel, cone: ConeBlock, sizes: Sizes) -> Iterator[LinearBlock]:
-    """Tangents of a cone on the size, all round where sizes of the box may lie on it."""
-    if cone.bound_column is not None or cone.norm is None:
-        return
-    matrix = cone.matrix[:, model.size]
-    corners = np.stack(np.meshgrid(*(np.array(ends) for ends in sizes)), axis=-1)
-    images = corners.reshape(-1, len(sizes)) / model.scales.size @ matrix.T + cone.shift
-    if images.shape[1] == 2:
-        middle = np.mean(images, axis=0)
-        main = np.arctan2(*middle)
-        off = np.arctan2(*images.T) - main
-        off = (off + np.pi) % (2.0 * np.pi) - np.pi
-        steps = min(int(np.ceil(np.ptp(off) / TURN)) + 1, FAN)
-        angles = main + np.linspace(np.min(off), np.max(off), steps)
-        directions = np.stack([np.sin(angles), np.cos(angles)], axis=1)
-    else:
-        norms = np.linalg.norm(images, axis=1)
-        directions = images[norms > 0.0] / norms[norms > 0.0, None]
-    for y in directions:
-        yield LinearBlock.of_size(y @ matrix, np.array([cone.radius - y @ cone.shift]), cone.source)

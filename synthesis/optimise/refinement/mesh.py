@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import sqrt
 from typing import Final
 
@@ -36,8 +37,9 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState, Stage
 
+VERY_COSTLY: Final = 8.0  # of it: halving one takes away no more than seven eighths, as a rule
 MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
-COSTLY: Final = 0.05  # of the mean loss: intervals that lose more get knots
+COSTLY: Final = 0.05  # of the mean loss of all laws: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
 POLISH_INTERVALS: Final = (48, 432)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
@@ -65,20 +67,21 @@ def refine_mesh(
     violated_points: Sequence[Array] = (),
 ) -> tuple[Grid, ...]:
     """Finer knots where the law pays more than the ideal one; points where rows are violated."""
+    if cam is None or lower is None or not lower.switching:
+        return halve_intervals(problem, grids, violated_points)
     chosen, (states, _) = [], boundary_states(problem.segments, grids)
+    curves = [law.curve() for law in cam.laws]
+    losses = _losses(grids, curves, lower)
+    mean = np.sum(np.concatenate(losses)) / sum(map(len, losses))
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
-        breaks = grid.space.breaks
-        if cam is None or lower is None or not lower.switching:
-            finer = _halved(breaks)
-            chosen.append(finer if len(finer) <= MOST_INTERVALS else breaks)
-        else:
-            curve = cam.laws[position].curve()
-            chosen.append(
-                _knots_of_costly_intervals(
-                    segment.free, states[position], breaks, curve, lower, position
-                )
+        chosen.append(
+            _knots_of_costly_intervals(
+                segment.free, states[position], grid.space.breaks, curves[position],
+                losses[position] > COSTLY * mean, losses[position] > VERY_COSTLY * mean, lower,
+                position,
             )
+        )  # fmt: skip
     if _nearly_equal(chosen, [grid.space.breaks for grid in grids], CLOSEST_KNOTS):
         return halve_intervals(problem, grids, violated_points)
     return _mesh_through(problem, chosen, violated_points)
@@ -106,11 +109,21 @@ def _mesh_through(
     return tuple(g.with_points(x) for g, x in zip(grids, violated_points, strict=True))
 
 
+def _losses(grids: Sequence[Grid], curves: Sequence[Piecewise], lower: Bound) -> list[Array]:
+    """What every interval of every law loses against the ideal law [objective's units]."""
+    return [
+        psi.losses(grid.space.breaks, partial(curve, order=c.order), c.cap, c.weight)
+        for grid, curve, psi, c in zip(grids, curves, lower.switching, lower.controls, strict=True)
+    ]
+
+
 def _knots_of_costly_intervals(
     free: FreeLaw,
     state: BoundaryState,
     breaks: Array,
     curve: Piecewise,
+    costly: NDArray[np.bool_],
+    very: NDArray[np.bool_],
     lower: Bound,
     position: int,
 ) -> Array:
@@ -120,13 +133,13 @@ def _knots_of_costly_intervals(
     get knots beside them.
     """
     psi, control = lower.switching[position], lower.controls[position]
-    losses = psi.losses(breaks, lambda x: curve(x, control.order), control.cap, control.weight)
-    costly = losses > COSTLY * np.sum(losses) / len(losses)
     switches = np.zeros(0) if control.weight else psi.sign_changes()
     inside = np.clip(np.searchsorted(breaks, switches, "right") - 1, 0, len(costly) - 1)
     counts = np.bincount(inside, minlength=len(costly))
     single = costly & (counts == 1)
-    halved = _halved(breaks, costly & ~single)
+    halved = _halved(breaks, (costly & ~single) | very)
+    if np.any(very):  # and these halves again
+        halved = _halved(halved, very[np.searchsorted(breaks, halved[:-1], "right") - 1])
     # Beside the ends of windows knots lie as close as they may: a bound or a value that ends there
     # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order

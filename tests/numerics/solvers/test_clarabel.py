@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,3 +64,22 @@ def test_thousands_of_equalities_take_no_matrix_of_their_square() -> None:
     tracemalloc.stop()
     assert np.max(np.abs(question.matrix @ closed - question.rhs)) < 1e-13
     assert most < 16e6
+
+
+def test_a_program_that_ends_at_the_limit_of_iterations_is_solved_with_less_regularisation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    once, regular = clarabel._solve_once, list[float]()
+
+    def drifting(question: ConeProgram, time_limit: float, much: float) -> clarabel.ConeSolution:
+        regular.append(much)
+        found = once(question, time_limit, much)
+        if much == clarabel.LESS_REGULAR:
+            return found
+        lost = StopReason.OUT_OF_ITERATIONS
+        return replace(found, x=0.0 * found.x, stopped=lost, iterations=clarabel.MOST_ITERATIONS)
+
+    monkeypatch.setattr(clarabel, "_solve_once", drifting)
+    found = solve(program())
+    assert found.stopped is StopReason.SOLVED
+    assert regular == [clarabel.REGULAR, clarabel.LESS_REGULAR]

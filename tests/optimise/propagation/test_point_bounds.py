@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synthesis.optimise.propagation.improving_region import PointBounds
+from synthesis.optimise.propagation.improving_region import CLOSEST_NODES, PointBounds
 
 ANGLE, BEND = 1.1, 700.0
 
@@ -41,6 +41,31 @@ def test_motions_that_keep_to_the_nodes_keep_to_what_is_said_between(seed):
         assert np.all(value[inside] <= most + 1e-6)
     assert low[2] == pytest.approx(e - 0.4)
     assert high[2] == pytest.approx(e + 1.1)
+    # and to what is said with more nodes, of which none lies beyond a part
+    closer = hull.with_closer_nodes()
+    assert len(closer.nodes) > len(nodes)
+    assert set(nodes) <= set(closer.nodes)
+    assert all(any(a <= node <= b for a, b in parts) for node in closer.nodes)
+    low, high = closer.at(x[inside])
+    for value, least, most in zip((height, speed - e), low, high, strict=False):
+        assert np.all(value[inside] >= least - 1e-6)
+        assert np.all(value[inside] <= most + 1e-6)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_nodes_lie_so_close_that_little_is_left_open_between_them(order):
+    nodes, width = np.array([0.2, 0.3, 0.6, 0.7]), 2.0
+    cap = 80.0 if order == 2 else 4000.0
+    low, high = np.zeros((2, 4)), np.full((2, 4), width)
+    hull = PointBounds(nodes, ((0.2, 0.3), (0.6, 0.7)), ANGLE, order, cap, 0, low, high, (0, 0))
+    closer = hull.with_closer_nodes()
+    for a, b in hull.parts:
+        own = ANGLE * np.diff(closer.nodes[(closer.nodes >= a) & (closer.nodes <= b)])
+        left_open = cap * own / 2.0 if order == 2 else cap * own**2 / 8.0
+        # a tenth of the bounds at the nodes, unless nodes would be closer than they may
+        assert np.all((left_open <= 0.1001 * width) | (own <= 2.0 * ANGLE * CLOSEST_NODES))
+    assert closer.with_closer_nodes().nodes[1] == pytest.approx(closer.nodes[1])  # known: no wider
+    assert not np.any((closer.nodes > 0.3) & (closer.nodes < 0.6))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -61,7 +86,8 @@ def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_al
     here = hull.acceleration_bounds(nodes)  # as narrow as they are known
     assert np.all(here[0] >= at[2] - slack[0][2] - 1e-9)
     assert np.all(here[1] <= at[2] + slack[1][2] + 1e-9)
-    assert hull.width == pytest.approx(np.mean(slack[:, :2].sum(axis=0)))
+    between = 0.125 * BEND * (ANGLE * np.diff(nodes)) ** 2  # by which u may leave its chord
+    assert hull.width == pytest.approx(np.mean(slack[:, :2].sum(axis=0)) + np.mean(between))
     wide = PointBounds(nodes, ((0.1, 0.9),), ANGLE, 3, BEND, 0, at[:2], at[:2], (0.0, 0.0))
     assert [float(each[0]) for each in wide.acceleration_bounds(x[:1])] == [-np.inf, np.inf]
 
