@@ -34,7 +34,7 @@ from service.wire.places import Places
 from service.wire.tracing import telemetry
 from service.wire.validation import prepare
 from service.workers.engine import Engine, running_engine
-from service.workers.helpers import readers_of, writers_of
+from service.workers.side_processes import readers_of, writers_of
 
 EngineOf = Callable[[Settings, Metrics], AbstractAsyncContextManager[Engine]]
 ROUTES = (designs, sweeps, proofs, catalogue, operation)

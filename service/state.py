@@ -18,7 +18,7 @@ from service.wire.access import Caller
 from service.wire.observe import Metrics
 from service.wire.places import Places
 from service.workers.engine import Engine
-from service.workers.helpers import Helpers
+from service.workers.side_processes import SideProcesses
 
 NOBODY = Caller("")  # who has nothing: no owner is called so
 
@@ -32,8 +32,8 @@ class State:
     engine: Engine
     store: Store
     sweeps: Sweeps
-    readers: Helpers
-    writers: Helpers
+    readers: SideProcesses
+    writers: SideProcesses
     streams: Places
     jobs: Mapping[str, Jobs]  # by the resource's path
     keys: ApiKeys

@@ -79,8 +79,7 @@ class Attempt:
         question: the spec, with numbers in place of what it leaves free.
         chosen_values: these numbers [wire].
         number_bound: of the first objective over all numbers; None where that is not known.
-        start: the cam that the search over all numbers ended with, at those chosen; no better one
-            is sought. None where it ended with numbers alone.
+        start: the cam that the search over all numbers ended with; None where there is none.
         tables: its measured laws, smoothed.
         solved_spec: what the optimiser solves. final_spec: the spec of the finished cam. Both
             differ from the question where the place of a counter roller is chosen after the size.

@@ -60,7 +60,7 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     rough = spec(limits=[PRESSURE, SHARP], tolerance=1e-4)
     assert exits(synthesise(rough)) == ["the lowest node is not divided"]
     monkeypatch.setattr(attempt, "THOROUGH_PROGRAMS", 50)
-    sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 3e-4})
+    sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 1e-4})
     assert exits(synthesise(sharp)) == ["budget of the proof"]
 
 

@@ -34,7 +34,7 @@ AGAIN = {"Retry-After": "2"}  # [s]: by then others have been served
 MEMORY = 768 * MIB
 
 
-class Helpers:
+class SideProcesses:
     """Some processes, each started when it is first needed, with a thread that waits for it.
 
     Args:
@@ -113,7 +113,7 @@ class Helpers:
         self._threads.shutdown()
 
 
-def readers_of(settings: Settings) -> Helpers:
+def readers_of(settings: Settings) -> SideProcesses:
     """Processes that read long bodies."""
     limit_s = settings.reading_s
 
@@ -123,14 +123,14 @@ def readers_of(settings: Settings) -> Helpers:
             "limit of this server. Send less at once: fewer segments, windows, cams or values."
         )
 
-    return Helpers(settings.readers, settings.max_waiting, limit_s, "long bodies", too_long)
+    return SideProcesses(settings.readers, settings.max_waiting, limit_s, "long bodies", too_long)
 
 
-def writers_of(settings: Settings) -> Helpers:
+def writers_of(settings: Settings) -> SideProcesses:
     """Processes that make files, as many as read bodies."""
     limit_s = settings.budget_s(None)
     too_long = partial(TimeBudgetExceeded, limit_s)
-    return Helpers(settings.readers, settings.max_waiting, limit_s, "files", too_long)
+    return SideProcesses(settings.readers, settings.max_waiting, limit_s, "files", too_long)
 
 
 def serve(pipe: Any, limit_s: float, memory: int) -> None:

@@ -21,21 +21,21 @@ from service.wire.body import SHORT, read_body
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.fair_queue import current_owner
 from service.wire.validation import parse_json
-from service.workers.helpers import Helpers, readers_of, writers_of
 from service.workers.memory import MIB
+from service.workers.side_processes import SideProcesses, readers_of, writers_of
 from synthesis.errors import TimeBudgetExceeded
 from synthesis.spec.design_spec import DesignSpec
 from tests.service.wire.hostile_bodies import CAM
 
 
 @pytest.fixture
-def readers() -> Iterator[Helpers]:
+def readers() -> Iterator[SideProcesses]:
     found = readers_of(Settings.model_validate({"readers": 1, "reading_s": 0.5, "max_waiting": 2}))
     yield found
     found.close()
 
 
-def test_what_is_read_elsewhere_is_as_if_read_here(readers: Helpers) -> None:
+def test_what_is_read_elsewhere_is_as_if_read_here(readers: SideProcesses) -> None:
     async def run() -> None:
         assert await readers.run(os.getpid) not in (os.getpid(), None)
         error = ProblemType.NOT_JSON("No.", {"a": "b"}, [{"pointer": ""}])
@@ -47,7 +47,7 @@ def test_what_is_read_elsewhere_is_as_if_read_here(readers: Helpers) -> None:
     asyncio.run(run())
 
 
-def test_reading_that_takes_too_long_is_ended(readers: Helpers) -> None:
+def test_reading_that_takes_too_long_is_ended(readers: SideProcesses) -> None:
     async def run() -> None:
         first = await readers.run(os.getpid)
         with pytest.raises(ServiceError, match=r"more than 0\.5 s of processor time") as raised:
@@ -58,7 +58,7 @@ def test_reading_that_takes_too_long_is_ended(readers: Helpers) -> None:
     asyncio.run(run())
 
 
-def test_a_reader_that_dies_is_replaced(readers: Helpers) -> None:
+def test_a_reader_that_dies_is_replaced(readers: SideProcesses) -> None:
     async def run() -> None:
         with pytest.raises(ServiceError, match="died") as raised:
             await readers.run(signal.raise_signal, signal.SIGKILL)
@@ -84,7 +84,7 @@ def test_a_file_that_takes_too_long_is_ended() -> None:
 
 def test_what_takes_too_much_memory_is_ended() -> None:
     """By the kernel, however fast it grows; what has less goes on."""
-    helpers = Helpers(1, 1, 5.0, "works", AssertionError, memory=MIB)  # the least there is
+    helpers = SideProcesses(1, 1, 5.0, "works", AssertionError, memory=MIB)  # the least there is
 
     async def run() -> None:
         with pytest.raises(ServiceError, match="needed more than 1 MiB of memory") as raised:
@@ -98,7 +98,7 @@ def test_what_takes_too_much_memory_is_ended() -> None:
         helpers.close()
 
 
-def test_owners_are_served_in_turn(readers: Helpers) -> None:
+def test_owners_are_served_in_turn(readers: SideProcesses) -> None:
     """However many one asks, another waits for what is under way alone, even if he has left."""
     ended: list[str] = []
 
@@ -119,7 +119,7 @@ def test_owners_are_served_in_turn(readers: Helpers) -> None:
     asyncio.run(run())
 
 
-def test_few_bodies_may_wait(readers: Helpers) -> None:
+def test_few_bodies_may_wait(readers: SideProcesses) -> None:
     async def run() -> None:
         waiting = [asyncio.create_task(readers.run(time.sleep, 0.2)) for _ in range(3)]
         await asyncio.sleep(0.01)
