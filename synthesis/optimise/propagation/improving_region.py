@@ -266,8 +266,8 @@ class ImprovingRegion:
                 for cut in implied.linear_relaxation(low, high, traced, motion):
                     at_knots = cut if runs is None else cut.select(runs.rows)
                     block = cuts.cut_block(
-                        at_knots, implied.source, position, segment, solved, model.scales, Tightening(),
-                        spans,
+                        at_knots, implied.source, position, segment, solved, model.scales,
+                        Tightening(), spans,
                     )  # fmt: skip
                     denser = block
                     if runs is not None:
