@@ -259,13 +259,17 @@ def test_rows_at_the_guess_alone_are_one_a_knot_and_hold_there(found):
     point = TangentPoint(tuple(law.curve() for law in best.laws), best.size)
     guessed = replace(domain, reference=point)
     without, all_rows, sparing = (
-        domain.rows(model),
-        guessed.rows(model),
-        guessed.rows(model, sparing=True),
+        domain.rows(model, 2),
+        guessed.rows(model, 2),
+        guessed.rows(model, 2, sparing=True),
     )
     assert len(sparing) == len(without) == len(all_rows) // 2
-    assert len(domain.rows(model, sparing=True)) == len(without)
-    for block in sparing:
+    assert len(domain.rows(model, 2, sparing=True)) == len(without)
+    for block, denser, runs in sparing:
+        # between the knots there are more, at them the same
+        assert len(denser.x) > 2 * len(block.x)
+        assert np.array_equal(denser.alpha[:, runs.rows], block.alpha)
+        assert np.array_equal(denser.rhs[runs.rows], block.rhs)
         law = found.incumbent.laws[block.segment].curve()
         said = sum(block.alpha[k] * law(block.x, k) for k in range(3))
         said += block.size @ np.array(found.incumbent.size) / model.scales.size
@@ -304,7 +308,7 @@ def test_rows_of_the_control_hold_between_the_first_node_and_the_last() -> None:
                      high=np.array([[60.0], [20.0]]) + 0.0 * bounds.high)
         for key, bounds in region.point_bounds.items()
     }  # fmt: skip
-    blocks = replace(region, point_bounds=known).rows(model)
+    blocks = [row for row, _, _ in replace(region, point_bounds=known).rows(model, 0)]
     assert blocks
     for block in blocks:
         assert block.kind == "mean"

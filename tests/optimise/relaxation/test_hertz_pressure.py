@@ -284,7 +284,8 @@ def test_bounds_of_the_traced_point_and_of_the_motion_imply_rows():
     height, speed, _ = coordinates.evaluate(s, size)
     point = np.stack([height, speed, s[2]])
     near = replace(bounds, low=point - 1e-3, high=point + 1e-3, cap=1.0)
-    blocks = replace(region, point_bounds={(0, coordinates): near}).rows(model)
+    near_rows = replace(region, point_bounds={(0, coordinates): near}).rows(model, 0)
+    blocks = [row for row, _, _ in near_rows]
     assert "hertz_pressure" in {block.source for block in blocks}
 
 
