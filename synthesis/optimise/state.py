@@ -273,8 +273,12 @@ class SolveState:
     @cached_property
     def suffices(self) -> bool:
         """Whether the incumbent is sufficient, or as small as any that is sought."""
-        enough = self.incumbent is not None and self.incumbent.value <= self.sufficient_value
-        return enough or self.is_smallest_sought
+        return self.is_sufficient or self.is_smallest_sought
+
+    @property
+    def is_sufficient(self) -> bool:
+        """Whether the incumbent has a value at which the search may stop."""
+        return self.incumbent is not None and self.incumbent.value <= self.sufficient_value
 
     @cached_property
     def is_smallest_sought(self) -> bool:

@@ -112,7 +112,7 @@ def enlarge_until_simple(
             )
             most = _base_radius(larger_cam)
             best = replace(larger_cam, question=question, final_spec=final_spec, extremes=extremes)
-            if larger_cam.searches[0].suffices:
+            if larger_cam.searches[0].is_sufficient:
                 break
         elif larger_cam.crosses_itself:
             least, step = trial_radius, 2.0 * step

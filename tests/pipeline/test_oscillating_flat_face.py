@@ -251,7 +251,7 @@ def test_a_free_law_s_optimum_is_found_from_elsewhere_too(
     assert ours.certificate.lower_bound <= min(others) * (1.0 + 1e-4)
     assert ours.certificate.lower_bound >= 0.98 * min(others)
     # with 40 and 64 pieces it falls by 1e-3 and by 2e-4 more
-    assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1.5e-3)
+    assert ours.dimensions["base_radius_mm"] == pytest.approx(min(others), rel=1e-3)
 
 
 @pytest.mark.usefixtures("unexplained")

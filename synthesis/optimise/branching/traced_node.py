@@ -48,6 +48,7 @@ WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
 MESHES, MORE_MESHES = 6, 10
 """Of one relaxation, each finer than the one before, at most; and where its splines hold no better
 cam any more: then nothing but knots keeps the bound low."""
+VERY_COSTLY = 8.0  # of the mean loss of intervals: halving one takes away seven eighths, as a rule
 EARLY_MESHES = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
@@ -363,7 +364,7 @@ def solve_relaxation(
         finest = any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids)
         if number + 1 >= MESHES and (missing > 0.0 or finest):
             break
-        grids = refine_mesh(problem, grids, cam, bound)
+        grids = refine_mesh(problem, grids, cam, bound, very_costly=VERY_COSTLY)
     return node
 
 

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from math import sqrt
+from math import inf, sqrt
 from typing import Final
 
 import numpy as np
@@ -37,7 +37,6 @@ from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import SolveState, Stage
 
-VERY_COSTLY: Final = 8.0  # of it: halving one takes away no more than seven eighths, as a rule
 MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
 COSTLY: Final = 0.05  # of the mean loss of all laws: intervals that lose more get knots
 FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
@@ -65,8 +64,13 @@ def refine_mesh(
     cam: Candidate | None,
     lower: Bound | None,
     violated_points: Sequence[Array] = (),
+    *,
+    very_costly: float = inf,
 ) -> tuple[Grid, ...]:
-    """Finer knots where the law pays more than the ideal one; points where rows are violated."""
+    """Finer knots where the law pays more than the ideal one; points where rows are violated.
+
+    ``very_costly``: of the mean loss: intervals that lose more are cut in four.
+    """
     if cam is None or lower is None or not lower.switching:
         return halve_intervals(problem, grids, violated_points)
     chosen, (states, _) = [], boundary_states(problem.segments, grids)
@@ -78,7 +82,7 @@ def refine_mesh(
         chosen.append(
             _knots_of_costly_intervals(
                 segment.free, states[position], grid.space.breaks, curves[position],
-                losses[position] > COSTLY * mean, losses[position] > VERY_COSTLY * mean, lower,
+                losses[position] > COSTLY * mean, losses[position] > very_costly * mean, lower,
                 position,
             )
         )  # fmt: skip
