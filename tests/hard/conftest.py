@@ -25,7 +25,8 @@ def members_only(coarse_conflicts: None, monkeypatch: pytest.MonkeyPatch) -> Non
     The values that would suffice are not sought: each takes many questions, and no case looks at
     them.
     """
-    monkeypatch.setattr(boundary.Boundary, "seek_value", lambda _: None)
+    monkeypatch.setattr("synthesis.pipeline.conflict.seek_value", lambda _: None)
+    monkeypatch.setattr(boundary.Boundary, "narrow", lambda _: None)
 
 
 @pytest.fixture
