@@ -9,11 +9,10 @@ from __future__ import annotations
 from math import copysign, inf
 
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration, PeakJerk
-from synthesis.pipeline.boundary import LATE, Boundary
+from synthesis.pipeline.boundary import LATE, SPARE, Boundary
 from synthesis.pipeline.oracle import ALONE, COARSE
 from synthesis.pipeline.relaxable import without
 
-LEAST_SPARE = (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # relative: added to a least peak in turn
 STEPS = 8  # of the secant outwards
 STRIPS, BEYOND_STRIP = 3, 1.5
 """Steps outwards, and the factor of each, where a trial finds neither a cam nor an excess."""
@@ -82,7 +81,7 @@ def _minimise(boundary: Boundary) -> bool:
     least, _ = boundary.oracle.value_on(boundary.number, trial)
     if least is None:
         return False
-    for spare in LEAST_SPARE:
+    for spare in SPARE[1]:
         value = least * (1.0 + spare)
         if boundary.tried(value).certified:
             boundary.levels[value] = 0.0  # no nearer one is sought
