@@ -77,6 +77,8 @@ def refine_mesh(
     curves = [law.curve() for law in cam.laws]
     losses = _losses(grids, curves, lower)
     mean = np.sum(np.concatenate(losses)) / sum(map(len, losses))
+    if mean == 0.0:  # no interval loses anything
+        return halve_intervals(problem, grids, violated_points)
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
         chosen.append(
