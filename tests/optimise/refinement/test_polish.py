@@ -45,7 +45,8 @@ def test_a_mesh_on_which_nothing_is_lost_is_halved(monkeypatch: pytest.MonkeyPat
     found = optimise(question, 0.5)
     assert found.relaxation is not None
     grids, cam, (_, _, bound) = found.grids, found.incumbent, found.relaxation
-    assert cam is not None and bound.switching
+    assert cam is not None
+    assert bound.switching
     nothing = [np.zeros(len(grid.space.breaks) - 1) for grid in grids]
     monkeypatch.setattr(mesh, "_losses", lambda *_: nothing)
     finer = mesh.refine_mesh(question, grids, cam, bound)
