@@ -28,7 +28,7 @@ from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint, cuts_on_law
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
+from synthesis.optimise.dual_bound.bound import Bound, all_laws, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
@@ -183,7 +183,11 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         known = node.tubes.get(position)
         known = known or law_tightening.initial_law_bounds(model, position, capped[position], nodes)
         tubes[position] = law_tightening.tighten_law(model, position, known, state.deadline)
-    return replace(node, sizes=sizes, tubes=tubes)
+    node, norm = replace(node, sizes=sizes, tubes=tubes), problem.objective.norm(problem.machine)
+    if norm is None:
+        return node
+    # the least that the objective can be in the box
+    return node.with_bound(Bound(norm.lower_bound(sizes), all_laws(capped[0].order)), best.value)
 
 
 def _value_to_hold(

@@ -1,9 +1,9 @@
 """Bounds of a law that every better cam satisfies: of g and g' at nodes, and in between.
 
-Between two nodes a, b they follow from the cap of |g^(m)|, or of ∫ (g^(m))² dx. For m = 2 g' differs
-from its value at a node by cap · distance at most, or √(square · distance); for m = 3 g' lies within
-cap/2 · (x − a)(b − x) of its chord, or √(square / 3(b − a)) · (x − a)(b − x): Schwarz's inequality
-with the norm of Green's function G(x, ·) of u'' = f, ∫ G² = (x − a)² (b − x)² / 3(b − a).
+Between two nodes a, b they follow from the cap of |g^(m)|, or of ∫ (g^(m))² dx. For m = 2 g'
+differs from its value at a node by cap · distance at most, or √(square · distance); for m = 3 it
+lies within cap/2 · (x − a)(b − x) of its chord, or √(square / 3(b − a)) · (x − a)(b − x): Schwarz's
+inequality with Green's function G(x, ·) of u'' = f, ∫ G² = (x − a)² (b − x)² / 3(b − a).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from synthesis.numerics.piecewise import Array
 class LawBounds:
     """Bounds of a normalised law at nodes: low ≤ g ≤ high, slow ≤ g' ≤ fast, (n,) each.
 
-    ``cap`` bounds |g^(order)| everywhere, order 2 or 3; ``square``, where it is finite and the cap is
-    not, ∫ (g^(order))² dx.
+    ``cap`` bounds |g^(order)| everywhere, order 2 or 3; ``square``, where it is finite and the cap
+    is not, ∫ (g^(order))² dx.
     """
 
     nodes: Array

@@ -27,8 +27,8 @@ from synthesis.optimise.propagation.half_spaces import LOOSENING
 INTERVALS = 12
 """Of a law between the knots at which it is bounded; each end costs four cone programs."""
 FASTEST = 20.0
-"""Times 1 + cap: more than |g'| of any law from 0 to 1 (7 + 7/2 cap, by Taylor's formula; by Schwarz's
-inequality with the root of the square's cap in its place)."""
+"""Times 1 + cap: more than |g'| of any law from 0 to 1 (7 + 7/2 cap, by Taylor's formula; by
+Schwarz's inequality with the root of the square's cap in its place)."""
 
 
 def with_value_cap(problem: Problem, value: float) -> Problem:
