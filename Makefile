@@ -47,7 +47,7 @@ waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills test_deployment \
              sweeps/test_leases workers/test_trouble test_benchmark \
              resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
-waiting += tests/exporters tests/machines tests/validation
+waiting += tests/catalogue tests/exporters tests/machines tests/validation
 service += tests/certify
 core    := tests/pipeline
 rest    := --ignore=tests/architecture/test_quality.py $(filter-out \

@@ -24,7 +24,7 @@ from service.client import Client, Refused, Unreachable
 from service.client.exchange import sentences
 from service.commands.display import Table, in_inches
 from service.commands.stream import documents
-from service.commands.terminal import STREAM, Units, complain, save, say, stop
+from service.commands.terminal import STREAM, Units, complain, name_files, say, stop, write
 from service.contract.examples import example_path
 from service.settings import settings_from
 from service.wire.errors import ProblemType, ServiceError
@@ -106,9 +106,13 @@ def run(
         with _spinner(url):
             answer = _or_best(asked, known)
         seconds = time.perf_counter() - started
+    # Files come first: who reads the lines may stop (`| head`), and the rest is never printed.
+    files = {} if folder is None else shown.files(answer)
+    if folder is not None:
+        write(files, folder)
     print_answer(answer, shown.describe(answer, seconds), as_json, units)
-    if folder is not None and (files := shown.files(answer)):
-        save(files, folder, () if as_json else list(shown.listed(files)))
+    if folder is not None and files and not as_json:
+        name_files(list(shown.listed(files)), folder)
     if conclusion := shown.conclusion(answer):
         say(conclusion)
     if shown.is_negative(answer):
@@ -205,9 +209,9 @@ def _answer_stream(
             line = compact_json(_plain(answer)).decode()
             code = NEGATIVE if shown.is_negative(answer) else 0
             files = dict(shown.files(answer)) if folder is not None else {}
+        if folder is not None:
+            write(files, folder / str(number))
         typer.echo(line)
-        if folder is not None and files:
-            save(files, folder / str(number), ())
         # Not answered weighs more than "no", and "no" more than an answer.
         worst = code if code == REFUSED or worst == 0 else worst
     return worst

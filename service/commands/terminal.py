@@ -121,12 +121,21 @@ def save(files: Mapping[str, bytes], folder: Path, names: Collection[str] | None
 
     ``names``: printed instead of the files' own; nothing where it is empty.
     """
+    write(files, folder)
+    name_files(files if names is None else names, folder)
+
+
+def write(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write files into a folder, which is created where it is missing."""
     try:
         for name, content in files.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
     except OSError as error:
         stop(f"{folder} cannot be written to: {error.strerror}.")
-    names = files if names is None else names
+
+
+def name_files(names: Collection[str], folder: Path) -> None:
+    """Print what was written into a folder; nothing where there are no names."""
     if names:
         say(f"Written to {folder}: {', '.join(names)}")

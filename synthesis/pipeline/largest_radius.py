@@ -318,7 +318,7 @@ def _with_least_radius(bounds: list[Bounded], smallest: Attempt, least: float) -
     )
     if requested <= first.lower:
         return bounds
-    valid_for = "the least base radius asked for"
+    valid_for = "all cams with the least base radius asked for"
     return [replace(first, lower=requested, valid_for=valid_for, infimum=False), *later]
 
 

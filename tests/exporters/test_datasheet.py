@@ -80,7 +80,7 @@ def test_it_tells_the_designs_numbers(design: Design) -> None:
     for each in design.extremes:
         if each.field:
             assert each.limit.replace("_", " ") in shown
-    assert "(gap 0 %), over the least base radius asked for" in shown
+    assert "(gap 0 %), over all cams with the least base radius asked for" in shown
 
 
 def test_what_was_asked_for_comes_before_what_follows() -> None:

@@ -9,7 +9,7 @@ import pytest
 from tests.hard.random_specs import COUNT, FOLLOWERS, random_spec
 from tests.hard.run import outcome
 
-STRIDE, BATCHES = 150, 2
+STRIDE, BATCHES = 240, 2
 BUDGET_S = 1.5  # one in fifty is late by then: it is judged too
 SHARE = range(1, COUNT, STRIDE)
 

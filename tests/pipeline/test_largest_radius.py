@@ -148,7 +148,7 @@ def test_a_radius_given_above_the_smallest_cam_is_a_bound_of_its_own() -> None:
     assert smallest is not None
     (bound,) = in_wire_units(smallest.attempt.question, free.final_spec, smallest.attempt.bounds)
     assert bound.lower == pytest.approx(least, rel=1e-9)
-    assert bound.valid_for == "the least base radius asked for"
+    assert bound.valid_for == "all cams with the least base radius asked for"
 
 
 def test_a_maximum_between_bound_and_cam_claims_no_proof(

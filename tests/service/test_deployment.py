@@ -32,7 +32,7 @@ from tests.service.topology import (
 
 psycopg = LazyModule("psycopg")
 
-ITEMS = 90
+ITEMS = 60
 
 
 def test_every_variable_is_a_setting() -> None:

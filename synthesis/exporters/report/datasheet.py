@@ -126,10 +126,10 @@ def _limits(design: Design) -> Iterator[tuple[str, ...]]:
     asked = {one.kind for one in spec.limits} | {r for r in RADII if getattr(spec, r) is not None}
     bounded = [each for each in design.extremes if each.bound is not None]
     for each in sorted(bounded, key=lambda one: (one.holds, one.field.split("/")[0] not in asked)):
-        shown = partial(svg.with_unit, name=each.unit, digits=5)
+        # a margin, which is a difference, has fewer digits that mean something
         value, bound, margin = (
-            "–" if number is None else shown(number).rstrip()
-            for number in (each.value, each.bound, each.margin)
+            "–" if number is None else svg.with_unit(number, each.unit, digits).rstrip()
+            for number, digits in ((each.value, 5), (each.bound, 5), (each.margin, 3))
         )
         yield (
             each.limit.replace("_", " "), value, f"{svg.figure(each.angle_deg, 5)}°", bound, margin,

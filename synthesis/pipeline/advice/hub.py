@@ -11,6 +11,9 @@ from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
 SHEAR_MPA: Final = 40.0  # allowed in a shaft with a keyway: 6000 psi of the ASME code
+# Rothbart gives a hub of cast iron a number, and of one of steel says "slightly less": read as this
+# share. Steel: from 7500 kg/m³ on, between cast iron (7300 at most) and steel (7800 at least).
+STEEL, STEEL_DENSITY = 0.9, 7500.0
 THIN, THINNER = 0.2, 0.1  # shaft that the base circle leaves room for, over stroke
 
 
@@ -22,6 +25,8 @@ def _find(subject: Subject) -> Iterator[Finding]:
     bore = 0.0 if body is None else body.bore_mm or 0.0
     shaft, why = max(loaded, (bore, " (the bore of body)"))
     hub, room = hub_diameter(shaft), max(shaft_of_hub(2.0 * radius), 0.0)
+    is_steel = body is None or body.density_kg_per_m3 >= STEEL_DENSITY
+    least = STEEL * hub if is_steel else hub
     if radius <= 0.5 * shaft:
         yield Finding(
             "stop", field,
@@ -48,12 +53,14 @@ def _find(subject: Subject) -> Iterator[Finding]:
     elif subject.base_radius_is_set:
         return
     elif radius < 0.5 * hub and shaft > 0.0:
+        is_thin = radius < 0.5 * least
         yield Finding(
-            "caution", field,
+            "caution" if is_thin else "note", field,
             f"A shaft of {number(shaft)} mm diameter{why} asks for a hub of {number(hub)} mm in "
-            f"cast iron; the base circle has {number(2.0 * radius)} mm.",
-            f"Give the shaft (shaft_diameter_mm) or a base radius of at least {number(0.5 * hub)} "
-            "mm, in steel slightly less; or make cam and shaft in one piece.",
+            f"cast iron, about {number(STEEL * hub)} mm in steel; the base circle has "
+            f"{number(2.0 * radius)} mm.",
+            "Give the shaft (shaft_diameter_mm) or a base radius of at least "
+            f"{number(0.5 * (least if is_thin else hub))} mm; or make cam and shaft in one piece.",
         )  # fmt: skip
     elif room < THIN * stroke:
         left = f"a shaft of {number(room)} mm diameter" if room > 0.0 else "no shaft"
@@ -82,10 +89,11 @@ RULE = Rule(
     code="hub",
     thresholds="stop: the base circle inside the bore, or inside the shaft that the load needs, "
     "the thinnest that carries the largest torque at 40 N/mm²; caution: a given shaft that is "
-    f"thinner than that, a base circle below the hub of these ({HUB_RULE}), or a "
-    "bore whose keyway by DIN 6885-1 would come out of the base circle. And "
-    "by size alone: caution where the shaft for which this rule leaves room is thinner than a "
-    "fifth of the stroke, stop: than a tenth.",
+    f"thinner than that, a base circle below the hub of these ({HUB_RULE}; below "
+    f"{STEEL:g} of that where the body is of steel or not given, and a note up to all of it), or a "
+    "bore whose keyway by DIN 6885-1 would come out of the base circle. And by size alone: caution "
+    "where the shaft for which this rule leaves room is thinner than a fifth of the stroke, stop: "
+    "than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
     "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; "
@@ -93,8 +101,8 @@ RULE = Rule(
     checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
     "6000 psi is 25 % less than 8000; neither number, nor its text. Of DIN 6885-1 its table as two "
     "catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard parts, bores "
-    "up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke are this "
-    "program's, for want of a rule.",
+    "up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke, "
+    "and nine tenths for steel, are this program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,

@@ -89,11 +89,14 @@ def walled(share: float) -> Spec:
     return cam(reach * share, body=body, program=program(5.0, 140.0))
 
 
-def torque(shaft: float) -> Spec:
+CAST_IRON = {"thickness_mm": 10.0, "density_kg_per_m3": 7200.0}
+
+
+def torque(shaft: float, **more: Any) -> Spec:
     """A force whose largest torque needs a shaft of this diameter; the base radius is 40 mm."""
     moment = 40.0 * pi * shaft**3 / 16.0  # N mm; the law is steepest in its middle: 2 h/β
     force = moment / (2.0 * 10.0 / np.deg2rad(120.0))
-    return faced(10.0, 120.0, 40.0 - deepest(10.0, 120.0), load=slide(0.0, 0.0, force))
+    return faced(10.0, 120.0, 40.0 - deepest(10.0, 120.0), load=slide(0.0, 0.0, force), **more)
 
 
 def steep(degrees: float, **more: Any) -> Spec:
@@ -171,7 +174,10 @@ EDGES: list[tuple[str, Spec, str | None]] = [
     ("hub", room(0.0999), "stop"), ("hub", room(0.1001), "caution"),
     ("hub", room(0.1999), "caution"), ("hub", room(0.2001), None),
     ("hub", torque((80.0 - 6.35) / 1.75 * 0.999), None),
-    ("hub", torque((80.0 - 6.35) / 1.75 * 1.001), "caution"),
+    ("hub", torque((80.0 - 6.35) / 1.75 * 1.001), "note"),
+    ("hub", torque((80.0 - 6.35) / 1.75 * 1.001, body=CAST_IRON), "caution"),
+    ("hub", torque((80.0 / 0.9 - 6.35) / 1.75 * 0.999), "note"),
+    ("hub", torque((80.0 / 0.9 - 6.35) / 1.75 * 1.001), "caution"),
     ("hub", torque(79.9), "caution"), ("hub", torque(80.1), "stop"),
     ("hub", walled(0.999), "caution"), ("hub", walled(1.001), None),
     ("pressure_angle", steep(29.99), None), ("pressure_angle", steep(30.01), "note"),

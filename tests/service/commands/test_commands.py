@@ -14,7 +14,9 @@ import pytest
 from typer.testing import CliRunner
 
 from service import cli
+from service.commands import answering
 from service.contract.examples import SELF_CHECK, examples
+from synthesis import DesignSpec
 from synthesis.design.design import Design
 from synthesis.design.identity import engine_version
 
@@ -95,6 +97,22 @@ def test_one_design_without_a_service(spec_file: Path, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "profile.csv").read_text().count("\n") > 1000
     assert (tmp_path / "out" / "motion.csv").read_text().count("\n") > 300
     assert "base_radius_mm" in done.output
+
+
+def test_files_are_there_though_nobody_reads_the_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As after `| head`: the pipe is gone while the answer is printed."""
+
+    def gone(*_: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(answering, "print_answer", gone)
+    kind = answering.QuestionKind(DesignSpec, lambda question: question)
+    shown = answering.Shown(lambda *_: (), lambda _: {"design.json": b"{}"})
+    with pytest.raises(BrokenPipeError):
+        answering.run(kind, Path("fixed-laws"), shown, folder=tmp_path / "out")
+    assert (tmp_path / "out" / "design.json").exists()
 
 
 def test_a_design_is_confirmed(spec_file: Path, tmp_path: Path) -> None:

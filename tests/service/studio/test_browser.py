@@ -68,6 +68,13 @@ def test_swagger_sends_a_worked_example_and_downloads_a_file(
         f"/v1/designs/{design['id']}/profile.csv?points_per_degree=1"
     ).text.splitlines()  # fmt: skip
     assert len(rows) > 360
+    # of schemas, too, what is opened is shown whole
+    page.locator("section.models button").first.click()
+    schema = page.locator("section.models .json-schema-2020-12", has_text="Accepted").first
+    schema.locator(".json-schema-2020-12-accordion").first.click()
+    expect(schema).to_contain_text(
+        next(iter(served["components"]["schemas"]["Accepted"]["properties"]))
+    )
 
 
 def test_redoc_shows_the_reference(closed: Closed, real_service: Running, tmp_path: Path) -> None:
