@@ -74,7 +74,8 @@ MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives th
         "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 TWINS = {name.format(one): name.format(other) for one, other in (("mm", "deg"), ("deg", "mm"))
-         for name in ("lift_{}", "velocity_{}_per_s", "max_{}_per_s", "max_{}_per_s2",
+         for name in ("lift_{}", "velocity_{}_per_s", "acceleration_{}_per_s2", "jerk_{}_per_s3",
+                      "travel_{}", "tolerance_{}", "max_{}_per_s", "max_{}_per_s2",
                       "max_{}_per_s3")}
 spent = Counter()
 
@@ -152,7 +153,8 @@ def choose(asked, chosen):
 # Step 2. The question. Levels are measured from the lowest position.
 def turned(body):
     """What is said of an arm in degrees, in the place of what is said of others in mm."""
-    return {TWINS.get(name, name): value for name, value in body.items()}
+    return {TWINS.get(name, name): [turned(each) for each in value] if name in (
+        "windows", "points") and value else value for name, value in body.items()}
 
 class Segment:
     def __init__(self, index, body, rate, chosen):
@@ -162,6 +164,7 @@ class Segment:
                            for name in ("angle_deg", "lift_mm")}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
         self.body = body
+        self.rate = rate
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
         if kind in ("rise", "return"):
             law, lift = body["law"], get(body, "lift_mm")
@@ -183,6 +186,45 @@ class Segment:
     def square(self, order):
         """The integral of (s^(order))^2 per degree over that of (g^(order))^2."""
         return self.lift**2 / self.degrees ** (2 * order - 1)
+
+    def depth(self, jerk):
+        """How far below 0 it may go; None where nothing is known of that.
+
+        By Taylor's formula from a neighbour that is given: derivatives below a limited one meet.
+        """
+        if self.forward or not self.free:
+            return ZERO
+        if jerk is None or (self.before.free and self.after.free):
+            return None
+        near, end = (self.after, ZERO) if self.before.free else (self.before, ONE)
+        slopes = (abs(x * near.lift / near.degrees**k) for k in (1, 2)
+                  for x in given(near.law, k, end))
+        v, w, a, b = slopes
+        return max(v, w) * self.degrees + max(a, b) * self.degrees**2 / 2 + (
+            jerk * self.degrees**3 / 6)
+
+    def bounds(self, name):
+        """What windows or points ask of s^(k) from one x to another: number, k, ends, range.
+
+        And the scale of s^(k) where it is one value, which a decimal may miss; else 0.
+        """
+        for number, each in enumerate(get(self.body, name, list)):
+            kind_of({**each, "kind": name}, name)
+            ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
+            first, last = (get(each, end) / self.body["angle_deg"] for end in ends)
+            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
+            demand(not each.get("tolerance_deg"), "a tolerance in another unit")
+            found = [range_of(each.get(field)) for field in FIELDS["windows"].split()[2:]]
+            demand(found != [[None, None]] * 4, f"{name} that bound nothing")
+            for k, asked in enumerate(found):
+                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
+                demand(slack >= 0, "a tolerance is negative")
+                exact = asked[0] == asked[1] is not None and slack == 0
+                way = -1 if k == 0 and self.lift < 0 else 1  # of travel, in the sense of the move
+                asked = [end if end is None else way * (end / self.rate**k + side * slack)
+                         + (0 if k else self.level) for end, side in zip(asked, (-1, 1))][::way]
+                scale = abs(self.lift) / self.degrees**k if exact else ZERO
+                yield number, k, first, last, asked, scale
 
 class Question:
     def __init__(self, body, chosen=()):
@@ -349,6 +391,20 @@ class Question:
         self.bent[place] = scaled(segment, row)
         return self.bent[place]
 
+    def limit(self, name):
+        """A limit by its name; of windows and points program/i/windows/number/k."""
+        if name in self.limits or name[:8] != "program/":
+            return self.limits.get(name, {"kind": "unknown"})
+        _, index, kind, *which = name.split("/")
+        demand(index in map(str, range(len(self.program))) and kind in ("windows", "points"),
+               f"{ascii(name)[:20]} is not known")
+        segment = self.program[int(index)]
+        for number, k, first, last, ends, _ in segment.bounds(kind):
+            if [str(number), str(k)] == which:
+                return {"kind": "within", "of": segment, "order": k, "ends": ends,
+                        "from": first, "to": last}
+        return {"kind": "unknown"}
+
     def bends(self, limit):
         """Whether a limit gives rows in rounds alone."""
         return not (self.face or self.arm) and limit["kind"] in ("profile_radius", "cutter_radius")
@@ -360,6 +416,10 @@ class Question:
             k = ORDERS[kind]
             return [side * ONE if i == k else ZERO for i in range(4)], none, (
                 get(limit, FIELDS[kind]) / self.rate**k)
+        if kind == "within" and limit["of"] is segment and (
+                most := limit["ends"][side > 0]) is not None:
+            return [side * ONE if i == limit["order"] else ZERO for i in range(4)], none, (
+                side * most)
         if kind == "pressure_angle" and not (self.face or self.arm) and (
                 limit[f"{segment.sense}_deg"] is not None):
             # side u <= X tan, times c; both sides together say that X is not negative
@@ -367,21 +427,22 @@ class Question:
             return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
         if kind == "forward" and segment.forward and side > 0:
             return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
-        known = segment.forward or not segment.free  # s >= 0
+        deep = segment.depth(self.jerk)  # s >= -deep
         if kind == "face_width" and limit["reach"][side > 0] is not None and (
-                known or not self.tilt):
+                deep is not None or not self.tilt):
             # side (s' - (s + Rb/cos) tan - offset/cos^2) <= reach/cos, times c
             away, lean = side * self.tilt, [1 / x for x in circle(self.tilt)[1]]
-            slope = (-tangent(away)[1] * high if away > 0 else
-                     tangent(-away)[0] * low if away < 0 else ZERO)
+            ends = [t * c for t, c in zip(tangent(abs(away)), C)] if away else [ZERO] * 2
+            slope = -ends[1] if away > 0 else ends[0]
             offset = side * self.follower["offset_mm"]
             most = [limit["reach"][side > 0] + offset * k for k in lean]
             return [slope, side, ZERO, ZERO], [ZERO, slope], max(
-                c * k * m for c, k, m in product(C, lean, most))
-        if kind == "profile_radius" and self.face and side > 0 and known:
+                c * k * m for c, k, m in product(C, lean, most)) + (ends[1] - ends[0]) * (deep or 0)
+        if kind == "profile_radius" and self.face and side > 0 and deep is not None:
             # Rb + (s + s'') cos tilt >= least, times c^2/cos tilt
             least = get(limit, "min_mm") / circle(self.tilt)[1][1]
-            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], -least * low**2
+            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], (
+                -least * low**2 + (high**2 - low**2) * deep)
         return None
 
 # Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
@@ -806,38 +867,21 @@ class Cam:
 
     def within(self, segment, name):
         """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
-        exact, rate = "", self.question.rate
-        for each in get(segment.body, name, list):
-            kind_of({**each, "kind": name}, name)
-            ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
-            first, last = (get(each, end) / segment.body["angle_deg"] for end in ends)
-            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
-            fields = FIELDS["windows"].split()[2:]
-            bounds = [range_of(each.get(field)) for field in fields]
-            demand(bounds != [[None, None]] * 4, f"{name} that bound nothing")
-            for k, (low, high) in enumerate(bounds):
-                scale = Fraction(abs(segment.lift) / segment.degrees**k)
-                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
-                demand(slack >= 0, "a tolerance is negative")
-                if low == high is not None and slack == 0:  # a value, which a decimal may miss
-                    slack, exact = JUMP * scale, f", values but for 1/{1 / JUMP} of their scale"
-                for way, most in ((-1, low), (1, high)):
-                    if most is None:
+        exact = ""
+        for _, k, first, last, ends, scale in segment.bounds(name):
+            if scale:
+                exact = f", values but for 1/{1 / JUMP} of their scale"
+            for way, most in zip((-1, 1), ends):
+                for piece in self.of[segment.index] if most is not None else ():
+                    start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
+                                          ZERO), ONE) for x in (first, last))
+                    if first * segment.degrees > piece.start + piece.width or (
+                            last * segment.degrees < piece.start):
                         continue
-                    most, turn = most / rate**k * way + slack, way
-                    if k == 0:  # travel, in the sense of the move
-                        turn = way if segment.lift > 0 else -way
-                        most += turn * segment.level
-                    for piece in self.of[segment.index]:
-                        start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
-                                              ZERO), ONE) for x in (first, last))
-                        if first * segment.degrees > piece.start + piece.width or (
-                                last * segment.degrees < piece.start):
-                            continue
-                        b = split(piece.s[k], end)[0]
-                        b = split(b, start / end)[1] if start < end else b[-1:]
-                        piece.show(lambda b: min(b) >= 0,
-                                   plus(enclose([most]), [by(x, -turn) for x in b]))
+                    b = split(piece.s[k], end)[0]
+                    b = split(b, start / end)[1] if start < end else b[-1:]
+                    piece.show(lambda b: min(b) >= 0, plus(
+                        enclose([way * most + JUMP * scale]), [by(x, -way) for x in b]))
         return "holds all along" + exact
 
     def mean(self, order, most):
@@ -935,7 +979,7 @@ def half_plane(question, proof, aim=None):
         # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
-            limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
+            limit, side = question.limit(name), get(group, "side")
             bends = question.bends(limit)
             row = None if bends else scaled(segment, question.row(segment, limit, side))
             of, factor = squares.get(name, (0, ZERO))
@@ -948,6 +992,7 @@ def half_plane(question, proof, aim=None):
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
                        "a multiplier is negative, or beyond")
+                x, y = (min(max(at, limit.get("from", 0)), limit.get("to", 1)) for at in (x, y))
                 if bends and x < y:
                     step, n = (y - x) / SLICES, 2 * SLICES
                     spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
