@@ -40,6 +40,7 @@ from synthesis.optimise.strategy.phase_one import (
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
+from synthesis.pipeline.proof_file.arms import in_boxes
 from synthesis.pipeline.proof_file.checker import as_bytes, not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import (
     broken_by_given_law,
@@ -54,7 +55,14 @@ Json = dict[str, Any]
 Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
 FORMAT, VERSION = "camwright-proof", 1
 OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
-LOSSES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # of a bound, tried in turn: what rounding takes from it
+LOSSES = (
+    1e-6,
+    1e-5,
+    1e-4,
+    1e-3,
+    3e-3,
+    1e-2,
+)  # of a bound, tried in turn: what rounding takes from it
 FIGURES = 9  # of a bound in the file
 END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
@@ -139,16 +147,21 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     answer = known.lower_bound
     aim = spec.objectives()[rank]
     of_angle = isinstance(aim, PeakPressureAngle)
-    if isinstance(spec.follower, OscillatingRoller) and (of_angle or isinstance(aim, BaseRadius)):
-        return  # the rows of an arm's size are not those of this format
+    of_arm = isinstance(spec.follower, OscillatingRoller)
     kept: Json = {"held": held} if held else {}
     witnesses = []
-    if not of_angle and len(held) == rank:
+    if of_arm and (of_angle or isinstance(aim, BaseRadius)):
+        # the rows of an arm's size are known in boxes alone
+        if of_angle or len(held) < rank:
+            return
+        witnesses = [({**kept, **found}, bound) for found, bound in _rounds(design, 0.0)]
+        witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
+    elif not of_angle and len(held) == rank:
         witnesses = [({**kept, "multipliers": found}, b) for found, b in _witnesses(spec, held)]
         if isinstance(aim, BaseRadius):  # no cam is smaller than asked for
             witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
     best = max((bound for _, bound in witnesses), default=0.0)
-    if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
+    if not of_arm and place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
     # The highest value first: a witness that loses more may still prove more than another one.
     tries = list[tuple[float, Json]]()
@@ -193,14 +206,23 @@ def _held(design: Design, rank: int) -> list[float]:
 
 
 def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
-    """A witness of a base radius that rows of radii raise above the best of the linear rows."""
-    cam, answer = _cam(design), design.certificate.lower_bound
-    if cam is None or answer is None or not isinstance(design.spec.objectives()[0], BaseRadius):
-        return
-    if design.spec.free_parameters.parameters:
+    """A witness of a base radius that rows of radii raise above the best of the linear rows.
+
+    Of an arm, one that its pressure angle needs.
+    """
+    cam = _cam(design)
+    spec, of_arm = design.spec, isinstance(design.spec.follower, OscillatingRoller)
+    known = (design.certificate, *design.certificate.other_objectives)
+    proven = next((p for p in known if p.objective == "base_radius_mm"), None)
+    first = isinstance(spec.objectives()[0], BaseRadius) and not spec.free_parameters.parameters
+    answer = proven and (proven.lower_bound or (of_arm and proven.value))
+    if cam is None or not answer or not (of_arm or first):
         return
     asked = as_bytes(_question(design.spec))
-    found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
+    if of_arm:
+        found = in_boxes(asked, cam["laws"], answer)
+    else:
+        found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
     if found is not None and found[0] > best:
         yield found[1], found[0]
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, tan
+from math import inf, isfinite, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,7 @@ from synthesis.optimise.dual_bound.row_functionals import (
     row_functionals,
 )
 from synthesis.optimise.dual_bound.switching import Switching
+from synthesis.optimise.problem.mean_square import Energy
 from synthesis.optimise.problem.problem import Problem
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
@@ -62,6 +63,14 @@ DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row 
 SQUARE_FIGURES = 12  # of the multiplier of a mean square
 PLACES = 9  # decimals of a point on a law, likewise
 SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
+
+
+class _Priced(Energy):
+    """A mean square that is held, times its multiplier."""
+
+    @property
+    def unit(self) -> float:
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -133,7 +142,9 @@ def _controls(model: ConicModel, z: Array) -> tuple[list[Control], ConicModel]:
             for one, own in zip(controls, weights, strict=True)
         ], model
     if square.order < controls[0].order and square.multiplier > 0.0:
-        return controls, replace(model, energy=replace(energies[0], weights=weights, unit=1.0))
+        own, root = energies[0], sqrt(square.multiplier)
+        factors = tuple(root * factor for factor in own.factors)
+        return controls, replace(model, energy=_Priced(own.order, factors, 0.0, weights))
     return controls, model
 
 
