@@ -209,6 +209,7 @@ class Segment:
         And the scale of s^(k) where it is one value, which a decimal may miss; else 0.
         """
         for number, each in enumerate(get(self.body, name, list)):
+            spend("coefficients", 8)
             kind_of({**each, "kind": name}, name)
             ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
             first, last = (get(each, end) / self.body["angle_deg"] for end in ends)
@@ -340,6 +341,7 @@ class Question:
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
         h, d, (low, high), (least, most) = segment.lift, segment.degrees, self.offsets, self.heights
+        spend("coefficients", len(self.known))
         demand(None not in (low, high, most), "a size has no range")
         e = [min(low * c for c in C), min(-high * c for c in C)]
         if not segment.free:
@@ -442,7 +444,7 @@ class Question:
         """
         most = limit[f"{segment.sense}_deg"]
         demand(most is not None, f"it says nothing of program/{segment.index}")
-        spend("coefficients", 40)
+        spend("coefficients", 60 + len(self.known))
         (low, high), box = self.swings(segment, x), (self.offsets, self.heights)
         demand(None not in (low, high, *box[0], *box[1]), "a size or a swing has no range")
         place = segment.index, x, id(limit), side, touch
@@ -508,7 +510,7 @@ class Question:
         distance = self.distances[side > 0]
         if distance is None or None in (*ends[0], *ends[1], *self.arms):
             return None
-        distance /= self.arms[side < 0]
+        distance = max(distance / self.arms[side < 0], ZERO)
         (p, q), (r, t) = [[1 + k * e for e in ends[0]], ends[1]]
         if side > 0:
             m = (p + q) / 2, (r + t) / 2
@@ -1300,6 +1302,7 @@ def exclude(question, body):
             question.offsets[:], question.heights[:], question.arms[:])
         ends[which][1 - k] = value
         (part.offsets, part.heights, part.arms), part.bent = ends, {}
+        spend("coefficients", len(question.known))
         part.known = {place: bounds[:] for place, bounds in question.known.items()}
         exclude(part, case)
 
@@ -1388,6 +1391,7 @@ def impose(question, aim, value, name):
 def check(content):
     """The exit code, after a sentence for each claim."""
     at = "the file"
+    circle.cache_clear()
     try:
         proof = read(content)
         good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1
