@@ -1113,12 +1113,13 @@ def half_plane(question, proof, aim=None):
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
-                touch = more.pop() if bends and question.arm else None
+                swings = bends and question.arm
+                demand(not swings or len(more) == 2, "a row of an arm is not [x, factor, swing]")
+                touch = more.pop() if swings else None
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
                        "a multiplier is negative, or beyond")
                 x, y = (min(max(at, limit.get("from", 0)), limit.get("to", 1)) for at in (x, y))
-                demand(touch is None or x == y, "a density of rows of an arm")
                 if bends and x < y:
                     step, n = (y - x) / SLICES, 2 * SLICES
                     spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
