@@ -170,7 +170,8 @@ WRONG: dict[str, tuple[Json, str]] = {
         "is not [x, factor, swing]"),
     "a row of an arm without a box": (
         document("infeasible", PROGRAM, None, {"kind": "jerk", "max_deg_per_s3": 1e9}, ANGLE,
-                 follower=ARM, base_radius_mm=None, witness={"multipliers": {"order": 3, "segments": [
+                 follower=ARM, base_radius_mm=None,
+                 witness={"multipliers": {"order": 3, "segments": [
                      {"segment": 2, "rows": [{"limit": "limits/1", "side": 1, "multipliers":
                                               [[0.5, 1, 7]]}], "ends": [0, 0, 0]}]}}),
         "has no range"),
