@@ -21,7 +21,8 @@ from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
-from synthesis.pipeline.proof_file.program import DEGREE, ORDER, Json, Program, Row
+from synthesis.pipeline.proof_file.laws import ORDER, Json, Row
+from synthesis.pipeline.proof_file.program import DEGREE, Program
 
 KNOTS = 24  # equal intervals of a law
 PLACES = 12  # of a free law, where its position is bounded
@@ -143,7 +144,7 @@ def _fill(leaf: Leaf, knots: dict[int, Array], swing: Callable[[int, Array], Arr
         judge.spent.clear()
         part, high = copy(question), value
         constant, sizes = judge.half_plane(part, judge.read(as_bytes(stated)))
-        for _ in range(TRIES):  # halve what is between a radius that is excluded and one that is not
+        for _ in range(TRIES):  # halve the gap between a radius that is excluded and one not
             if value <= reached:
                 break
             part.radii = [None, Fraction(value) * question.arms[0]]

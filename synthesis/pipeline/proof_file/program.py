@@ -7,7 +7,6 @@ says what their multipliers prove. Nothing here has to be right: what is wrong p
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
 from itertools import product
@@ -21,10 +20,9 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.pipeline.proof_file.checker import checker
+from synthesis.pipeline.proof_file.laws import ORDER, Json, Law, Row
 
-Json = dict[str, Any]
 DEGREE = pi / 180.0  # rad
-ORDER = 3  # of the derivative that is limited
 DIRECTIONS = 64  # of tangents of a circle around the axis
 SAMPLES = 25  # of a given law
 FIGURES = 9  # of a multiplier
@@ -33,63 +31,6 @@ FINE = 16  # points of an interval at which ψ is looked at
 LEAST = 4e-4  # of a law: width of an interval
 LOOSE = 1e-7  # of a row at points of which there is also a density: it is preferred
 FAR = 1e3  # lifts: where nothing else bounds a size
-
-
-@dataclass
-class Law:
-    """A free law as columns of the program: g''' over its cap on intervals, and what starts it.
-
-    Attributes:
-        first: its first column. knots: (n + 1,). cap: of |g'''|. start: of g' and g'' at 0 the
-            values, or None where columns of their own follow those of the intervals.
-    """
-
-    segment: Any
-    first: int
-    knots: Array
-    cap: float
-    start: list[float | None]
-    columns: list[int] = field(default_factory=list)
-
-    def rows(self, x: Array, order: int, width: int) -> tuple[Array, Array]:
-        """g^(order) at x (q,), affine in all columns: (q, width) and constants (q,)."""
-        matrix, constant = np.zeros((len(x), width)), np.zeros(len(x))
-        n = ORDER - order
-        ahead = np.maximum(x[:, None] - self.knots, 0.0) ** n * (self.cap / factorial(n))
-        matrix[:, self.first : self.first + len(self.knots) - 1] = ahead[:, :-1] - ahead[:, 1:]
-        for k, (value, column) in enumerate(zip(self.start, self.columns, strict=True), 1):
-            if k >= order:
-                power = x ** (k - order) / factorial(k - order)
-                if value is None:
-                    matrix[:, column] += power
-                else:
-                    constant += value * power
-        return matrix, constant
-
-
-@dataclass
-class Row:
-    """A row of the program and what its multiplier is in the file.
-
-    Attributes:
-        x, y: ends of the span whose mean it is; equal at points.
-        values, upper: values · unknowns ≤ upper.
-        places, alpha: where on the law it acts, and its factors there.
-        touch: of an arm, the swing where its plane touches [deg]. elastic: whether it may be
-            broken at a price, where it is said to be minimised "elastically".
-    """
-
-    segment: int
-    limit: str
-    side: int
-    x: float
-    y: float
-    values: Array
-    upper: float
-    places: Array
-    alpha: Array
-    touch: float | None = None
-    elastic: bool = False
 
 
 class Program:

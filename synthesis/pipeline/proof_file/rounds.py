@@ -19,7 +19,8 @@ from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
-from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Json, Program, Row, thinned
+from synthesis.pipeline.proof_file.laws import Json, Row
+from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Program, thinned
 
 KNOTS = 24  # equal intervals of a law, at least
 PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
