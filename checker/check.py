@@ -74,7 +74,8 @@ MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives th
         "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 TWINS = {name.format(one): name.format(other) for one, other in (("mm", "deg"), ("deg", "mm"))
-         for name in ("lift_{}", "velocity_{}_per_s", "max_{}_per_s", "max_{}_per_s2",
+         for name in ("lift_{}", "velocity_{}_per_s", "acceleration_{}_per_s2", "jerk_{}_per_s3",
+                      "travel_{}", "tolerance_{}", "max_{}_per_s", "max_{}_per_s2",
                       "max_{}_per_s3")}
 spent = Counter()
 
@@ -152,7 +153,8 @@ def choose(asked, chosen):
 # Step 2. The question. Levels are measured from the lowest position.
 def turned(body):
     """What is said of an arm in degrees, in the place of what is said of others in mm."""
-    return {TWINS.get(name, name): value for name, value in body.items()}
+    return {TWINS.get(name, name): [turned(each) for each in value] if name in (
+        "windows", "points") and value else value for name, value in body.items()}
 
 class Segment:
     def __init__(self, index, body, rate, chosen):
@@ -162,6 +164,7 @@ class Segment:
                            for name in ("angle_deg", "lift_mm")}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
         self.body = body
+        self.rate = rate
         self.lift, self.smooth, self.forward, good = ZERO, 4, False, get(body, "angle_deg") > 0
         if kind in ("rise", "return"):
             law, lift = body["law"], get(body, "lift_mm")
@@ -183,6 +186,46 @@ class Segment:
     def square(self, order):
         """The integral of (s^(order))^2 per degree over that of (g^(order))^2."""
         return self.lift**2 / self.degrees ** (2 * order - 1)
+
+    def depth(self, jerk):
+        """How far below 0 it may go; None where nothing is known of that.
+
+        By Taylor's formula from a neighbour that is given: derivatives below a limited one meet.
+        """
+        if self.forward or not self.free:
+            return ZERO
+        if jerk is None or (self.before.free and self.after.free):
+            return None
+        near, end = (self.after, ZERO) if self.before.free else (self.before, ONE)
+        slopes = (abs(x * near.lift / near.degrees**k) for k in (1, 2)
+                  for x in given(near.law, k, end))
+        v, w, a, b = slopes
+        return max(v, w) * self.degrees + max(a, b) * self.degrees**2 / 2 + (
+            jerk * self.degrees**3 / 6)
+
+    def bounds(self, name):
+        """What windows or points ask of s^(k) from one x to another: number, k, ends, range.
+
+        And the scale of s^(k) where it is one value, which a decimal may miss; else 0.
+        """
+        for number, each in enumerate(get(self.body, name, list)):
+            spend("coefficients", 8)
+            kind_of({**each, "kind": name}, name)
+            ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
+            first, last = (get(each, end) / self.body["angle_deg"] for end in ends)
+            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
+            demand(not each.get("tolerance_deg"), "a tolerance in another unit")
+            found = [range_of(each.get(field)) for field in FIELDS["windows"].split()[2:]]
+            demand(found != [[None, None]] * 4, f"{name} that bound nothing")
+            for k, asked in enumerate(found):
+                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
+                demand(slack >= 0, "a tolerance is negative")
+                exact = asked[0] == asked[1] is not None and slack == 0
+                way = -1 if k == 0 and self.lift < 0 else 1  # of travel, in the sense of the move
+                asked = [end if end is None else way * (end / self.rate**k + side * slack)
+                         + (0 if k else self.level) for end, side in zip(asked, (-1, 1))][::way]
+                scale = abs(self.lift) / self.degrees**k if exact else ZERO
+                yield number, k, first, last, asked, scale
 
 class Question:
     def __init__(self, body, chosen=()):
@@ -240,11 +283,17 @@ class Question:
             demand(get(follower, "sense", str) in ("opposite", "same"), "no sense of an arm")
         else:
             self.offsets = range_of(follower["offset_mm"])
+        # of an arm lengths count in its own length, so that e and s0 are angles nearly
+        self.unit, self.arms, self.sense = C, [ONE, ONE], 0
+        if self.arm:
+            self.unit, self.arms = (ONE, ONE), range_of(follower["arm_mm"])
+            self.sense = (1, -1)[follower["sense"] == "same"]
+            self.distances = range_of(follower["centre_distance_mm"])
         self.radii = [r if r is None else self.prime(r) for r in range_of(body["base_radius_mm"])]
         others = {*SQUARES, *(() if self.conjugate and not self.arm else ("counter_base_radius",)),
                   *(("cutter_radius",) if self.face else ("face_width",))}
         # what every cam keeps, then what is asked for; of limits of other kinds nothing is said
-        self.limits = {"forward": {"kind": "forward"},
+        self.limits = {"forward": {"kind": "forward"}, "distance": {"kind": "distance"},
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
         for k, limit in enumerate(limits):
             if get(limit, "kind", str) in MEET and limit["kind"] not in others:
@@ -268,9 +317,14 @@ class Question:
     def prime(self, radius):
         return max(radius + self.gap, ZERO)
 
-    def highest(self):
-        """The largest s0, of a face Rb/cos tilt; None where nothing limits it."""
-        return self.radii[1] and self.radii[1] / circle(self.tilt)[1][0]
+    def highest(self, aim=None):
+        """The largest s0, of a face Rb/cos tilt, of an arm over its length; None where open."""
+        radius = self.radii[1] if aim is None else min(aim, self.radii[1])
+        if radius is None or self.arms[0] is None:
+            return None
+        demand(self.arms[0] > 0, "an arm without a length")
+        most = radius / (circle(self.tilt)[1][0] * self.arms[0])
+        return -floor(-most) if self.arm else most
 
     def room(self, order, most):
         """What a mean square leaves to free laws: its integral less what given laws take of it."""
@@ -287,6 +341,7 @@ class Question:
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
         h, d, (low, high), (least, most) = segment.lift, segment.degrees, self.offsets, self.heights
+        spend("coefficients", len(self.known))
         demand(None not in (low, high, most), "a size has no range")
         e = [min(low * c for c in C), min(-high * c for c in C)]
         if not segment.free:
@@ -349,17 +404,137 @@ class Question:
         self.bent[place] = scaled(segment, row)
         return self.bent[place]
 
+    def limit(self, name):
+        """A limit by its name; of windows and points program/i/windows/number/k."""
+        if name in self.limits or name[:8] != "program/":
+            return self.limits.get(name, {"kind": "unknown"})
+        _, index, kind, *which = name.split("/")
+        demand(index in map(str, range(len(self.program))) and kind in ("windows", "points"),
+               f"{ascii(name)[:20]} is not known")
+        segment = self.program[int(index)]
+        for number, k, first, last, ends, _ in segment.bounds(kind):
+            if [str(number), str(k)] == which:
+                return {"kind": "within", "of": segment, "order": k, "ends": ends,
+                        "from": first, "to": last}
+        return {"kind": "unknown"}
+
+    def swings(self, segment, x):
+        """Where s of an arm lies at a place [deg]: between its ends, and what rounds have shown."""
+        ends = sorted((segment.level, segment.level + segment.lift))
+        if not segment.free:
+            return [segment.level + end for end in sorted(
+                segment.lift * bound for bound in given(segment.law, 0, x))]
+        if not segment.forward:
+            ends = [None, None]
+        way = 1 if segment.lift > 0 else -1
+        for (index, y), (low, high, *_) in self.known.items():
+            if index == segment.index and (y == x or segment.forward):
+                if low is not None and (way * (x - y) >= 0):
+                    ends[0] = low if ends[0] is None else max(ends[0], low)
+                if high is not None and (way * (y - x) >= 0):
+                    ends[1] = high if ends[1] is None else min(ends[1], high)
+        return ends
+
+    def swing_row(self, segment, limit, x, side, touch):
+        """A row that the pressure angle of an arm implies where the size is in its box.
+
+        side v <= F = s0 (T cos s - side k sin s) + e (T k sin s + side cos s)
+        + T sin s + side k (cos s - 1), k the sense. At each s, F is linear in e and s0, so F less
+        a plane is largest at a corner of the box; along s its second derivative is known.
+        """
+        most = limit[f"{segment.sense}_deg"]
+        demand(most is not None, f"it says nothing of program/{segment.index}")
+        spend("coefficients", 60 + len(self.known))
+        (low, high), box = self.swings(segment, x), (self.offsets, self.heights)
+        demand(None not in (low, high, *box[0], *box[1]), "a size or a swing has no range")
+        place = segment.index, x, id(limit), side, touch
+        if place in self.bent:
+            return self.bent[place]
+        low, high, slope, k = floor(low), -floor(-high), -floor(-tangent(most)[1]), self.sense
+        touch = min(max(touch, low), high)
+        width, c, d = high - low, floor(C[0]), -floor(-C[1])
+        # F = A cos s + B sin s - side k
+        corners = [(e, s0, slope * s0 + side * (e + k), slope * (1 + k * e) - side * k * s0)
+                   for e, s0 in product(*box)]
+        points = [[floor(sum(part) / 2) for part in circle(at)] for at in (touch, low, high)]
+        blur = Fraction(1, FINE) * 4  # of sines and cosines, at most 2/FINE each
+
+        def at(point, a, b):
+            return a * point[1] + b * point[0]
+
+        middle = [floor(sum(corner[i] for corner in corners) / 4) for i in (2, 3)]
+        convex = at(points[0], *middle) < 0
+        if convex and width:
+            steep = floor((at(points[2], *middle) - at(points[1], *middle)) / width)
+        else:
+            steep = floor(c * (middle[1] * points[0][1] - middle[0] * points[0][0]))
+        sine, cosine = points[0]
+        size = [slope * k * sine + side * cosine, slope * cosine - side * k * sine]
+        rest = []
+        for e, s0, a, b in corners:
+            far, less = abs(a) + abs(b), size[0] * e + size[1] * s0 + side * k
+            first, *ends = (at(point, a, b) for point in points)
+            bow = far * (d * width) ** 2 / 8 + far * blur  # of a cosine over its chord
+            most = max(end - steep * s for end, s in zip(ends, (low, high))) + (
+                max(*ends, ZERO) + bow) * (d * width) ** 2 / 8
+            if min(ends) > bow:
+                # concave: below the parabola with the least curvature, from where the plane touches
+                turn = abs(d * (b * cosine - a * sine) - steep) + far * blur
+                most = min(most, first - steep * touch + turn**2 / (2 * c * c * (
+                    min(ends) - bow)))
+            rest.append(most + far * blur - less)
+        row = [-steep, side * ONE, ZERO, ZERO], [-x for x in size], -floor(-max(rest))
+        self.bent[place] = scaled(segment, row)
+        return self.bent[place]
+
+    def empty(self, radius):
+        """Whether no size of an arm is in the box of e and s0, by squares alone."""
+        k, (e, f), (r, t) = self.sense, self.offsets, self.heights
+        low, high = (None if distance is None or None in self.arms else distance / self.arms[i]
+                     for i, distance in zip((1, 0), self.distances))
+
+        def least(x, y):
+            return max(x, -y, ZERO) ** 2
+
+        p, q = sorted((1 + k * e, 1 + k * f))
+        return least(e, f) + least(r, t) > radius**2 or (
+            high is not None and least(p, q) + least(r, t) > high**2) or (
+            low is not None and max(p * p, q * q) + max(r * r, t * t) < max(low, ZERO) ** 2)
+
+    def distance_row(self, side):
+        """What the distance of an arm's pivot from the axis asks of e and s0 in their box.
+
+        At most: a tangent of the circle; at least: (p - p1)(p - p2) <= 0 on [p1, p2].
+        """
+        ends, k = (self.offsets, self.heights), self.sense
+        distance = self.distances[side > 0]
+        if distance is None or None in (*ends[0], *ends[1], *self.arms):
+            return None
+        distance = max(distance / self.arms[side < 0], ZERO)
+        (p, q), (r, t) = [[1 + k * e for e in ends[0]], ends[1]]
+        if side > 0:
+            m = (p + q) / 2, (r + t) / 2
+            return [ZERO] * 4, [k * m[0], m[1]], root(m[0] ** 2 + m[1] ** 2) * distance - m[0]
+        return [ZERO] * 4, [-k * (p + q), -(r + t)], (p + q) - distance**2 - p * q - r * t
+
     def bends(self, limit):
-        """Whether a limit gives rows in rounds alone."""
-        return not (self.face or self.arm) and limit["kind"] in ("profile_radius", "cutter_radius")
+        """Whether the rows of a limit differ from place to place."""
+        return not self.face and limit["kind"] in (
+            ("pressure_angle",) if self.arm else ("profile_radius", "cutter_radius"))
 
     def row(self, segment, limit, side):
         """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
         kind, none, (low, high) = limit["kind"], [ZERO] * 2, C
+        if kind == "distance":
+            return self.distance_row(side) if self.arm else None
         if kind in ORDERS:
             k = ORDERS[kind]
             return [side * ONE if i == k else ZERO for i in range(4)], none, (
                 get(limit, FIELDS[kind]) / self.rate**k)
+        if kind == "within" and limit["of"] is segment and (
+                most := limit["ends"][side > 0]) is not None:
+            return [side * ONE if i == limit["order"] else ZERO for i in range(4)], none, (
+                side * most)
         if kind == "pressure_angle" and not (self.face or self.arm) and (
                 limit[f"{segment.sense}_deg"] is not None):
             # side u <= X tan, times c; both sides together say that X is not negative
@@ -367,21 +542,22 @@ class Question:
             return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
         if kind == "forward" and segment.forward and side > 0:
             return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
-        known = segment.forward or not segment.free  # s >= 0
+        deep = segment.depth(self.jerk)  # s >= -deep
         if kind == "face_width" and limit["reach"][side > 0] is not None and (
-                known or not self.tilt):
+                deep is not None or not self.tilt):
             # side (s' - (s + Rb/cos) tan - offset/cos^2) <= reach/cos, times c
             away, lean = side * self.tilt, [1 / x for x in circle(self.tilt)[1]]
-            slope = (-tangent(away)[1] * high if away > 0 else
-                     tangent(-away)[0] * low if away < 0 else ZERO)
+            ends = [t * c for t, c in zip(tangent(abs(away)), C)] if away else [ZERO] * 2
+            slope = -ends[1] if away > 0 else ends[0]
             offset = side * self.follower["offset_mm"]
             most = [limit["reach"][side > 0] + offset * k for k in lean]
             return [slope, side, ZERO, ZERO], [ZERO, slope], max(
-                c * k * m for c, k, m in product(C, lean, most))
-        if kind == "profile_radius" and self.face and side > 0 and known:
+                c * k * m for c, k, m in product(C, lean, most)) + (ends[1] - ends[0]) * (deep or 0)
+        if kind == "profile_radius" and self.face and side > 0 and deep is not None:
             # Rb + (s + s'') cos tilt >= least, times c^2/cos tilt
             least = get(limit, "min_mm") / circle(self.tilt)[1][1]
-            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], -least * low**2
+            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], (
+                -least * low**2 + (high**2 - low**2) * deep)
         return None
 
 # Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
@@ -395,12 +571,21 @@ C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
 
 @lru_cache(maxsize=None)
 def circle(degrees):
-    """Sine and cosine of an angle up to a turn; neither changes faster than the angle."""
+    """Sine and cosine of an angle up to a turn; neither changes faster than the angle.
+
+    In integers over 2^192: a term is rounded by 1, which later ones multiply by 87 at most.
+    """
     demand(abs(degrees) <= 360, "an angle is larger than a turn", 2)
-    x, more = degrees * C[0], abs(degrees) * (C[1] - C[0])
-    found = (between([(-1) ** k * x ** (2 * k + p) / factorial(2 * k + p) for k in range(32)])
-             for p in (1, 0))
-    return [(low - more, high + more) for low, high in found]
+    x, more, found = degrees * C[0] * (1 << 192) // 1, abs(degrees) * (C[1] - C[0]), []
+    more = Fraction(more * UNIT // 1 + 2, UNIT)
+    for power in (1, 0):
+        term, terms = x if power else 1 << 192, []
+        for k in range(power, 64 + power, 2):
+            terms.append(term)
+            term = -(term * x * x // ((k + 1) * (k + 2)) >> 384)
+        low, high = sorted((sum(terms[:-1]), sum(terms)))
+        found.append((Fraction(low >> 72, UNIT) - more, Fraction((high >> 72) + 1, UNIT) + more))
+    return found
 
 def tangent(degrees):
     demand(0 < degrees < 90, "an angle is not between 0 and 90 degrees", 2)
@@ -806,38 +991,21 @@ class Cam:
 
     def within(self, segment, name):
         """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
-        exact, rate = "", self.question.rate
-        for each in get(segment.body, name, list):
-            kind_of({**each, "kind": name}, name)
-            ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
-            first, last = (get(each, end) / segment.body["angle_deg"] for end in ends)
-            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
-            fields = FIELDS["windows"].split()[2:]
-            bounds = [range_of(each.get(field)) for field in fields]
-            demand(bounds != [[None, None]] * 4, f"{name} that bound nothing")
-            for k, (low, high) in enumerate(bounds):
-                scale = Fraction(abs(segment.lift) / segment.degrees**k)
-                slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
-                demand(slack >= 0, "a tolerance is negative")
-                if low == high is not None and slack == 0:  # a value, which a decimal may miss
-                    slack, exact = JUMP * scale, f", values but for 1/{1 / JUMP} of their scale"
-                for way, most in ((-1, low), (1, high)):
-                    if most is None:
+        exact = ""
+        for _, k, first, last, ends, scale in segment.bounds(name):
+            if scale:
+                exact = f", values but for 1/{1 / JUMP} of their scale"
+            for way, most in zip((-1, 1), ends):
+                for piece in self.of[segment.index] if most is not None else ():
+                    start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
+                                          ZERO), ONE) for x in (first, last))
+                    if first * segment.degrees > piece.start + piece.width or (
+                            last * segment.degrees < piece.start):
                         continue
-                    most, turn = most / rate**k * way + slack, way
-                    if k == 0:  # travel, in the sense of the move
-                        turn = way if segment.lift > 0 else -way
-                        most += turn * segment.level
-                    for piece in self.of[segment.index]:
-                        start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
-                                              ZERO), ONE) for x in (first, last))
-                        if first * segment.degrees > piece.start + piece.width or (
-                                last * segment.degrees < piece.start):
-                            continue
-                        b = split(piece.s[k], end)[0]
-                        b = split(b, start / end)[1] if start < end else b[-1:]
-                        piece.show(lambda b: min(b) >= 0,
-                                   plus(enclose([most]), [by(x, -turn) for x in b]))
+                    b = split(piece.s[k], end)[0]
+                    b = split(b, start / end)[1] if start < end else b[-1:]
+                    piece.show(lambda b: min(b) >= 0, plus(
+                        enclose([way * most + JUMP * scale]), [by(x, -way) for x in b]))
         return "holds all along" + exact
 
     def mean(self, order, most):
@@ -935,7 +1103,7 @@ def half_plane(question, proof, aim=None):
         # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
-            limit, side = question.limits.get(name, {"kind": "unknown"}), get(group, "side")
+            limit, side = question.limit(name), get(group, "side")
             bends = question.bends(limit)
             row = None if bends else scaled(segment, question.row(segment, limit, side))
             of, factor = squares.get(name, (0, ZERO))
@@ -945,18 +1113,24 @@ def half_plane(question, proof, aim=None):
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
             spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
+                swings = bends and question.arm
+                demand(not swings or len(more) == 2, "a row of an arm is not [x, factor, swing]")
+                touch = more.pop() if swings else None
                 y, low, high = more if len(more) == 3 else (x, *more, ZERO)
                 demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
                        "a multiplier is negative, or beyond")
+                x, y = (min(max(at, limit.get("from", 0)), limit.get("to", 1)) for at in (x, y))
                 if bends and x < y:
                     step, n = (y - x) / SLICES, 2 * SLICES
                     spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
-                        step * (low + (high - low) * (2 * k + 1) / n), ZERO) for k in range(SLICES)]
+                        step * (low + (high - low) * (2 * k + 1) / n), ZERO, None)
+                        for k in range(SLICES)]
                 else:
-                    spread.append((x, y, low, high))
-            for x, y, low, high in spread:
+                    spread.append((x, y, low, high, touch))
+            for x, y, low, high, touch in spread:
                 if bends:
-                    row = question.bend_row(segment, limit, x, side)
+                    row = (question.bend_row(segment, limit, x, side) if touch is None else
+                           question.swing_row(segment, limit, x, side, touch))
                 alpha, size, rhs = row
                 spend("coefficients", 8)
                 good = not segment.free or not any(alpha[order:])
@@ -1068,8 +1242,12 @@ def remainder(kernels, cap, weight):
 # Step 7. No size keeps the half-plane and its ranges: then there is no such cam.
 def least(question, proof, aim=None):
     """What is aimed at is at least this for every cam; without an aim, if it is above 0 none is."""
-    radius = question.highest()
     constant, (p, q) = half_plane(question, proof, aim)
+    return constant - reach(question, p, q)
+
+def reach(question, p, q):
+    """The most that -(p, q) . z comes to, by Cauchy and Schwarz for some parts of it."""
+    radius = question.highest()
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
     radius, up, most = radius or ZERO, -q, []
     ends = [f(radius * sign, radius * sign if e is None else e)
@@ -1080,13 +1258,14 @@ def least(question, proof, aim=None):
     def leg(x):  # the other side of a right triangle
         return root(radius * radius - x * x) if x * x < radius * radius else ONE
 
-    for slope in (-p * c for c in C):
+    for slope in (-p * c for c in question.unit):
         # slope e + up s0 = (slope - y) e + (up - w) s0 + (y e + w s0), by Cauchy and Schwarz
-        ys = [(slope, max(up, ZERO)), (slope, abs(slope) * bottom / leg(bottom)), (ZERO, ZERO),
+        ys = [(slope, max(up, ZERO)), (ZERO, ZERO),
+              *((slope, abs(slope) * height / leg(height)) for height in heights),
               *((up * e / leg(e), up) for e in ends)]
         most.append(min(radius * root(y * y + w * w) + (slope - y) * ends[slope > y]
                         + (up - w) * heights[up > w] for y, w in ys))
-    return constant - max(most)
+    return max(most)
 
 def narrow(question, bounds):
     """Keep bounds of where cams can be that are better than those known."""
@@ -1100,10 +1279,14 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
-    demand(not (question.face or question.arm) or not {"rounds", "cases"} & {*body},
-           "rounds of a flat face, or an arm")
+    demand(not question.face or not {"rounds", "cases"} & {*body}, "rounds of a flat face")
+    most = question.highest()
     if question.heights[1] is None:
-        question.heights[1] = question.highest()
+        question.heights[1] = most
+    if question.arm and question.offsets[0] is None and most is not None:
+        question.offsets = [-most, most]
+    if question.arm and most is not None and question.empty(question.highest(question.aim)):
+        return
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
         narrow(question, [bound_of(question, step) for step in found])
     if "cases" not in body:
@@ -1113,10 +1296,14 @@ def exclude(question, body):
         return
     cases, value = get(body, "cases", list), get(body, "value")  # of e or s0: below it and above
     demand(len(cases) == 2, "there are not two cases", 2)
+    names = "offset", "s0", *(("arm",) if question.arm else ())
+    which = names.index(get(body, "of", str))
     for k, case in enumerate(cases):
-        part, ends = copy(question), (question.offsets[:], question.heights[:])
-        ends[get(body, "of", str) != "offset"][1 - k] = value
-        (part.offsets, part.heights), part.bent = ends, {}
+        part, ends = copy(question), (
+            question.offsets[:], question.heights[:], question.arms[:])
+        ends[which][1 - k] = value
+        (part.offsets, part.heights, part.arms), part.bent = ends, {}
+        spend("coefficients", len(question.known))
         part.known = {place: bounds[:] for place, bounds in question.known.items()}
         exclude(part, case)
 
@@ -1127,10 +1314,13 @@ def bound_of(question, step):
     if step.get("segment") is None:  # of e or s0, from below or from above
         bound = least(question, proof, (None, ZERO, [], [way * (k < 2), way * (k > 1)]))
         ends = (question.offsets, question.heights)[k // 2]
-        return ends, k % 2, min(bound / c for c in C) if k < 2 else bound
+        return ends, k % 2, min(bound / c for c in question.unit) if k < 2 else bound
     # X or U at a place
     index, x = whole(step, "segment", 0, len(question.program) - 1), get(step, "x")
     alpha, size = [way * (k < 2), way * (k > 1), 0], [-way * (k > 1), way * (k < 2)]
+    if question.arm:  # of an arm s alone
+        demand(k < 2, "of an arm only its swing is bounded")
+        size = [ZERO] * 2
     bound = least(question, proof, (question.program[index], x, alpha, size))
     return question.known.setdefault((index, x), [None] * 4), k, floor(bound)
 
@@ -1202,6 +1392,7 @@ def impose(question, aim, value, name):
 def check(content):
     """The exit code, after a sentence for each claim."""
     at = "the file"
+    circle.cache_clear()
     try:
         proof = read(content)
         good = get(proof, "format", str) == "camwright-proof" and get(proof, "version") == 1

@@ -161,13 +161,20 @@ WRONG: dict[str, tuple[Json, str]] = {
         document("infeasible", PROGRAM, None, {"kind": "jerk", "max_deg_per_s3": 1e9}, ANGLE,
                  follower=ARM, witness={"rounds": [[{"bound": 2, "multipliers": {
                      "order": 3, "segments": []}}]], "multipliers": {"order": 3, "segments": []}}),
-        "or an arm"),
+        "do not exclude every size"),
     "a row of an arm's pressure angle": (
         document("infeasible", PROGRAM, None, {"kind": "jerk", "max_deg_per_s3": 1e9}, ANGLE,
                  follower=ARM, witness={"multipliers": {"order": 3, "segments": [
                      {"segment": 2, "rows": [{"limit": "limits/1", "side": 1, "multipliers":
                                               [[0.5, 1]]}], "ends": [0, 0, 0]}]}}),
-        "says nothing"),
+        "is not [x, factor, swing]"),
+    "a row of an arm without a box": (
+        document("infeasible", PROGRAM, None, {"kind": "jerk", "max_deg_per_s3": 1e9}, ANGLE,
+                 follower=ARM, base_radius_mm=None,
+                 witness={"multipliers": {"order": 3, "segments": [
+                     {"segment": 2, "rows": [{"limit": "limits/1", "side": 1, "multipliers":
+                                              [[0.5, 1, 7]]}], "ends": [0, 0, 0]}]}}),
+        "has no range"),
     "a face that stands along its slide": (
         document("motion", PROGRAM[1:2], [None], follower={**FACE, "tilt_deg": 90}, size=(60,)),
         ""),

@@ -190,7 +190,7 @@ def test_files_are_as_the_schema_says(proofs: Any, impossible: Any) -> None:
         (("version",), 2), (("version",), True), (("cam", "laws", 0, "degree"), 6),
         (("claims", 1, "proven"), False), (("claims", 0, "at_least"), "34"),
         (("claims", 0, "multipliers", "order"), 4),
-        (("claims", 0, "multipliers", "segments", 0, "rows", 0, "multipliers", 0), [0.5, 1.0, 2.0]),
+        (("claims", 0, "multipliers", "segments", 0, "rows", 0, "multipliers", 0), [0.5]),
     )  # fmt: skip
     for path, value in wrong:
         changed = copy.deepcopy(proofs["example-13-6-sized"])
@@ -251,8 +251,8 @@ def test_hostile_files_cannot_be_read(text: str, capsys: pytest.CaptureFixture[s
 
 @pytest.mark.parametrize(
     ("name", "proven"),
-    [("conjugate", 9), ("table", 0), ("tilted-flat-face", 8), ("p3-sized", 6),
-     ("oscillating-flat-face", 0), ("quiet-then-small", 7), ("windows-and-points", 9),
+    [("conjugate", 9), ("table", 0), ("tilted-flat-face", 8), ("p3-sized", 7),
+     ("oscillating-flat-face", 0), ("quiet-then-small", 7), ("windows-and-points", 10),
      ("constant-velocity", 7)],
 )  # fmt: skip
 def test_every_design_has_a_file_that_says_what_is_not_covered(name: str, proven: int) -> None:

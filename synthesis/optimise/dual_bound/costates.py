@@ -142,14 +142,19 @@ def project_costates(model: ConicModel, initial_costates: Array, near: Array) ->
 
 
 def best_costates(
-    model: ConicModel, controls: Sequence[Control], psi: Sequence[Switching], given: Array
+    model: ConicModel,
+    controls: Sequence[Control],
+    psi: Sequence[Switching],
+    given: Array,
+    start: Array | None = None,
 ) -> Array:
     """The costates (1, laws, m) that make the bound of a mean square largest.
 
     The bound is concave in them, and its gradient is by how much the ideal law's end misses what it
     has to be. The solver's own come from the last few coefficients of the spline, and what is
     uncertain there grows with the third power of the knots. ``psi``: of the rows alone; ``given``:
-    (1, laws, m) factors of initial values that they leave.
+    (1, laws, m) factors of initial values that they leave. ``start``: (1, laws, m), None for the
+    smallest that meet the conditions.
     """
     # Newton's method on a concave function, its steps in the null space of the conditions. A step
     # that does not raise the bound is halved: any costates give a valid bound, so that it can stop
@@ -157,6 +162,7 @@ def best_costates(
     matrix, unknown, priced = stationarity_conditions(model, controls[0].order)
     bound = _CostateFunction.of(model, controls, psi)
     costates = _minimum_norm_solution(matrix, -given[0, unknown])
+    costates = costates if start is None else start.ravel()
     value, gradient, hessian = bound(costates)
     for _ in range(STEPS):
         # to the top of the quadratic model, with matrix · costates kept

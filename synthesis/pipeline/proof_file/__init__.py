@@ -5,8 +5,8 @@ every claim with its witness or with why the format does not cover it. ``checker
 it; it shares nothing with this room, and a claim is called proven here only if it accepts it.
 
 Open ``claims.py`` first; ``multipliers.py`` writes those of a cone program for the checker.
-``rounds.py`` writes witnesses of bounds that curvature raises, by the linear programs of
-``program.py``.
+``rounds.py`` writes witnesses of bounds that curvature raises, ``arms.py`` those of an arm's size,
+by the linear programs of ``program.py``.
 """
 
 from __future__ import annotations

@@ -40,6 +40,7 @@ from synthesis.optimise.strategy.phase_one import (
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
+from synthesis.pipeline.proof_file.arms import in_boxes
 from synthesis.pipeline.proof_file.checker import as_bytes, not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import (
     broken_by_given_law,
@@ -54,11 +55,19 @@ Json = dict[str, Any]
 Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
 FORMAT, VERSION = "camwright-proof", 1
 OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
-LOSSES = (1e-6, 1e-5, 1e-4, 1e-3)  # of a bound, tried in turn: what rounding takes from it
+LOSSES = (
+    1e-6,
+    1e-5,
+    1e-4,
+    1e-3,
+    3e-3,
+    1e-2,
+)  # of a bound, tried in turn: what rounding takes from it
 FIGURES = 9  # of a bound in the file
 END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
 LARGEST_GAP, OWN_PART = 0.9, 0.98  # as in SolveState.allowance
+LOOSER = (1.002, 1.01, 1.03, 1.1)  # factors on what is held
 ROUNDING = 1e-9  # relative: what decimals and joints may change in a cam's value
 NOTHING: Json = {"order": 3, "segments": []}  # multipliers of nothing
 PEAKS = {"peak_acceleration": 2, "peak_jerk": 3}  # the derivative that is minimised
@@ -134,19 +143,25 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
         return
     rank = int(place.removeprefix("objective/"))
-    answer, held = _proven(design, rank).lower_bound, _held(design, rank)
+    known, held = _proven(design, rank), _held(design, rank)
+    answer = known.lower_bound
     aim = spec.objectives()[rank]
     of_angle = isinstance(aim, PeakPressureAngle)
-    if isinstance(spec.follower, OscillatingRoller) and (of_angle or isinstance(aim, BaseRadius)):
-        return  # the rows of an arm's size are not those of this format
+    of_arm = isinstance(spec.follower, OscillatingRoller)
     kept: Json = {"held": held} if held else {}
     witnesses = []
-    if not of_angle and len(held) == rank:
+    if of_arm and (of_angle or isinstance(aim, BaseRadius)):
+        # the rows of an arm's size are known in boxes alone
+        if of_angle or len(held) < rank:
+            return
+        witnesses = [({**kept, **found}, bound) for found, bound in _rounds(design, 0.0)]
+        witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
+    elif not of_angle and len(held) == rank:
         witnesses = [({**kept, "multipliers": found}, b) for found, b in _witnesses(spec, held)]
         if isinstance(aim, BaseRadius):  # no cam is smaller than asked for
             witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
     best = max((bound for _, bound in witnesses), default=0.0)
-    if place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
+    if not of_arm and place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
     # The highest value first: a witness that loses more may still prove more than another one.
     tries = list[tuple[float, Json]]()
@@ -161,7 +176,8 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
         ]
     for value, found in sorted(tries, key=lambda each: -each[0]):
         less = answer is not None and value < answer * (1.0 - CLOSE)
-        note = {"note": f"the answer's own bound, {answer}, is not covered"} if less else {}
+        over = f" over {known.bound_valid_for}" if known.bound_valid_for else ""
+        note = {"note": f"the answer's own bound{over}, {answer}, is not covered"} if less else {}
         yield {"at_least": value, **note, **found}
 
 
@@ -190,14 +206,23 @@ def _held(design: Design, rank: int) -> list[float]:
 
 
 def _rounds(design: Design, best: float) -> Iterator[tuple[Json, float]]:
-    """A witness of a base radius that rows of radii raise above the best of the linear rows."""
-    cam, answer = _cam(design), design.certificate.lower_bound
-    if cam is None or answer is None or not isinstance(design.spec.objectives()[0], BaseRadius):
-        return
-    if design.spec.free_parameters.parameters:
+    """A witness of a base radius that rows of radii raise above the best of the linear rows.
+
+    Of an arm, one that its pressure angle needs.
+    """
+    cam = _cam(design)
+    spec, of_arm = design.spec, isinstance(design.spec.follower, OscillatingRoller)
+    known = (design.certificate, *design.certificate.other_objectives)
+    proven = next((p for p in known if p.objective == "base_radius_mm"), None)
+    first = isinstance(spec.objectives()[0], BaseRadius) and not spec.free_parameters.parameters
+    answer = proven and (proven.lower_bound or (of_arm and proven.value))
+    if cam is None or not answer or not (of_arm or first):
         return
     asked = as_bytes(_question(design.spec))
-    found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
+    if of_arm:
+        found = in_boxes(asked, cam["laws"], answer)
+    else:
+        found = in_rounds(asked, cam["laws"], np.array(design.size), answer)
     if found is not None and found[0] > best:
         yield found[1], found[0]
 
@@ -271,6 +296,10 @@ def _witnesses(
         caps.append(ObjectiveCap(objective, objective.from_wire(own, machine)))
     aim = spec.objectives()[len(held)]
     problem = attempt.problem(aim, tuple(caps), Goal(inf).smallest)
+    tried = [problem] + [
+        replace(problem, objective_caps=tuple(replace(c, value=c.value * more) for c in caps))
+        for more in (LOOSER if caps else ())
+    ]
 
     def on_wire(value: float) -> float:
         known = [Bounded(problem.objective, value, "")]
@@ -280,8 +309,10 @@ def _witnesses(
         peak = peak_of_given_laws(problem, PEAKS[aim.kind])
         if peak is not None:
             yield peak[0], on_wire(peak[1])
-    # 1. The program whose multipliers gave the bound; of given laws, that of the size alone.
-    relaxation = optimise(problem, attempt.tolerance(len(held))).relaxation
+    # 1. The program whose multipliers gave the bound; of given laws, that of the size alone. Where
+    #    no spline of its mesh keeps what is held, those of a looser one are nearly as good.
+    solved = (optimise(each, attempt.tolerance(len(held))).relaxation for each in tried)
+    relaxation = next(filter(None, solved), None)
     if not problem.free:
         relaxation = _solved(formulate(problem, []))
     if relaxation is not None and isfinite(relaxation[2].value):
@@ -308,7 +339,8 @@ def _without_cam(problem: Problem, spec: DesignSpec, length: float) -> Iterator[
 def _of_main_cam(spec: DesignSpec) -> DesignSpec:
     """The question without what it asks of a counter cam: the checker has no rows of that one."""
     follower = spec.follower
-    if not isinstance(follower, TranslatingRoller) or not follower.closure.counter_paths:
+    rollers = (TranslatingRoller, OscillatingRoller)
+    if not isinstance(follower, rollers) or not follower.closure.counter_paths:
         return spec
     alone = follower.model_copy(update={"closure": Force()})
     kept = [limit for limit in spec.limits if not isinstance(limit, CounterBaseRadius)]

@@ -16,13 +16,14 @@ In a proof file cam angles are in degrees and lengths in mm. With c = π/180 the
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from math import tan
+from dataclasses import dataclass, replace
+from math import inf, isfinite, sqrt, tan
 from typing import Any
 
 import numpy as np
 
 from synthesis.catalogue.constraints import LinearInequality
+from synthesis.catalogue.limits.motion import SegmentBound
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
@@ -37,7 +38,11 @@ from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.arcs import density_terms
 from synthesis.optimise.dual_bound.bound import add_costates
-from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
+from synthesis.optimise.dual_bound.costates import (
+    best_costates,
+    boundary_multipliers,
+    nonnegative_multipliers,
+)
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
 from synthesis.optimise.dual_bound.row_functionals import (
     RowFunctional,
@@ -48,6 +53,7 @@ from synthesis.optimise.dual_bound.row_functionals import (
     row_functionals,
 )
 from synthesis.optimise.dual_bound.switching import Switching
+from synthesis.optimise.problem.mean_square import Energy
 from synthesis.optimise.problem.problem import Problem
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
@@ -57,6 +63,14 @@ DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row 
 SQUARE_FIGURES = 12  # of the multiplier of a mean square
 PLACES = 9  # decimals of a point on a law, likewise
 SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
+
+
+class _Priced(Energy):
+    """A mean square that is held, times its multiplier."""
+
+    @property
+    def unit(self) -> float:
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -80,9 +94,7 @@ def multipliers(
         spec: the question [wire]. length: the problem's unit of length [mm].
     """
     z = nonnegative_multipliers(model, solution)
-    controls = law_controls(model)
-    if controls is None:
-        controls = weighed_controls(model, mean_square_caps(model, z)) or []
+    controls, model = _controls(model, z)
     if model.problem.free and not controls:
         return []
     order = controls[0].order if controls else GIVEN
@@ -104,11 +116,56 @@ def multipliers(
             groups += _groups(one, points, densities, model, spec, length)
         for each, mass in fixed_size_rows(model, z):
             lagrangian.add_rows(each, mass)
-        solved = boundary_multipliers(model, solution, order, z)
-        costates = add_costates(lagrangian, controls, solved)
+        costates = _costates(lagrangian, controls, model, solution, z)
         psi = lagrangian.psi()
         ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
         found.insert(0, _as_stated(order, groups, ends, squares))
+    return found
+
+
+def _controls(model: ConicModel, z: Array) -> tuple[list[Control], ConicModel]:
+    """The controls of every free law, empty where some law has none, and the model to go on with.
+
+    A mean square that is held beside a limit on the control adds to its weight; one of a lower
+    order is worth its tangents, as that of an objective is, and stands in that one's place.
+    """
+    held = mean_square_caps(model, z)
+    plain = tuple(cone for cone in model.cone_blocks if cone.energy is None)
+    controls = law_controls(replace(model, cone_blocks=plain))
+    if not controls or len(held) != 1 or model.energy is not None:
+        return controls or weighed_controls(model, held) or [], model
+    (square,), energies = held, [c.energy for c in model.cone_blocks if c.energy is not None]
+    weights = square.multiplier * square.weights
+    if square.order == controls[0].order:
+        return [
+            replace(one, weight=one.weight + float(own))
+            for one, own in zip(controls, weights, strict=True)
+        ], model
+    if square.order < controls[0].order and square.multiplier > 0.0:
+        own, root = energies[0], sqrt(square.multiplier)
+        factors = tuple(root * factor for factor in own.factors)
+        return controls, replace(model, energy=_Priced(own.order, factors, 0.0, weights))
+    return controls, model
+
+
+def _costates(
+    lagrangian: Lagrangian,
+    controls: Sequence[Control],
+    model: ConicModel,
+    solution: ConeSolution,
+    z: Array,
+) -> Array:
+    """Add the end conditions, with the best multipliers of these: (1, laws, m)."""
+    near = boundary_multipliers(model, solution, lagrangian.order, z)
+    if not all(c.weight and isfinite(c.cap) for c in controls) or not controls:
+        return add_costates(lagrangian, controls, near)
+    # where caps are reached everywhere the bound's slope says little: from those without caps on
+    lagrangian.reduce()
+    given, psi = lagrangian.initial_costates, lagrangian.psi()
+    free = [replace(control, cap=inf) for control in controls]
+    near = best_costates(model, free, psi, given)
+    found = best_costates(model, controls, psi, given, near)
+    lagrangian.add_boundary_costates(found)
     return found
 
 
@@ -124,7 +181,9 @@ def _squares(
     energy, order = model.energy, controls[0].order if controls else GIVEN
     weights, k = np.array([control.weight for control in controls]), order
     if energy is not None:
-        k, names[energy.order] = energy.order, "objective"
+        k = energy.order
+        if model.problem.objective.energy_order() == k:
+            names[k] = "objective"
         weights = energy.weights / energy.unit
     if not model.problem.free:  # of given laws alone any multiplier will do
         return {"objective": 1.0} if energy is not None else {}, []
@@ -190,6 +249,9 @@ def _limit_of(row: LinearInequality, spec: DesignSpec, problem: Problem) -> tupl
     """The name in a proof file of the limit of a row, and its kind; "" where it has none."""
     source = SOURCES.get(row.source, row.source)
     names = {f"limits/{k}": str(limit.kind) for k, limit in enumerate(spec.limits)}
+    for limit in problem.limits:  # windows and points have names of their own
+        if isinstance(limit, SegmentBound) and limit.name == row.source:
+            return f"program/{limit.segment}/{limit.place}/{limit.order}", str(limit.kind)
     names["no_undercut"] = "profile_radius"  # what every cam keeps, if no limit asks for more
     if source.startswith("peak_"):  # what is minimised counts as a limit, and what is held
         held = enumerate(problem.objective_caps)
@@ -231,7 +293,11 @@ def _groups(
     table = np.stack([x, points[nonzero] * factor], axis=1)
     spread = np.concatenate([np.zeros((0, 4)), *(_linear(*each) for each in densities)])
     spread[:, 2:] *= factor
-    yield Group(block.origin.segment.index, limit, side, table, spread)
+    # of equalities multipliers may have either sign: those of each side
+    for way in (1, -1) if block.origin.row.equality else (1,):
+        own = [np.column_stack([part[:, :n], np.maximum(way * part[:, n:], 0.0)])
+               for part, n in ((table, 1), (spread, 2))]  # fmt: skip
+        yield Group(block.origin.segment.index, limit, way * side, *own)
 
 
 def _row(
@@ -246,6 +312,8 @@ def _row(
     if block.segment is not None:
         # as large a share of the derivative that the checker's row has with the factor ±1
         order = {"acceleration": 2, "profile_radius": 2}.get(kind, 1)
+        if kind == "segment_bound":
+            order = max(row.orders)
         degrees = segment.angle / DEGREE
         factor = abs(block.alpha[order]) * degrees**order / abs(segment.lift * length)
         side = -1 if row.coefficients[order] < 0.0 and kind != "profile_radius" else 1

@@ -7,8 +7,8 @@ says what their multipliers prove. Nothing here has to be right: what is wrong p
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from itertools import product
 from math import factorial, pi
 from typing import Any
@@ -20,10 +20,9 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.pipeline.proof_file.checker import checker
+from synthesis.pipeline.proof_file.laws import ORDER, Json, Law, Row
 
-Json = dict[str, Any]
 DEGREE = pi / 180.0  # rad
-ORDER = 3  # of the derivative that is limited
 DIRECTIONS = 64  # of tangents of a circle around the axis
 SAMPLES = 25  # of a given law
 FIGURES = 9  # of a multiplier
@@ -34,65 +33,13 @@ LOOSE = 1e-7  # of a row at points of which there is also a density: it is prefe
 FAR = 1e3  # lifts: where nothing else bounds a size
 
 
-@dataclass
-class Law:
-    """A free law as columns of the program: g''' over its cap on intervals, and what starts it.
-
-    Attributes:
-        first: its first column. knots: (n + 1,). cap: of |g'''|. start: of g' and g'' at 0 the
-            values, or None where columns of their own follow those of the intervals.
-    """
-
-    segment: Any
-    first: int
-    knots: Array
-    cap: float
-    start: list[float | None]
-    columns: list[int] = field(default_factory=list)
-
-    def rows(self, x: Array, order: int, width: int) -> tuple[Array, Array]:
-        """g^(order) at x (q,), affine in all columns: (q, width) and constants (q,)."""
-        matrix, constant = np.zeros((len(x), width)), np.zeros(len(x))
-        n = ORDER - order
-        ahead = np.maximum(x[:, None] - self.knots, 0.0) ** n * (self.cap / factorial(n))
-        matrix[:, self.first : self.first + len(self.knots) - 1] = ahead[:, :-1] - ahead[:, 1:]
-        for k, (value, column) in enumerate(zip(self.start, self.columns, strict=True), 1):
-            if k >= order:
-                power = x ** (k - order) / factorial(k - order)
-                if value is None:
-                    matrix[:, column] += power
-                else:
-                    constant += value * power
-        return matrix, constant
-
-
-@dataclass
-class Row:
-    """A row of the program and what its multiplier is in the file.
-
-    Attributes:
-        x, y: ends of the span whose mean it is; equal at points.
-        values, upper: values · unknowns ≤ upper.
-        places, alpha: where on the law it acts, and its factors there.
-    """
-
-    segment: int
-    limit: str
-    side: int
-    x: float
-    y: float
-    values: Array
-    upper: float
-    places: Array
-    alpha: Array
-
-
 class Program:
     """The linear program of a question."""
 
     def __init__(self, question: Any, knots: dict[int, Array]) -> None:
         judge = checker()
         self.question, self.judge, self.laws = question, judge, list[Law]()
+        self.unit = float(question.unit[0])  # of the first size in the checker's rows
         self.knots = knots  # of free laws, and places of others where their rows are looked at
         self.jerk, width = float(question.jerk or 0.0), 0
         free = [s for s in question.turning if s.free]
@@ -108,7 +55,7 @@ class Program:
         self.width = width + 2  # the size e and s0 [mm] come last
         self.by_index = {law.segment.index: law for law in self.laws}
         self.ends, self.end_values, self.end_names = self._end_conditions()
-        self.fixed = list(self._linear_rows())
+        self.fixed, self.point = list(self._linear_rows()), np.zeros(self.width)
 
     def _known(self, left: Any, right: Any, k: int) -> float | None:
         """g^(k) of a free law at 0 where what comes before it tells; None where it is open."""
@@ -150,13 +97,15 @@ class Program:
         if segment.free:
             matrix, constant = self.by_index[segment.index].rows(x, order, self.width)
             return factor * matrix, factor * constant + level
-        places = [Fraction(float(each)).limit_denominator(10**9) for each in x]
-        g = [sum(map(float, self.judge.given(segment.law, order, each))) / 2 for each in places]
+        g = [_given(segment.law, order, each) for each in x.tolist()]
         return np.zeros((len(x), self.width)), factor * np.array(g) + level
 
-    def _row(
-        self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any
-    ) -> tuple[Array, Array]:
+    def place(self, index: int, x: Array) -> Array:
+        """s of a free law at x, of the last point."""
+        matrix, constant = self.motion(self.by_index[index].segment, x, 0)
+        return constant + matrix @ self.point[: self.width]
+
+    def row(self, segment: Any, x: Array, alpha: Any, size: Any, upper: Any) -> tuple[Array, Array]:
         """Rows alpha · (g, g', g'') + size · (c e, s0) ≤ upper at x: the columns' part, rest."""
         matrix, rest = np.zeros((len(x), self.width)), np.full(len(x), float(upper))
         for k, each in enumerate(alpha[:ORDER]):
@@ -164,7 +113,7 @@ class Program:
                 part, constant = self.motion(segment, x, k, 1.0)
                 matrix += float(each) * part
                 rest -= float(each) * constant
-        matrix[:, -2] += float(size[0]) * DEGREE
+        matrix[:, -2] += float(size[0]) * self.unit
         matrix[:, -1] += float(size[1])
         return matrix, rest
 
@@ -180,7 +129,7 @@ class Program:
         for name, limit in self.question.limits.items():
             for segment in self.question.turning:
                 for side in (1, -1):
-                    if self.question.bends(limit):
+                    if self.question.bends(limit) or limit["kind"] == "distance":
                         continue
                     found = self.question.row(segment, limit, side)
                     found = self.judge.scaled(segment, found)
@@ -189,7 +138,7 @@ class Program:
                     if not segment.free and not any(found[1]):
                         continue
                     x, jumps = self.points(segment), segment.free and found[0][2]
-                    matrix, upper = self._row(segment, x, *found)
+                    matrix, upper = self.row(segment, x, *found)
                     alpha = np.array([[float(a) for a in found[0][:ORDER]]])
                     for at, row, most in zip(x.tolist(), matrix, upper, strict=True):
                         loose = LOOSE * abs(most) * bool(jumps)
@@ -201,7 +150,7 @@ class Program:
     def _mean_rows(self, segment: Any, name: str, side: int, x: Array, found: Any) -> Iterator[Row]:
         for a, b in zip(x[:-2].tolist(), x[2:].tolist(), strict=True):
             at = a + (b - a) * (np.arange(8) + 0.5) / 8.0
-            matrix, upper = self._row(segment, at, *found)
+            matrix, upper = self.row(segment, at, *found)
             alpha = np.array([[float(f) for f in found[0][:ORDER]]] * 8) / 8.0
             row, most = matrix.mean(axis=0), float(upper.mean())
             yield Row(segment.index, name, side, a, b, row, most, at, alpha)
@@ -244,7 +193,7 @@ class Program:
             x = first + (last - first) * Fraction(2 * k + 1, 2 * count)
             self.judge.spent.clear()
             found = self.question.bend_row(segment, limit, x, side)
-            matrix, upper = self._row(segment, np.array([float(x)]), *found)
+            matrix, upper = self.row(segment, np.array([float(x)]), *found)
             alpha.append([float(f) / count for f in found[0][:ORDER]])
             places.append(float(x))
             total, rest = total + matrix[0] / count, rest + float(upper[0]) / count
@@ -254,11 +203,12 @@ class Program:
         return Row(segment.index, name, side, a, b, total, rest, *both)
 
     def minimise(
-        self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None
+        self, costs: Sequence[Array], rows: Sequence[Row], radius: float | None, price: float = 0.0
     ) -> list[tuple[float, Array, Array]] | None:
         """The least values of some costs (width,), and multipliers of ends and rows.
 
         ``radius``: largest √(e² + s0²). None: it is minimised itself, and there are no costs.
+        ``price``: what elastic rows may be broken for, all by as much; 0: they may not.
         Returns None where no law and size fit.
         """
         alone = radius is None
@@ -272,6 +222,10 @@ class Program:
             fan[:, -1] = -1.0
             table, ends = _widened(table), _widened(self.ends)
             limit, costs = 0.0, [np.eye(width)[-1]]
+            if price:
+                loose = -np.array([[float(row.elastic)] for row in rows]).reshape(-1, 1)
+                table, ends, fan = np.hstack([table, loose]), _widened(ends), _widened(fan)
+                costs, width = [np.append(costs[0], price)], width + 1
         else:
             ends, limit = self.ends, float(radius or 0.0)
         scale = np.maximum(np.abs(table).max(axis=1, initial=0.0), 1e-12)
@@ -282,18 +236,23 @@ class Program:
             own = slice(law.first, law.first + len(law.knots) - 1)
             low[own], high[own] = -1.0, 1.0
         most = FAR * max(abs(float(s.lift)) for s in self.question.turning)
+        if alone:
+            low[self.width :] = 0.0
         for column, ends_ in (
             (self.width - 2, self.question.offsets),
             (self.width - 1, self.question.heights),
         ):
             low[column], high[column] = (
-                s * most if e is None or (alone and k and column == self.width - 1) else float(e)
+                s * most if e is None or (
+                    alone and k and column == self.width - 1 and not price
+                ) else float(e)
                 for k, (s, e) in enumerate(zip((-1.0, 1.0), ends_, strict=True))
             )  # fmt: skip
         program = LinearRows(sparse.csc_matrix(matrix), rhs, len(ends), low, high)
         found = minimise_each(program, costs)
         if found[-1].stopped is not StopReason.SOLVED:
             return None
+        self.point = found[-1].x
         answers = []
         for each, cost in zip(found, costs, strict=True):
             z = each.multipliers
@@ -348,6 +307,9 @@ class Program:
                 continue
             group = parts.setdefault(row.segment, {}).setdefault((row.limit, row.side), [])
             height = _short(value / (row.y - row.x or 1.0))
+            if row.touch is not None:
+                group.append([row.x, height, row.touch])
+                continue
             group.append([row.x, height] if row.x == row.y else [row.x, row.y, height, height])
         return {
             "order": ORDER,
@@ -363,6 +325,13 @@ class Program:
                 for index, groups in sorted(parts.items())
             ],
         }
+
+
+@cache
+def _given(law: str, order: int, x: float) -> float:
+    """A derivative of a named law at a place."""
+    place = Fraction(x).limit_denominator(10**9)
+    return float(sum(map(float, checker().given(law, order, place)))) / 2.0
 
 
 def _widened(table: Array) -> Array:

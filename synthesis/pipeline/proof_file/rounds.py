@@ -19,7 +19,8 @@ from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
-from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Json, Program, Row, thinned
+from synthesis.pipeline.proof_file.laws import Json, Row
+from synthesis.pipeline.proof_file.program import DEGREE, LEAST, SMALL, Program, thinned
 
 KNOTS = 24  # equal intervals of a law, at least
 PLACE_STEP = 0.05  # of a law: between places where X and U are bounded
@@ -143,7 +144,7 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
         if ends[0] is not None and ends[0] == ends[1]:
             continue
         cost = np.zeros(width)
-        cost[-2 if k < 2 else -1] = (-1.0) ** k * (DEGREE if k < 2 else 1.0)
+        cost[-2 if k < 2 else -1] = (-1.0) ** k * (program.unit if k < 2 else 1.0)
         aims.append({"bound": k})
         costs.append(cost)
     if with_places:
@@ -153,7 +154,7 @@ def _round(program: Program, rows: Sequence[Row], zones: Any, with_places: bool)
                 for x in np.round(np.linspace(a, b, 1 + max(1, ceil((b - a) / PLACE_STEP))), 9):
                     for k in range(4):
                         cost = (-1.0) ** k * program.motion(segment, np.array([x]), k // 2)[0][0]
-                        cost[-1 if k < 2 else -2] += (-1.0) ** k * (1.0 if k < 2 else -DEGREE)
+                        cost[-1 if k < 2 else -2] += (-1.0) ** k * (1.0 if k < 2 else -program.unit)
                         aims.append({"bound": k, "segment": index, "x": float(x)})
                         costs.append(cost)
     found = program.minimise(costs, rows, float(question.radii[1]))
