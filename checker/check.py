@@ -991,12 +991,20 @@ class Cam:
 
     def within(self, segment, name):
         """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
-        exact = ""
+        exact, own = "", self.of[segment.index]
+        row = [self.of[segment.before.index][-1], *own, self.of[segment.after.index][0]]
         for _, k, first, last, ends, scale in segment.bounds(name):
             if scale:
                 exact = f", values but for 1/{1 / JUMP} of their scale"
+            for n, (one, other) in enumerate(zip(row, row[1:])):  # no lower one may jump there
+                at = other.start if n < len(own) else segment.degrees
+                if ends != [None, None] and first <= at / segment.degrees <= last:
+                    knot = segment.free and 0 < n < len(own)
+                    demand(not knot or len(one.s[0]) > k,
+                           f"derivative {k - 1} jumps inside program/{segment.index}")
+                    self.meet(one, other, -1 if knot else k - 1)
             for way, most in zip((-1, 1), ends):
-                for piece in self.of[segment.index] if most is not None else ():
+                for piece in own if most is not None else ():
                     start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
                                           ZERO), ONE) for x in (first, last))
                     if first * segment.degrees > piece.start + piece.width or (

@@ -131,3 +131,41 @@ def test_a_jump_at_a_knot_is_seen_from_both_sides() -> None:
         bound = part(*ends, jerk_mm_per_s3={"min": 0, "max": None})
         found.append(verdict(window("windows", bound, laws=[jump, None, SMOOTH, None], rise=law)))
     assert [code for code, _ in found] == [1, 1]  # of the two sides one is negative
+
+
+PARABOLIC = {**ROUND[0], "law": {"kind": "parabolic", "inflection": 0.5}}
+KINKED = {"degree": 2, "knots": [0, 0.5, 1], "coefficients": [0, 0, 1, 1]}
+
+
+def slow(law: Json | None, first: float, last: float) -> tuple[int, str]:
+    """What is said of a jerk of 1 mm/s³ at most on a part of a law whose acceleration jumps."""
+    bound = part(first, last, jerk_mm_per_s3={"min": -1, "max": 1})
+    rise = PARABOLIC if law is None else move("rise", 120, 30, smoothness=1)
+    rise = {**rise, "windows": [bound]}
+    found = document("", [rise, *ROUND[1:]], [law, None, SMOOTH, None])
+    found["claims"].append({"place": "program/0/windows", "proven": True})
+    return verdict(found)
+
+
+@pytest.mark.parametrize(
+    ("law", "ends", "place"),
+    [
+        (None, (30, 90), "derivative 2 jumps inside"),
+        (None, (60, 90), "derivative 2 jumps inside"),
+        (None, (0, 30), "derivative 2 jumps at the start of program/0"),
+        (None, (90, 120), "derivative 2 jumps at the start of program/1"),
+        (KINKED, (50, 70), "derivative 2 jumps inside"),
+    ],
+)
+def test_what_jumps_has_no_bounded_derivative(
+    law: Json | None, ends: tuple[float, float], place: str
+) -> None:
+    """The acceleration of a parabolic law jumps at its ends and in the middle; its jerk is 0."""
+    code, text = slow(law, *ends)
+    assert code == 1
+    assert place in text
+
+
+def test_next_to_a_jump_a_derivative_has_its_bounds() -> None:
+    assert slow(None, 30, 59)[0] == 0
+    assert slow(KINKED, 61, 90)[0] == 0
