@@ -117,3 +117,36 @@ def test_free_angles_are_those_of_the_least_rms_jerk() -> None:
     assert design.status == "feasible"
     assert "chosen numbers alone" in design.certificate.bound_valid_for
     assert "left free are those of the least rms jerk" in design.assumptions[0]
+
+
+ARM: dict[str, Any] = {"kind": "oscillating_roller", "roller_radius_mm": 15.0, "arm_mm": 120.0}
+SWING = [
+    {"kind": "rise", "angle_deg": 110.0, "lift_deg": 24.0},
+    {"kind": "dwell", "angle_deg": 50.0},
+    {"kind": "return", "angle_deg": 120.0, "lift_deg": 24.0},
+    {"kind": "dwell", "angle_deg": 80.0},
+]
+
+
+def swinging(distance: float | None) -> Design:
+    follower = ARM | ({} if distance is None else {"centre_distance_mm": distance})
+    angles = {"kind": "pressure_angle", "rise_deg": 40.0, "return_deg": 40.0}
+    spec = {"speed_rpm": 180.0, "program": SWING, "follower": follower, "limits": [angles]}
+    return synthesise(DesignSpec.model_validate(spec | {"proof": "quick"}))
+
+
+def test_a_free_pivot_is_bounded_and_no_worse_than_a_given_one() -> None:
+    free = swinging(None)
+    (smooth,) = free.certificate.other_objectives
+    # the least rms jerk of the program is no matter of the pivot: the size may use the allowance
+    assert smooth.lower_bound is not None
+    assert smooth.value == pytest.approx(1.25 * smooth.lower_bound, rel=0.01)
+    assert free.certificate.gap is not None
+    assert free.certificate.gap < 0.05
+    given = swinging(round(free.dimensions["centre_distance_mm"], 6))
+    least, value = free.certificate.lower_bound, free.certificate.value
+    assert least is not None
+    assert value is not None
+    assert given.certificate.value is not None
+    assert least <= given.certificate.value
+    assert value <= given.certificate.value * 1.02  # each is a local optimum

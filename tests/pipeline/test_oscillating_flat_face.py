@@ -13,6 +13,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.optimize import differential_evolution, linprog
 
+from synthesis.catalogue.followers.swinging_face import LeastPivotDistance
 from synthesis.catalogue.motion import Motion
 from synthesis.design.design import Design
 from synthesis.exporters import MOTION_FORMATS, PROFILE_FORMATS
@@ -349,3 +350,21 @@ def test_a_face_that_turns_with_the_cam_is_told_where() -> None:
         error["ctx"]["at"] == pytest.approx(40.5, abs=1e-3)
     )
     assert error["ctx"]["speed"] == pytest.approx(2.0 * 85.0 / 81.0, rel=1e-9)
+
+
+def test_a_pivot_next_to_the_axis_is_led_away_from_it() -> None:
+    """A tangent says how much farther it must be, also where the distance is almost nothing."""
+    nearest, offset = 79.68, 0.0
+    least = LeastPivotDistance("", nearest, offset)
+    still, p, q = np.zeros((4, 1)), 2e-5, 1e-3
+    step = 1e-6
+
+    def excess(p: float, q: float) -> float:
+        return float(least.excess(still, (p, q))[0][0])
+
+    slope = np.array([
+        excess(p + step, q) - excess(p - step, q), excess(p, q + step) - excess(p, q - step)
+    ]) / (2.0 * step)  # fmt: skip
+    # of 1 - r/R: -1/R along the radius
+    assert slope * nearest == pytest.approx([-p / math.hypot(p, q), -q / math.hypot(p, q)], 1e-2)
+    assert excess(nearest, 0.0) == pytest.approx(0.0, abs=1e-13)

@@ -31,6 +31,7 @@ from synthesis.numerics.piecewise import Array
 
 RIGHT_ANGLE = 0.5 * math.pi  # rad
 MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at single angles
+LEAST_SQUARE = 1e-14  # added to the square of a distance over its least: smooth at 0 too
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
 CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
@@ -176,8 +177,9 @@ class LeastPivotDistance(NonconvexConstraint):
     offset: float
 
     def excess(self, s: Any, z: Any) -> tuple[Any, ...]:
-        p, q = z[0], z[1] + self.offset
-        return (1.0 - (p * p + q * q) / self.least**2 + 0.0 * s[0],)
+        # the distance itself: its square has no slope where the pivot is next to the cam's axis
+        p, q = z[0] / self.least, (z[1] + self.offset) / self.least
+        return (1.0 - (p * p + q * q + LEAST_SQUARE) ** 0.5 + 0.0 * s[0],)
 
     @property
     def norm_bounds(self) -> tuple[NormBounds, ...]:

@@ -112,6 +112,9 @@ def solve(
     Raises:
         Cancelled: nobody waits for it any more.
     """
+    if np.any(program.lower > program.upper) or np.any(program.low > program.high):
+        none = np.zeros(len(program.lower)), np.zeros(len(program.low))
+        return SmoothSolution(guess.x, *none, StopReason.INFEASIBLE, "bounds cross", 0)
     options = OPTIONS | (COLD if guess.rows is None else WARM)
     options |= {"ipopt.tol": accuracy, "ipopt.compl_inf_tol": max(10.0 * accuracy, 1e-8)}
     if math.isfinite(time_limit):

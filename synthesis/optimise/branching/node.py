@@ -159,6 +159,9 @@ class BoundTask:
         controls = law_controls(formulate(with_value_cap(smooth, target), coarse))
         if controls is None or not all(control.cap < inf for control in controls):
             return None
+        aims = (objective, *(cap.objective for cap in smooth.objective_caps))
+        if max(aim.energy_order() or 0 for aim in aims) > controls[0].order:
+            return None  # laws that jump in their controls have no such mean square
         problem = _with_smoothness(smooth, controls[0].order - 1)
         return cls(problem, incumbent, target, tuple(controls), deadline)
 

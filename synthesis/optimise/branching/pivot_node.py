@@ -23,12 +23,12 @@ from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.node import Node, Tree, halve
-from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.control import capped_controls
 from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint, cuts_on_law
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
+from synthesis.optimise.dual_bound.bound import Bound, all_laws, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import improve_from
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
@@ -117,6 +117,8 @@ class PivotNode(Node):
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """Halve the widest range of the sizes."""
+        if not self.tubes:
+            return state, ()  # limits imply no rows, however small the box is
         axis, bounds = int(np.argmax(np.ptp(self.sizes, axis=1))), self.problem.sizing.bounds
         children = []
         for sizes in halve(self.sizes, axis):
@@ -160,18 +162,18 @@ def nearly_binding_part(best: Candidate, free: PlacedSegment) -> tuple[float, fl
 def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode | None:
     """The node with bounds of the sizes and laws of all cams better than ``best``.
 
-    None where nothing caps the laws, or time is over.
+    Of laws whose control nothing caps none are known. None where time is over.
     """
     problem = node.problem
     grids = tuple(uniform_grid(segment, COARSE).knots_only for segment in problem.free)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
     model = formulate(law_tightening.with_value_cap(problem, value), grids)
-    capped = law_controls(model)
-    if capped is None or not all(np.isfinite(control.cap) for control in capped):
-        return None
+    ranges = node.sizes or problem.sizing.bounds
+    capped = capped_controls(model)
+    if capped is None:
+        return replace(node, sizes=ranges)
     if node.sizes:
         model = with_rows(model, list(_implied_rows(model, node)))
-    ranges = node.sizes or problem.sizing.bounds
     sizes = tuple(law_tightening.size_bounds(model, axis, ends) for axis, ends in enumerate(ranges))
     tubes = {}
     for position, (low, high) in node.parts.items():
@@ -181,7 +183,11 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         known = node.tubes.get(position)
         known = known or law_tightening.initial_law_bounds(model, position, capped[position], nodes)
         tubes[position] = law_tightening.tighten_law(model, position, known, state.deadline)
-    return replace(node, sizes=sizes, tubes=tubes)
+    node, norm = replace(node, sizes=sizes, tubes=tubes), problem.objective.norm(problem.machine)
+    if norm is None:
+        return node
+    # the least that the objective can be in the box
+    return node.with_bound(Bound(norm.lower_bound(sizes), all_laws(capped[0].order)), best.value)
 
 
 def _value_to_hold(

@@ -16,18 +16,22 @@ from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
 
+LEAST_MULTIPLIER = 1e-9  # of a mean square's cap, relative to the largest multiplier
+
 
 @dataclass(frozen=True)
 class Control:
     """|g^(order)| ≤ cap + rate π, and weight ∫ (g^(order))² dx in the objective.
 
     ``cap`` is infinite where only the weight holds the law, zero where only the level does.
+    ``square``: of ∫ (g^(order))² dx, a cap; infinite where none is known.
     """
 
     order: int
     cap: float
     rate: float
     weight: float
+    square: float = inf
 
 
 @dataclass(frozen=True)
@@ -44,12 +48,14 @@ def mean_square_caps(model: ConicModel, z: Array) -> tuple[MeanSquareCap, ...]:
     """The caps of mean squares with the multipliers that those of their cones (m,) come to.
 
     ‖y‖ ≤ 1 with multiplier λ, where y is the derivative over √room, is ‖y‖² ≤ 1 with λ/2 where it
-    binds; any that is not negative gives a valid bound.
+    binds; any that is not negative gives a valid bound. One of zero would leave nothing to hold a
+    law's control against the rounding of ψ, so that each is at least a little.
     """
     found, at = list[MeanSquareCap](), model.program.equalities + model.program.inequalities
+    least = LEAST_MULTIPLIER * float(np.max(np.abs(z), initial=0.0))
     for cone in model.cone_blocks:
         if cone.energy is not None:
-            multiplier = 0.5 * max(float(z[at]), 0.0) / cone.room
+            multiplier = 0.5 * max(float(z[at]), least) / cone.room
             found.append(MeanSquareCap(
                 cone.energy.order, cone.energy.weights, cone.room, multiplier
             ))  # fmt: skip
@@ -58,18 +64,29 @@ def mean_square_caps(model: ConicModel, z: Array) -> tuple[MeanSquareCap, ...]:
 
 
 def weighed_controls(model: ConicModel, caps: Sequence[MeanSquareCap]) -> list[Control] | None:
-    """The controls where the size is minimised and one mean square is capped; None elsewhere.
+    """The controls where one mean square is capped, and nothing else of its order; None elsewhere.
 
     In the Lagrangian the cap weighs the control as an objective that is a mean square does.
     """
-    norm = model.problem.objective.norm(model.problem.machine)
-    if norm is None or len(caps) != 1 or caps[0].multiplier <= 0.0 or model.energy is not None:
+    if len(caps) != 1 or caps[0].multiplier <= 0.0 or model.energy is not None:
         return None
     (cap,) = caps
     if any(b.law_matrix is not None and b.highest_order >= cap.order for b in model.blocks):
         return None
-    weights = cap.multiplier * cap.weights
-    return [Control(cap.order, inf, 0.0, float(weight)) for weight in weights]
+    return [
+        Control(cap.order, inf, 0.0, cap.multiplier * float(weight), cap.room / float(weight))
+        for weight in cap.weights
+    ]
+
+
+def capped_controls(model: ConicModel) -> list[Control] | None:
+    """The control of every free law with a cap of it, or of its mean square; None without one."""
+    controls = law_controls(model)
+    if controls is None:
+        ones = np.ones(model.program.matrix.shape[0])
+        controls = weighed_controls(model, mean_square_caps(model, ones))
+    known = controls is not None and all(min(c.cap, c.square) < inf for c in controls)
+    return controls if known else None
 
 
 def law_controls(model: ConicModel) -> list[Control] | None:

@@ -1,12 +1,15 @@
 """Bounds of a law that every better cam satisfies: of g and g' at nodes, and in between.
 
-Between two nodes they follow from the cap of |g^(m)|: for m = 2 g' differs from its value at a node
-by cap · distance at most; for m = 3 g' lies within cap/2 · (x − a)(b − x) of its chord.
+Between two nodes a, b they follow from the cap of |g^(m)|, or of ∫ (g^(m))² dx. For m = 2 g'
+differs from its value at a node by cap · distance at most, or √(square · distance); for m = 3 it
+lies within cap/2 · (x − a)(b − x) of its chord, or √(square / 3(b − a)) · (x − a)(b − x): Schwarz's
+inequality with Green's function G(x, ·) of u'' = f, ∫ G² = (x − a)² (b − x)² / 3(b − a).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -17,7 +20,8 @@ from synthesis.numerics.piecewise import Array
 class LawBounds:
     """Bounds of a normalised law at nodes: low ≤ g ≤ high, slow ≤ g' ≤ fast, (n,) each.
 
-    ``cap`` bounds |g^(order)| everywhere, order 2 or 3.
+    ``cap`` bounds |g^(order)| everywhere, order 2 or 3; ``square``, where it is finite and the cap
+    is not, ∫ (g^(order))² dx.
     """
 
     nodes: Array
@@ -27,20 +31,21 @@ class LawBounds:
     high_speed: Array
     order: int
     cap: float
+    square: float = inf
 
     def speed_bounds(self, x: Array) -> tuple[Array, Array]:
         """Bounds of g' at any x."""
         left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
         before, after = x - self.nodes[left], self.nodes[left + 1] - x
         if self.order == 2:
-            reach = (self.cap * before, self.cap * after)
+            reach = self._reach(before), self._reach(after)
             slow = np.maximum(self.low_speed[left] - reach[0], self.low_speed[left + 1] - reach[1])
             fast = np.minimum(
                 self.high_speed[left] + reach[0], self.high_speed[left + 1] + reach[1]
             )
             return slow, fast
-        # |g'''| ≤ cap: g' leaves its chord by no more than this
-        deviation = 0.5 * self.cap * before * after
+        # g' leaves its chord by no more than this
+        deviation = self._bend[left] * before * after
         slow = np.interp(x, self.nodes, self.low_speed) - deviation
         return slow, np.interp(x, self.nodes, self.high_speed) + deviation
 
@@ -50,9 +55,21 @@ class LawBounds:
         before, after = x - self.nodes[left], self.nodes[left + 1] - x
         # g' over every interval
         width = np.diff(self.nodes)
-        over = self.cap * width * (0.5 if self.order == 2 else 0.125 * width)
+        over = self._reach(0.5 * width) if self.order == 2 else 0.25 * self._bend * width**2
         slow = (np.minimum(self.low_speed[:-1], self.low_speed[1:]) - over)[left]
         fast = (np.maximum(self.high_speed[:-1], self.high_speed[1:]) + over)[left]
         high = np.minimum(self.high[left] + before * fast, self.high[left + 1] - after * slow)
         low = np.maximum(self.low[left] + before * slow, self.low[left + 1] - after * fast)
         return low, high
+
+    def _reach(self, distance: Array) -> Array:
+        """What g' changes by over a distance, of order 2."""
+        far = self.cap * distance if self.cap < inf else np.sqrt(self.square * distance)
+        return np.asarray(far)
+
+    @property
+    def _bend(self) -> Array:
+        """Of every interval: times (x − a)(b − x) what g' leaves its chord by, of order 3."""
+        width = np.diff(self.nodes)
+        bend = 0.5 * self.cap if self.cap < inf else np.sqrt(self.square / (3.0 * width))
+        return np.zeros_like(width) + bend

@@ -228,7 +228,7 @@ def _minimum(
     model, objective = lagrangian.model, lagrangian.model.problem.objective
     # 1. Over the laws: −cap ∫ |ψ|, or the integral of min (weight w² + ψ w).
     if all(control.weight for control in controls):
-        area: list[float] = []
+        area = [0.0 for _ in psi]  # the level caps no control
         capped = sum(p.least_integral(c.cap, c.weight) for p, c in zip(psi, controls, strict=True))
     else:
         area = absolute_integrals(psi)

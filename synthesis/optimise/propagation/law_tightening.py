@@ -8,7 +8,7 @@ quantity as its objective, so that it holds over all laws that satisfy the rows:
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 
@@ -27,7 +27,8 @@ from synthesis.optimise.propagation.half_spaces import LOOSENING
 INTERVALS = 12
 """Of a law between the knots at which it is bounded; each end costs four cone programs."""
 FASTEST = 20.0
-"""Times 1 + cap: more than |g'| of any law from 0 to 1 (7 + 7/2 cap, by Taylor's formula)."""
+"""Times 1 + cap: more than |g'| of any law from 0 to 1 (7 + 7/2 cap, by Taylor's formula; by
+Schwarz's inequality with the root of the square's cap in its place)."""
 
 
 def with_value_cap(problem: Problem, value: float) -> Problem:
@@ -51,10 +52,11 @@ def initial_law_bounds(
         chosen = np.linspace(0, len(breaks) - 1, INTERVALS + 1).round().astype(int)
         nodes = breaks[np.unique(chosen)]
     free, zero = model.problem.free[position].free, np.zeros_like(nodes)
-    fast = zero + FASTEST * (1.0 + control.cap)
+    caps = control.order, control.cap, control.square
+    fast = zero + FASTEST * (1.0 + min(control.cap, sqrt(control.square)))
     if free is None or free.overshoot:
-        return LawBounds(nodes, -fast, fast, -fast, fast, control.order, control.cap)
-    return LawBounds(nodes, zero, zero + 1.0, zero, fast, control.order, control.cap)
+        return LawBounds(nodes, -fast, fast, -fast, fast, *caps)
+    return LawBounds(nodes, zero, zero + 1.0, zero, fast, *caps)
 
 
 def tighten_law(

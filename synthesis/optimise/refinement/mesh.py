@@ -77,13 +77,14 @@ def refine_mesh(
     curves = [law.curve() for law in cam.laws]
     losses = _losses(grids, curves, lower)
     mean = np.sum(np.concatenate(losses)) / sum(map(len, losses))
-    most = very_costly * mean if mean > 0.0 else inf  # nothing is lost, and inf * 0 is no number
+    if mean == 0.0:  # no interval loses anything
+        return halve_intervals(problem, grids, violated_points)
     for position, (segment, grid) in enumerate(zip(problem.free, grids, strict=True)):
         assert segment.free is not None
         chosen.append(
             _knots_of_costly_intervals(
                 segment.free, states[position], grid.space.breaks, curves[position],
-                losses[position] > COSTLY * mean, losses[position] > most, lower,
+                losses[position] > COSTLY * mean, losses[position] > very_costly * mean, lower,
                 position,
             )
         )  # fmt: skip

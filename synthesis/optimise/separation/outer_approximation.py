@@ -17,7 +17,7 @@ import numpy as np
 
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
-from synthesis.optimise.conic.control import law_controls
+from synthesis.optimise.conic.control import capped_controls
 from synthesis.optimise.conic.program import NO_TIGHTENING, ConicModel, formulate
 from synthesis.optimise.conic.tangent_cuts import Region, TangentPoint
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
@@ -106,8 +106,8 @@ def _tighten_region(
     grids = tuple(grid.knots_only for grid in model.grids)
     first = replace(region, tangent_points=region.tangent_points[:1])
     relaxed = formulate(better, grids, 0.0, NO_TIGHTENING, first)
-    capped = law_controls(relaxed)
-    if capped is None or any(not isfinite(control.cap) for control in capped):
+    capped = capped_controls(relaxed)
+    if capped is None:
         return None
     known = region.law_bounds or {
         k: law_tightening.initial_law_bounds(relaxed, k, control)

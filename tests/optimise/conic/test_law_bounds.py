@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -38,6 +40,60 @@ def test_a_law_at_its_cap_is_within_what_its_nodes_leave(
         assert np.all(high >= law(X) - 1e-12)
     for said, known in zip(bounds.speed_bounds(NODES), (-room[0], room[1]), strict=True):
         assert said == pytest.approx(at[1] + known)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("seed", [3, 11])
+def test_a_law_of_a_capped_mean_square_is_within_what_its_nodes_leave(
+    order: int, seed: int
+) -> None:
+    """Between two nodes nothing is known but ∫ (g^(order))² dx, of which this law has it all."""
+    poly = np.polynomial.Polynomial(np.random.default_rng(seed).normal(size=8))
+    slope, control = poly.deriv(), poly.deriv(order)
+    whole = (control**2).integ()
+    square = whole(1.0) - whole(0.0)
+    values = poly(NODES), slope(NODES)
+    ends = values[0], values[0], values[1], values[1]
+    bounds = LawBounds(NODES, *ends, order, math.inf, square)
+    for (low, high), law in (
+        (bounds.position_bounds(X), poly), (bounds.speed_bounds(X), slope),
+    ):  # fmt: skip
+        assert np.all(low <= law(X) + 1e-12)
+        assert np.all(high >= law(X) - 1e-12)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_no_narrower_bounds_of_a_capped_mean_square_would_hold(order: int) -> None:
+    """The law that goes farthest: g' reaches the bound at the place it is made for."""
+    at, t = 0.3, np.linspace(0.0, 1.0, 20_001)
+    # g'' = 1 up to there; of order 3 Green's function of u'' = f for u = g', u(0) = u(1) = 0
+    influence = 1.0 * (t < at) if order == 2 else np.where(t < at, t * (1.0 - at), at * (1.0 - t))
+    square = np.trapezoid(influence**2, t)
+    reached = np.trapezoid(influence * influence, t)
+    nodes, zero = np.array([0.0, 1.0]), np.zeros(2)
+    wide = zero + 9.0
+    slow, fast = (zero, zero) if order == 3 else (np.array([0.0, -9.0]), np.array([0.0, 9.0]))
+    bounds = LawBounds(nodes, -wide, wide, slow, fast, order, math.inf, square)
+    low, high = bounds.speed_bounds(np.array([at]))
+    assert high[0] == pytest.approx(reached, rel=1e-4)
+    assert low[0] == pytest.approx(-reached, rel=1e-4)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("squared", [False, True])
+def test_a_law_goes_no_farther_between_nodes_than_is_said(order: int, *, squared: bool) -> None:
+    """g' is 0 at both ends and at its fastest in between; the place is known at the start alone."""
+    x = np.linspace(0.0, 1.0, 2001)
+    control = np.where(x < 0.5, 1.0, -1.0) if order == 2 else -1.0 + 0.0 * x
+    speed = np.minimum(x, 1.0 - x) if order == 2 else 0.5 * x * (1.0 - x)
+    place = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1])) * x[1]])
+    caps = (math.inf, np.trapezoid(control**2, x)) if squared else (1.0, math.inf)
+    zero, unknown = np.zeros(2), np.array([0.0, 9.0])
+    bounds = LawBounds(np.array([0.0, 1.0]), -unknown, unknown, zero, zero, order, *caps)
+    low, high = bounds.position_bounds(x)
+    assert np.all(low <= place + 1e-12)
+    assert np.all(high >= place - 1e-12)
+    assert high[-1] <= 3.0 * place[-1]
 
 
 @pytest.mark.parametrize(("part", "at"), [((0.2, 0.8), 0.5), ((0.1, 0.3), 0.3), ((0.3, 0.3), 0.3)])

@@ -11,15 +11,18 @@ import pytest
 
 from synthesis.catalogue.objectives import RmsJerk
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.control import mean_square_caps, weighed_controls
-from synthesis.optimise.conic.program import formulate
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.optimise.conic.control import capped_controls, mean_square_caps, weighed_controls
+from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import ConicModel, formulate, with_rows
 from synthesis.optimise.dual_bound.bound import (
     _control_integrals,
     dual_bound,
     unknown_initial_values,
 )
 from synthesis.optimise.problem.grid import uniform_grid
-from synthesis.optimise.problem.problem import ObjectiveCap, Problem
+from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.propagation.law_tightening import initial_law_bounds, tighten_law
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.scenes import Direct, angles, direct, dwell, fall, problem, rise, scene
 
@@ -59,6 +62,40 @@ def test_the_bound_covers_all_laws_and_closes_with_knots(question: Problem) -> N
         gaps.append(1.0 - lower.value / answer.value)
     assert gaps[1] < 0.1 * gaps[0]
     assert gaps[2] < 5e-4
+
+
+def test_laws_and_sizes_of_a_capped_mean_square_lie_in_their_bounds(question: Problem) -> None:
+    """Against the extremes that splines reach: never inside of them, and not far from them."""
+    grids = [uniform_grid(segment, 20) for segment in question.free]
+    model = formulate(replace(question, objective=NoObjective()), grids)
+    controls = capped_controls(model)
+    assert controls is not None
+    nodes, names = np.array([0.0, 0.23, 0.52, 0.81, 1.0]), range(len(grids))
+    for k, control in zip(names, controls, strict=True):
+        known = initial_law_bounds(model, k, control, nodes)
+        bounds = tighten_law(model, k, known)
+        for order, (low, high) in enumerate(
+            ((bounds.low, bounds.high), (bounds.low_speed, bounds.high_speed))
+        ):
+            reached = np.array([_reached(model, k, x, order) for x in nodes[1:-1]])
+            assert np.all(low[1:-1] <= reached[:, 0] + 1e-7)
+            assert np.all(high[1:-1] >= reached[:, 1] - 1e-7)
+            assert np.all(high[1:-1] - low[1:-1] <= 1.3 * (reached[:, 1] - reached[:, 0]) + 0.01)
+
+
+def _reached(model: ConicModel, law: int, x: float, order: int) -> tuple[float, float]:
+    """Least and largest value at a point of any spline of the mesh under the model's rows."""
+    row, ends = model.grids[law].space.basis(np.array([x]), order), list[float]()
+    for sign in (1.0, -1.0):
+        level = LinearBlock(
+            "point", law, sign * row, np.array([x]), sign * np.eye(4)[order], np.zeros(0), -1.0,
+            np.zeros(1), "level",
+        )  # fmt: skip
+        extended = with_rows(model, [level])
+        solution = solve(extended.program)
+        laws, _ = extended.recover(solution.x)
+        ends.append(float(laws[law].curve()(np.array([x]), order)[0]))
+    return ends[0], ends[1]
 
 
 def test_perturbed_multipliers_give_a_bound_too(question: Problem) -> None:

@@ -376,6 +376,14 @@ def test_a_function_without_a_value_is_a_failure():
     assert found.word == "Invalid_Number_Detected"
 
 
+def test_bounds_that_cross_leave_no_point():
+    import casadi
+
+    x, one = casadi.MX.sym("x", 1), np.ones(1)
+    program = ipopt.SmoothProgram(x, x, x, one, -one, -one, one)
+    assert ipopt.solve(program, ipopt.StartingPoint(one)).stopped is StopReason.INFEASIBLE
+
+
 def test_the_solver_is_silent(capfd: pytest.CaptureFixture[str]):
     answer(SCENES["unequal angles"], 8)
     assert capfd.readouterr() == ("", "")

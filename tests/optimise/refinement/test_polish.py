@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from synthesis.optimise.driver import optimise
@@ -37,3 +38,18 @@ def test_a_law_on_arcs_is_next_to_the_best_to_a_millionth() -> None:
     assert 0.0 < found.relaxation_gap < 2e-6
     # one program, on few knots, gives the multipliers: on many it takes long and gains nothing
     assert [stage.stage for stage in found.stages].count("multipliers") == 1
+
+
+def test_a_mesh_on_which_nothing_is_lost_is_halved(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = problem(scene(PLAIN, angles(31.0, 43.0), jerk(47.0, 71.7)))
+    found = optimise(question, 0.5)
+    assert found.relaxation is not None
+    grids, cam, (_, _, bound) = found.grids, found.incumbent, found.relaxation
+    assert cam is not None
+    assert bound.switching
+    nothing = [np.zeros(len(grid.space.breaks) - 1) for grid in grids]
+    monkeypatch.setattr(mesh, "_losses", lambda *_: nothing)
+    finer = mesh.refine_mesh(question, grids, cam, bound)
+    expected = mesh.halve_intervals(question, grids)
+    for one, other in zip(finer, expected, strict=True):
+        assert np.array_equal(one.space.breaks, other.space.breaks)
