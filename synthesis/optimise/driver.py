@@ -200,6 +200,17 @@ def _with_base_circle(state: SolveState) -> SolveState:
     return state.raise_bound(circle, "every motion law: a dwell below is a part of the base circle")
 
 
+def _with_least_size(state: SolveState) -> SolveState:
+    """The state with the least size that is allowed as its bound, where the best cam is as small.
+
+    No law is spoken of: it holds for every cam, whatever search has found the best one.
+    """
+    problem = state.problem
+    if problem.objective.norm(problem.machine) is None or not state.is_smallest_sought:
+        return state
+    return state.raise_bound(problem.least_norm, "all base radii that are allowed")
+
+
 def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
     """The least size of given laws: a vertex of half-planes (``recovery.closed_form``)."""
     started, problem = time.perf_counter(), state.problem
@@ -223,7 +234,7 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
 
 def _with_valid_for(state: SolveState) -> SolveState:
     """The state with what its bound covers, and what it leaves out."""
-    state = _with_base_circle(state)  # that of a family of splines took its place
+    state = _with_least_size(_with_base_circle(state))  # that of a family of splines took its place
     return replace(state, valid_for=state.valid_for + unmodelled_limits(state))
 
 

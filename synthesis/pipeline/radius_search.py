@@ -10,9 +10,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 
+from synthesis.catalogue.constraints import Vector
 from synthesis.catalogue.fields import Range
 from synthesis.design.design import Effort
 from synthesis.numerics import clock
+from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import cam_at_size, enlarge_until_feasible, smallest_size
 from synthesis.pipeline.assembly import certify_cam, with_size
 from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify, unsolved
@@ -65,7 +67,7 @@ def _resized_for(found: Attempt, smallest: float) -> Attempt:
     assert cam is not None
     sought = found.solved_spec.searched_radii(smallest)[0]
     given = replace(best.problem, smallest_sought=sought)
-    size = smallest_size(given)
+    size = smallest_size(given) or _smallest_at_dimension(given, best.size)
     resized = enlarge_until_feasible(cam_at_size(given, best.laws, size or best.size))
     if resized is None:
         return found
@@ -74,6 +76,16 @@ def _resized_for(found: Attempt, smallest: float) -> Attempt:
     problem = replace(search.problem, smallest_sought=sought)
     search = replace(search, problem=problem, incumbent=resized)
     return replace(found, searches=[search], best=resized, cam=cam, extremes=extremes)
+
+
+def _smallest_at_dimension(given: Problem, size: Vector) -> Vector | None:
+    """The smallest size of given laws with a free pivot kept as far as it is; None: none known."""
+    pinning = given.machine.follower.fixable_dimension()
+    if pinning is None:
+        return None
+    value = pinning.value_in(size)
+    found = smallest_size(given.with_follower(pinning.fixed_at(value)))
+    return None if found is None else pinning.full_size(value, found)
 
 
 def enlarge_until_simple(

@@ -103,6 +103,11 @@ VANISHING: dict[str, Spec] = {
     "small arm": question(
         arm(0.61, 0.022, 0.61), steep(80.0), jerk(60000.0, "deg"), lift=11.0, angles=(81.0, 40, 93)
     ),
+    "arm, pivot in a range": question(
+        {"kind": "oscillating_roller", "arm_mm": 67.1, "roller_radius_mm": 11.9,
+         "centre_distance_mm": {"min": 60.4, "max": 90.6}},
+        steep(36.3, 40.0), jerk(119_000.0, "deg"), lift=15.5, angles=(120.0, 19.4, 86.2),
+    ),
     "a maximum alone": question(roller(2.0), steep(89.9), jerk(30720.0), lift=10.0)
     | {"base_radius_mm": {"max": 0.007}},
     "a least radius of 0": question(roller(2.0), steep(89.9), jerk(30720.0), lift=10.0)

@@ -91,6 +91,14 @@ def test_another_search_is_no_better_than_the_later_bound(
         assert other.value >= later.lower_bound * (1.0 - 1e-6)
 
 
+def test_a_later_objective_is_searched_in_the_little_room_that_the_earlier_leaves() -> None:
+    """6283 is the best cam known; that with which the later search begins has 6765."""
+    body = {**random_scene("slide, then rms acceleration", 5), "proof": "quick"}
+    (later,) = synthesise(DesignSpec.model_validate(body)).certificate.other_objectives
+    assert later.value is not None
+    assert later.value <= 6283.0 * (1.0 + TOLERANCE)
+
+
 def test_the_infimum_of_an_earlier_objective_is_said() -> None:
     body = spec_of("slide, then peak jerk", 1)
     proof = synthesise(DesignSpec.model_validate(body)).certificate

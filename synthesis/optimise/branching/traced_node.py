@@ -56,6 +56,10 @@ MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 which take longer."""
 SPREAD = 28  # points between two rows over which their multipliers are distributed
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
+CAM_HALVINGS = 2
+"""Of the intervals of a bound's mesh, for a cam: what knots cost it falls to a tenth of a percent
+of the size."""
+MOST_CUT = 300  # knots of all laws: more are near enough, and cone programs on twice as many slow
 FEW_NODES = 3  # at most, where the budget of a proof is spent and the gap is wide
 WIDE = 0.05  # relative gap that is wide
 VALUE_SPLIT = 0.4  # of the widest size: values of a node farther apart than that are divided first
@@ -199,7 +203,8 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     """A local search on the node's mesh; where it finds a better cam, the task is about that.
 
     The mesh is where the ideal law has its switches inside the node: fewer knots do more there
-    than those with which the relaxation without curvature ended.
+    than those with which the relaxation without curvature ended. It is finer than the bound's,
+    whose laws may jump: a cam takes more along arcs of curvature, and on ramps of smooth laws.
     """
     if node.relaxation is None:
         return state, node
@@ -207,6 +212,9 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     if any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids):
         grids = node.grids  # those were for the bound's last digits
     grids = refine_mesh(state.problem, grids, cam, bound)
+    for _ in range(CAM_HALVINGS):
+        if sum(len(grid.space.breaks) for grid in grids) < MOST_CUT:
+            grids = halve_intervals(state.problem, grids)
     points, _ = row_violations(replace(state, grids=grids), cam)
     both = zip(grids, points, strict=True)
     state = improve_from(replace(state, grids=tuple(g.with_points(x) for g, x in both)), cam)

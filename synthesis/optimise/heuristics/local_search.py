@@ -20,7 +20,7 @@ from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
 from synthesis.optimise.problem.derivative_caps import with_tighter_caps
-from synthesis.optimise.problem.grid import Grid, SplineLaw
+from synthesis.optimise.problem.grid import Grid, SplineLaw, grid_through, merge_knots
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
 from synthesis.optimise.refinement.row_violations import ALLOWED, breaks_exact_rows, row_violations
 from synthesis.optimise.state import SolveState, Stage, WarmStart
@@ -42,6 +42,8 @@ LEAST_STOP_GAP = 1e-4
 nearer to the optimum the search takes longer than it gains."""
 ROW_FACTOR = 2.0  # factor on the stop gap: what rows written at points may cost besides, in between
 TIGHTENING = 1e-6  # relative tightening of limits at the points where they are linearised
+QUARTERED = 1.0 / 16.0
+"""Of an excess between points, what is left where these come four times as near to each other."""
 RETRIES = 2  # repeats with tighter limits, where the enlargement does not repair every violation
 RETRY_TIGHTENING = 0.5  # share of the stop gap by which these repeats tighten
 
@@ -111,9 +113,16 @@ def _relaxed_cam(state: SolveState) -> Candidate | None:
 
 
 def improve_from(state: SolveState, start: Candidate) -> SolveState:
-    """Look for a local optimum on the present mesh from a start."""
+    """Look for a local optimum on the present mesh from a start.
+
+    Where the size is held the domain is so thin that only a start inside of it leads to a cam: the
+    incumbent, whose knots join the mesh. There IPOPT, which leaves it, ends outside.
+    """
+    thin, best = state.problem.holds_size, state.incumbent
+    if thin and best is not None:
+        start, state = best, _with_knots_of(state, best.laws)
     state, converged = scp_search(state, start.laws, start.size)
-    if converged or state.suffices or state.time_left <= 0.0:
+    if converged or state.suffices or state.time_left <= 0.0 or (thin and best is not None):
         return state
     from synthesis.optimise.heuristics.ipopt_search import (  # CasADi where it is needed
         solve_ipopt,
@@ -145,6 +154,17 @@ def improve_from(state: SolveState, start: Candidate) -> SolveState:
     return state
 
 
+def _with_knots_of(state: SolveState, laws: Sequence[SplineLaw]) -> SolveState:
+    """The state on a mesh that has the knots of laws besides its own, where these are apart."""
+    every = zip(state.problem.free, state.grids, laws, strict=True)
+    grids = tuple(
+        grid if np.isin(law.space.breaks, grid.space.breaks).all()
+        else grid_through(segment, merge_knots(grid.space.breaks, law.space.breaks))
+        for segment, grid, law in every
+    )  # fmt: skip
+    return replace(state, grids=grids)
+
+
 def _is_on(grids: Sequence[Grid], laws: Sequence[SplineLaw]) -> bool:
     """Whether laws are splines of a mesh: it has all of their knots."""
     return all(
@@ -168,8 +188,10 @@ def scp_search(
     known = state.smallest_value if isfinite(state.smallest_value) else state.lower
     tolerance = state.problem_tolerance(known) if isfinite(known) else state.tolerance
     gap = min(STOP_GAP * state.tolerance, MAX_STOP_GAP, max(STOP_GAP * tolerance, LEAST_STOP_GAP))
-    repeats = RETRIES * [ScpTarget(gap, RETRY_TIGHTENING * gap, anew=True)]
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
+    # a size that is held leaves no room for tighter limits: more points must do
+    tightened = TIGHTENING if state.problem.holds_size else RETRY_TIGHTENING * gap
+    repeats = RETRIES * [ScpTarget(gap, tightened, anew=True)]
     for target in (first, *repeats):
         started = state.stopwatch
         # Nonconvex limits enter through their tangents, so rows of curved limits are left out.
@@ -211,6 +233,8 @@ def add_violated_points(state: SolveState, violations: Violations) -> SolveState
         return state
     both = zip(state.grids, points, strict=True)
     grids = tuple(grid.with_points(more) for grid, more in both)
+    if state.problem.holds_size:  # the margin takes of the room that there is
+        return replace(state, grids=grids, margin=state.margin + QUARTERED * excess)
     return replace(state, grids=grids, margin=1.1 * (state.margin + excess))
 
 
@@ -229,9 +253,11 @@ def offer_local_optimum(
         the state, and the violations of rows between their points in the last cam tried.
     """
     for keep_hint in (False, True):
-        cam = recover_cam(state.problem, laws, size, keep_hint=keep_hint)
+        found = cam = recover_cam(state.problem, laws, size, keep_hint=keep_hint)
         cam = enlarge_for_rows(cam) if keep_hint and not state.problem.has_curved_limits else cam
         violations = row_violations(state, cam)
+        if state.problem.holds_size and violations[1] > ALLOWED:
+            violations = row_violations(state, found)  # it may not grow for rows: they need points
         if violations[1] > ALLOWED or breaks_exact_rows(state, cam):
             continue
         state = state.with_local_optimum(cam)

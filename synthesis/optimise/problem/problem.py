@@ -176,6 +176,11 @@ class Problem:
             for curve in self.curved_limits_on(segment)
         )
 
+    @property
+    def holds_size(self) -> bool:
+        """Whether an earlier objective leaves the size next to no room, so that no cam may grow."""
+        return any(cap.objective.norm(self.machine) is not None for cap in self.objective_caps)
+
     @cached_property
     def norm_bounds(self) -> tuple[NormBounds, ...]:
         """Every cone on the size: of the sizing and of limits."""

@@ -23,6 +23,9 @@ from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
 from synthesis.optimise.problem.problem import Problem
 
 SAMPLES = 48  # of a segment
+WORST = 12
+"""Angles of a segment at which a limit is asked whether it excludes a box: where the box's middle
+keeps a limit, so does it keep each row, and where it exceeds it most, rows are broken first."""
 PIECES, SLICES = 16, 24  # of a box of sizes
 REPEATED, SHRUNK = 4, 0.8  # times that it is cut anew, where less than that share is left of it
 ROUNDING = 1e-12  # relative: half-planes and norms are loosened by it, far above their rounding
@@ -109,13 +112,16 @@ def _remove_excluded_slices(problem: Problem, sizes: Ends) -> Ends:
     return tuple((float(np.min(low[left])), float(np.max(high[left]))) for low, high in boxes)
 
 
-def is_excluded(problem: Problem, boxes: Array, samples: int = SAMPLES) -> NDArray[np.bool_]:
+def is_excluded(
+    problem: Problem, boxes: Array, samples: int = SAMPLES, *, worst: int | None = WORST
+) -> NDArray[np.bool_]:
     """Whether some row is broken all over boxes of sizes: (d, 2, b) to (b,).
 
-    ``samples``: of a segment; the narrower boxes are, the more tell something.
+    ``samples``: of a segment; the narrower boxes are, the more tell something. ``worst``: angles at
+    which a traced limit is asked, as in ``_rows``.
     """
     result = np.zeros(boxes.shape[2], dtype=bool)
-    for rows, upper, _ in _rows(problem, boxes, samples):
+    for rows, upper, _ in _rows(problem, boxes, samples, worst=worst):
         least = np.sum(
             np.min(rows.reshape(len(rows), 1, -1, len(result)) * boxes[:, :, None], axis=1), axis=0
         )
@@ -137,25 +143,33 @@ def norm_range(norm: AffineNorm, boxes: Array) -> tuple[Array, Array]:
 
 
 def _rows(
-    problem: Problem, boxes: Array, samples: int = SAMPLES
+    problem: Problem, boxes: Array, samples: int = SAMPLES, *, worst: int | None = None
 ) -> Iterator[tuple[Array, Array, str]]:
     """Rows · z ≤ upper of every limit on every given segment: (d, n b) and (n b,), its source.
 
     ``boxes``: (d, 2, b) of sizes; each has n rows of its own, which run slower.
+    ``worst``: of a traced limit, no more angles of a segment in each box, those at which the box's
+    middle exceeds it most; None: all.
     """
-    farthest = np.abs(boxes).max(axis=(1, 2))
+    farthest, count = np.abs(boxes).max(axis=(1, 2)), boxes.shape[2]
     for segment in problem.segments:
         if segment.law is None:
             continue
         theta = _angles(problem, segment, samples)
         motion = segment.placed().derivatives(theta)
-        s = motion[:3]
-        each = np.repeat(s, boxes.shape[2], axis=1)
-        angles, sizes = np.repeat(theta, boxes.shape[2]), np.tile(boxes, len(theta))
-        box = MotionBox(angles, each, each, tuple((size[0], size[1]) for size in sizes))
         for limit in problem.limits:
-            for implied in limit.curvature_bounds(segment, problem.machine):
-                low, high = _box(implied.coordinates, s, boxes)
+            traced = limit.curvature_bounds(segment, problem.machine)
+            if traced:
+                where = np.tile(np.arange(len(theta))[:, None], count)
+                if worst is not None and worst < len(theta):
+                    excess = _excess_in_middle(problem, segment, limit, theta, motion, boxes)
+                    if excess is not None:
+                        where = np.argpartition(-excess, worst, axis=0)[:worst]
+                each, sizes = motion[:3, where.ravel()], np.tile(boxes, len(where))
+                ends = tuple((size[0], size[1]) for size in sizes)
+                box = MotionBox(theta[where.ravel()], each, each, ends)
+            for implied in traced:
+                low, high = _box(implied.coordinates, each, sizes)
                 for cuts in implied.linear_relaxation(low, high, None, box):
                     upper = cuts.upper - np.sum(cuts.coefficients[:3] * each, axis=0)
                     yield cuts.size, upper, implied.source
@@ -163,8 +177,25 @@ def _rows(
             for curve in limit.nonconvex(segment, problem.machine):
                 for planes in curve.half_planes(motion):
                     terms = np.abs(planes.upper) + farthest @ np.abs(planes.size)
-                    upper = np.repeat(planes.upper + ROUNDING * terms, boxes.shape[2])
-                    yield np.repeat(planes.size, boxes.shape[2], axis=1), upper, curve.source
+                    upper = np.repeat(planes.upper + ROUNDING * terms, count)
+                    yield np.repeat(planes.size, count, axis=1), upper, curve.source
+
+
+def _excess_in_middle(
+    problem: Problem, segment: PlacedSegment, limit: Limit, theta: Array, motion: Array,
+    boxes: Array,
+) -> Array | None:  # fmt: skip
+    """By how much a limit is exceeded in the middle of each box at each angle: (n, b).
+
+    None where that is said by rows alone.
+    """
+    count = boxes.shape[2]
+    each, middle = np.repeat(motion, count, axis=1), np.tile(boxes.mean(axis=1), len(theta))
+    with np.errstate(all="ignore"):
+        values = limit.smooth_constraints(
+            segment, problem.machine, np.repeat(theta, count), each, tuple(middle)
+        )
+    return np.max(values, axis=0).reshape(-1, count) if values else None
 
 
 def _angles(problem: Problem, segment: PlacedSegment, samples: int = SAMPLES) -> Array:
@@ -178,12 +209,15 @@ def _angles(problem: Problem, segment: PlacedSegment, samples: int = SAMPLES) ->
 
 
 def _box(seen: SlideCoordinates, s: Array, boxes: Array) -> tuple[Array, Array]:
-    """Bounds of X, u and e, (3, n b), from those of the size: they are linear in it."""
+    """Bounds of X, u and e, (3, n), for a motion (3, n) and boxes (d, 2, n) of sizes.
+
+    They are linear in the size.
+    """
     middle, half = boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1)
     by = np.array(seen.size_factors)
-    reach = (np.abs(by) @ half)[:, None]
-    at = np.stack(seen.evaluate(s, [0.0] * len(middle)))[:, :, None] + (by @ middle)[:, None]
-    return (at - reach).reshape(3, -1), (at + reach).reshape(3, -1)
+    at = np.stack(seen.evaluate(s, [0.0] * len(middle))) + by @ middle
+    reach = np.abs(by) @ half
+    return at - reach, at + reach
 
 
 def reverse_convex_rows(

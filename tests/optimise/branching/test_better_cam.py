@@ -36,7 +36,8 @@ def test_the_gap_is_closed_by_a_better_cam_and_a_better_bound(close: SolveState)
     assert close.incumbent is not None
     assert quick.incumbent is not None
     assert close.gap_between(close.incumbent, close.lower) <= TOLERANCE
-    assert close.incumbent.value < 0.9992 * quick.incumbent.value
+    # on the bound's own knots, which are a quarter as many, 0.9985
+    assert close.incumbent.value < 0.9983 * quick.incumbent.value
     assert close.lower > quick.lower
     # that bound alone would not have shown it of the first cam
     assert close.gap_between(quick.incumbent, close.lower) > TOLERANCE

@@ -12,9 +12,11 @@ import pytest
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.numerics.box_search import Budget
 from synthesis.numerics.piecewise import Array
+from synthesis.optimise.branching.size_search import ANGLES as ANGLES_OF_SEGMENT
 from synthesis.optimise.branching.size_search import BOXES, LEVELS, SizeSearch
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.relaxation.size_rows import is_excluded
 
 LAWS = ("modified_sine", "cycloidal", "polynomial_3_4_5", "modified_trapezoid")
 ANGLES = np.radians(np.linspace(0.0, 360.0, 901))
@@ -131,6 +133,25 @@ def least_face_radius(design: Design) -> float:
     return least
 
 
+def arm_scene() -> dict[str, Any]:
+    """A roller on an arm whose pressure angle is nearly free: curvature decides."""
+    law = {"kind": "polynomial_3_4_5"}
+    return {
+        "speed_rpm": 97.0,
+        "program": [
+            {"kind": "rise", "angle_deg": 73.0, "lift_deg": 19.0, "law": law},
+            {"kind": "dwell", "angle_deg": 32.5},
+            {"kind": "return", "angle_deg": 106.0, "lift_deg": 19.0, "law": law},
+            {"kind": "dwell", "angle_deg": 148.5},
+        ],
+        "follower": {
+            "kind": "oscillating_roller", "roller_radius_mm": 11.0, "arm_mm": 90.4,
+            "centre_distance_mm": 56.9,
+        },
+        "limits": [{"kind": "pressure_angle", "rise_deg": 89.9, "return_deg": 89.9}],
+    }  # fmt: skip
+
+
 SEEDS = (24, 16, 20)  # the offset free, in a range, given
 FACES = (1, 2)  # either sense
 
@@ -173,6 +194,21 @@ def test_a_box_of_sizes_with_a_cam_is_never_left() -> None:
         for column, bounded in enumerate(least):
             for point in (feasible, inside[:, column], *boxes[:, :, column].T):
                 assert bounded <= search.norm.value(tuple(point)) * (1.0 + 1e-12)
+
+
+def test_the_angles_that_exceed_a_limit_most_exclude_what_all_angles_do() -> None:
+    """Boxes on an arm and a slide, of every width: none is kept that some other angle excludes."""
+    rng, excluded = np.random.default_rng(7), 0
+    for question in (arm_scene(), *map(scene, SEEDS)):
+        spec = DesignSpec.model_validate(question)
+        problem = formulate_problem(spec, spec.objectives()[0])
+        low, high = np.array(problem.sizing.bounds).T[:, :, None]
+        low = low + rng.uniform(0.0, 1.0, (len(low), 60)) * np.minimum(high - low, 2.0)
+        boxes = np.stack([low, low + 10.0 ** rng.uniform(-4.0, 0.0, low.shape)], axis=1)
+        every = is_excluded(problem, boxes, ANGLES_OF_SEGMENT, worst=None)
+        assert np.all(is_excluded(problem, boxes, ANGLES_OF_SEGMENT) >= every)
+        excluded += int(np.sum(every))
+    assert excluded > 40
 
 
 def test_a_search_that_ends_early_proves_no_more_than_its_boxes(

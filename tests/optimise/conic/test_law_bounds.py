@@ -113,7 +113,7 @@ def test_a_box_of_sizes_is_seen_from_corner_to_corner() -> None:
     seen = SlideCoordinates(1, (0.3, -0.2, 0.1), ((0.4, 1.0), (-1.0, 0.2), (1.0, 0.0)))
     s = np.random.default_rng(3).uniform(0.0, 9.0, (3, 4))
     boxes = np.array([[[-3.0, 1.0], [2.0, 1.5]], [[20.0, 30.0], [25.0, 44.0]]])  # (d, 2, b)
-    low, high = _box(seen, s, boxes)
+    low, high = _box(seen, np.repeat(s, 2, axis=1), np.tile(boxes, 4))
     for k in range(2):
         ends = boxes[:, :, k]
         corners = [(a, b) for a in ends[0] for b in ends[1]]
