@@ -13,7 +13,7 @@ The motion of a follower on such a curve: `motion`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
@@ -145,28 +145,31 @@ def fidelities(cam: Cam, written: Written, turn_deg: float, overlap: int) -> lis
     ``overlap``: how many are repeated past the first one's repetition.
     """
     theta, points = _clockwise(cam, written, turn_deg)
-    count, turn = len(points), _round(theta)
+    every, turn = np.arange(len(points)), _round(theta)
+
+    def errors_in(curves: Sequence[Interpolant], own: Intervals, fractions: Array) -> list[Errors]:
+        """Of curves in some intervals, by the numbers that these have for them."""
+        intervals = (own + curves[0].first) % len(points)
+        near, number = _within(turn, intervals, fractions), np.repeat(intervals, len(fractions))
+        true = _true(cam, near)
+        return [
+            _errors(cam, each, _within(each.knots, own, fractions), near, true, number)
+            for each in curves
+        ]
+
+    # Everywhere at a few fractions; then in the worst intervals.
     closed = Interpolant.through(points, overlap, "periodic")
-
-    def errors_in(curve: Interpolant, own: Intervals, fractions: Array) -> Errors:
-        """In some intervals, by the numbers that the curve has for them."""
-        intervals = (own + curve.first) % count
-        near = _within(turn, intervals, fractions)
-        parameter = _within(curve.knots, own, fractions)
-        return _errors(cam, curve, parameter, near, np.repeat(intervals, len(fractions)))
-
-    # Everywhere but for a few fractions; then in the worst intervals and their neighbourhood.
-    everywhere = errors_in(closed, np.arange(count), COARSE)
-    worst = np.unique(np.concatenate([_worst(each) for each in everywhere[:3]]))
-    whole = everywhere.with_others(errors_in(closed, worst, FINE))
+    (coarse,) = errors_in([closed], every, COARSE)
+    worst = np.unique(np.concatenate([_worst(each) for each in coarse[:3]]))
+    whole = coarse.with_others(*errors_in([closed], worst, FINE))
     found = [_polyline(cam, points, theta), _smooth("periodic", closed, whole)]
-    for reader in CUBIC[1:]:
-        curve = Interpolant.through(points, overlap, reader)
-        # Away from its ends it is the closed curve: see ENDS. It may begin at another point.
-        ends = np.unique(np.r_[: min(ENDS, count), max(count - ENDS, 0) : count])
-        at_ends = errors_in(curve, ends, FINE)
-        away = whole.outside((ends + curve.first) % count)
-        found.append(_smooth(reader, curve, away.with_others(at_ends)))
+    # Away from their ends the others are the closed curve: see ENDS. They may begin elsewhere.
+    others = [Interpolant.through(points, overlap, reader) for reader in CUBIC[1:]]
+    ends = np.unique(np.concatenate([every[:ENDS], every[-ENDS:]]))
+    at_ends = errors_in(others, ends, FINE)
+    away = whole.outside((ends + others[0].first) % len(points))
+    for reader, curve, own in zip(CUBIC[1:], others, at_ends, strict=True):
+        found.append(_smooth(reader, curve, away.with_others(own)))
     return found
 
 
@@ -245,19 +248,23 @@ class Errors(NamedTuple):
 
     def outside(self, intervals: Intervals) -> Errors:
         """Those that are in none of some intervals."""
-        away = ~np.isin(self.interval, intervals)
-        return Errors._make(each[away] for each in self)
+        away = np.full(1 + int(np.max(self.interval)), True)
+        away[intervals] = False
+        chosen = away[self.interval]
+        return Errors._make(each[chosen] for each in self)
 
 
 def _errors(
-    cam: Cam, curve: Interpolant, parameter: Array, near: Array, interval: Intervals
-) -> Errors:
+    cam: Cam, curve: Interpolant, parameter: Array, near: Array, true: CurveSamples,
+    interval: Intervals,
+) -> Errors:  # fmt: skip
     """Of a spline: tangents and curvatures give the motion on it.
 
     Args:
-        parameter: where. near: cam angles there, or close to them [rad]. interval: see ``Errors``.
+        parameter: where. near: cam angles there, or close to them [rad], and the ``true`` curve
+            at these. interval: see ``Errors``.
     """
-    jet, true = curve(parameter, 2), _true(cam, near)
+    jet = curve(parameter, 2)
     (x, y), (dx, dy), (sx, sy) = jet
     speed = np.hypot(dx, dy)
     curvature = (dy * sx - dx * sy) / speed**3
