@@ -19,7 +19,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.app import create_app
 from service.contract.examples import SELF_CHECK, examples
 from service.pages import contract
-from service.settings import Settings
+from service.settings import BACKLOG, Settings
 from service.state import State
 from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
@@ -61,6 +61,7 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         app,
         http=connection,
         ws="none",
+        backlog=BACKLOG,
         timeout_keep_alive=settings.keep_alive_s,
         log_config=None,
         access_log=False,
