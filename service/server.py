@@ -19,7 +19,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.app import create_app
 from service.contract.examples import SELF_CHECK, examples
 from service.pages import contract
-from service.settings import Settings
+from service.settings import BACKLOG, Settings
 from service.state import State
 from service.storage.keys import ApiKeys, is_valid
 from service.storage.migrations import ForeignDatabase
@@ -32,6 +32,7 @@ from service.wire.places import Places
 from synthesis.spec.design_spec import DesignSpec
 
 OTHER_FILES = 256  # open besides connections: of the store, of workers, of libraries
+AT_ONCE = 32  # connections that are accepted in one step of the event loop, in about 2 ms
 SHUTDOWN_S = 3  # that requests under way have to end in at shutdown
 
 
@@ -61,6 +62,7 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         app,
         http=connection,
         ws="none",
+        backlog=AT_ONCE,
         timeout_keep_alive=settings.keep_alive_s,
         log_config=None,
         access_log=False,
@@ -131,6 +133,8 @@ class _Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
+        for listener in sockets or ():
+            listener.listen(BACKLOG)  # its queue has become as short as what is accepted at once
         if self.started:
             self._greeting = asyncio.create_task(self._greet())
 

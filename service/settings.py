@@ -17,8 +17,9 @@ from sqlalchemy.exc import ArgumentError
 # As which a browser on the same machine addresses a service there.
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 # Connections that may wait to be accepted: beyond these the kernel drops them, and their peers try
-# again after seconds. Systems allow at least so many.
-BACKLOG = 1024
+# again after a second. Not more, as whoever comes waits for all who came before: with 1024 of them
+# a flood of connections kept others waiting for 2 s and more, with 256 for 0.1 to 0.6 s.
+BACKLOG = 256
 
 
 class Settings(BaseSettings):

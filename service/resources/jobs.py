@@ -115,9 +115,9 @@ class Jobs:
         await self.answers.supersede(id, current.id)
         return current
 
-    async def find_done(self, id: str, owner: str) -> AnswerRow:
-        """As ``find``, without its body; ServiceError too where it is not done, or failed."""
-        row = await self.find(id, owner, with_body=False)
+    async def find_done(self, id: str, owner: str, *, with_body: bool = False) -> AnswerRow:
+        """As ``find``, but for the body; ServiceError too where it is not done, or failed."""
+        row = await self.find(id, owner, with_body=with_body)
         if row.state != "done":
             noun, path = self.resource.noun.capitalize(), self.resource.at(row.id)
             renewed = "" if row.id == id else " An earlier engine made it; it is being made anew."

@@ -37,7 +37,7 @@ class UsedQuotas:
         waiting, new = self._waiting[caller.owner], id not in self._waiting[caller.owner]
         waiting.add(id)  # at once, so that those who ask meanwhile count it
         try:
-            if caller.quotas != type(caller.quotas)():
+            if caller.quotas.limited:
                 await self._check(caller, id, frozenset(waiting))
             yield
         finally:

@@ -51,7 +51,9 @@ def add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None:
         query: Annotated[form(file.format.options), Query()],  # type: ignore[valid-type]
     ) -> Response:
         options = file.format.options(**dict(query))
-        row = await parts.jobs[resource.path].find_done(id, parts.owner)
+        # Who may have the file already, or wants its head, seldom needs the answer itself.
+        whole = not (only_head(request) or "if-none-match" in request.headers)
+        row = await parts.jobs[resource.path].find_done(id, parts.owner, with_body=whole)
         return await send_file(request, parts, resource, file, row, options)
 
     add_file_route(router, resource, file, handler, file.format.in_worker)

@@ -66,7 +66,11 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         spec, body = await read_body(request, parts.readers, resource.spec, most)
         await check_key(parts, idempotency_key, body)
         id = resource.id_of(spec)
-        row = await jobs.answers.find(id, parts.owner)
+        # What is kept is sent to its holder even where new work would be refused: it is looked for
+        # first then. Otherwise claiming finds it too, in one transaction less.
+        row = None
+        if parts.caller.quotas.limited or not jobs.engine.queue.is_free:
+            row = await jobs.answers.find(id, parts.owner)
         if row is None or row.state != "done":
             async with parts.quotas.room(parts.caller, id):
                 with jobs.room(id):  # who is refused by then holds nothing

@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, delete, insert, select, update
+from sqlalchemy import ColumnElement, bindparam, delete, insert, select, update
 from sqlalchemy.orm import Session, defer
 
 from service.storage.answers import charge
@@ -27,6 +27,10 @@ PAGE = 1000  # items read at once for events, tables and fronts: some MB at most
 Done = tuple[ItemAnswer, list[Any]]  # an answer, and the values that the axes had
 WITHOUT_SPEC = defer(SweepRow.spec)
 WITHOUT_DESIGN = defer(ItemRow.design)
+# Asked for every new design; built once, as in `service.storage.answers`.
+ITEM_OF_DESIGN = select(ItemRow, SweepRow.engine).where(ItemRow.sweep == SweepRow.sequence)
+ITEM_OF_DESIGN = ITEM_OF_DESIGN.where(ItemRow.design_id == bindparam("id")).limit(1)
+OWN_ITEM_OF_DESIGN = ITEM_OF_DESIGN.where(SweepRow.belongs_to == bindparam("owner"))
 
 
 class SweepStore(Leases[SweepRow]):
@@ -192,12 +196,8 @@ def design_of_item(session: Session, id: str, owner: str | None) -> AnswerRow | 
 
     None of ``owner``: of any.
     """
-    row = session.execute(
-        select(ItemRow, SweepRow.engine)
-        .join(SweepRow, ItemRow.sweep == SweepRow.sequence)
-        .where(ItemRow.design_id == id, *_belonging_to(owner))
-        .limit(1)
-    ).first()
+    query = ITEM_OF_DESIGN if owner is None else OWN_ITEM_OF_DESIGN
+    row = session.execute(query, {"id": id, "owner": owner}).first()
     if row is None:
         return None
     item, engine = row

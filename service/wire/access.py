@@ -60,6 +60,11 @@ class Quotas:
     storage_mb: float | None = None
     concurrent: int | None = None
 
+    @property
+    def limited(self) -> bool:
+        """Whether they allow less than there is."""
+        return self != Quotas()
+
     def with_own(self, own: Mapping[str, Any]) -> Quotas:
         """With the numbers that a key has of its own."""
         return replace(self, **own)

@@ -3,6 +3,9 @@
 Uvicorn has no such limits where httptools parses. A connection that breaks one is answered with a
 problem document, if it waits for an answer, and closed. Peers that have gone, or do not read what
 is sent, are noticed by the kernel: see ``listening_socket`` in `service.settings`.
+
+The application begins with a request when it is there, so that one that is cut off before costs a
+tenth of one that is answered.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ import asyncio
 import json
 from typing import Any
 
+from uvicorn.protocols.http.flow_control import HIGH_WATER_LIMIT
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from service.settings import Settings
@@ -34,6 +38,7 @@ class Connection(HttpToolsProtocol):
         self._wrong: ServiceError | None = None  # what the parser is stopped for
         self._deadline: asyncio.TimerHandle | None = None  # of the request that is being received
         self._in_head, self._head_bytes, self._skipped = True, 0, 0
+        self._arriving: Any = None  # the request whose body is awaited, and what it is for
 
     def connection_made(self, transport: Any) -> None:
         super().connection_made(transport)
@@ -88,10 +93,30 @@ class Connection(HttpToolsProtocol):
             if self._skipped > MOST_SKIPPED:
                 self.transport.close()
         super().on_body(body)
+        self._begin()
 
     def on_message_complete(self) -> None:
         self._received()
         super().on_message_complete()
+        self._begin()
+
+    def _start_asgi_task(self, cycle: Any, app: Any) -> None:
+        self._arriving = cycle, app
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin with the request that is arriving, when no more of it is received by itself.
+
+        It is complete, or as long as is received before somebody reads it, or its client waits to
+        be told to go on.
+        """
+        if self._arriving is None:
+            return
+        cycle, app = self._arriving
+        waits = cycle.waiting_for_100_continue or len(cycle.body) > HIGH_WATER_LIMIT
+        if waits or not cycle.more_body:
+            self._arriving = None
+            super()._start_asgi_task(cycle, app)
 
     def send_400_response(self, msg: str) -> None:
         self._refuse(

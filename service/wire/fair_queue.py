@@ -104,6 +104,12 @@ class FairQueue:
         """Urgent works that wait, or are being accepted."""
         return sum(flow.places for flow in self._flows.values())
 
+    @property
+    def is_free(self) -> bool:
+        """Whether what comes now begins at once."""
+        busy = any(flow.waits for flow in self._flows.values())
+        return self.running < self._slots() and not busy
+
     @asynccontextmanager
     async def turn(self, *, urgent: bool = True) -> AsyncIterator[None]:
         """While something is served, once it is its turn."""
@@ -189,7 +195,7 @@ class FairQueue:
     def _until_room(self, flow: _Flow) -> int:
         """After how many seconds there is room for one more work of an owner; 0: there is now."""
         flows, now = self._flows.values(), self._clock()
-        if self.running < self._slots() and not any(each.waits for each in flows):
+        if self.is_free:
             return 0
         owners = 1 + sum(1 for each in flows if each is not flow and each.places)
         free = max(self._most - self.waiting, self._most // owners - flow.places)

@@ -93,7 +93,8 @@ class LocalWorkers:
         self.slots, self._prepare = slots, prepare
         self._method: Any = multiprocessing.get_context(prefork.METHOD)
         self._ready: set[Worker] = set()
-        self._idle: asyncio.Queue[Worker] = asyncio.Queue()
+        # The last one that worked is next: what a design needs is in its processor's caches still.
+        self._idle: asyncio.LifoQueue[Worker] = asyncio.LifoQueue()
         self._busy: dict[str, Worker] = {}
         self.all_ready = asyncio.Event()
         # A thread waits for each worker to end, another for what it answers. One alone starts them

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import json
 import math
@@ -16,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.exporters import PROFILE_FORMATS, PointOptions, ProfileOptions
-from synthesis.exporters.fidelity.measure import CurveSamples, follower_motion
+from synthesis.exporters.fidelity.measure import CurveSamples, fidelities, follower_motion
 from synthesis.exporters.samples.cam import Cam
 from tests.exporters.test_flanks import CLOSURES, question
 from tests.exporters.test_points import away, points
@@ -269,3 +270,16 @@ def test_a_cutter_round_a_cam_of_an_oscillating_face() -> None:
     for diameter in (6.0, 400.0):
         path = reported(design, points=720, curve="cutter", cutter_diameter_mm=diameter)["periodic"]
         assert path["acceleration_part"] < 2e-3
+
+
+def test_the_worst_is_found_where_joints_lie_between_points(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A law of its own has knots anywhere; all intervals measured closely have the same errors."""
+    body = json.loads(Path("openapi/examples/windows-and-points.json").read_text())["value"]
+    design = synthesise(DesignSpec.model_validate(body))
+    cases: tuple[dict[str, Any], ...] = ({}, {"points": 90, "decimals": 4, "overlap_points": 8})
+    found = [reported(design, **options) for options in cases]
+    module = importlib.import_module(fidelities.__module__)
+    monkeypatch.setattr(module, "COARSE", module.FINE)
+    assert found == [reported(design, **options) for options in cases]

@@ -62,9 +62,10 @@ def test_what_is_done_stays_and_the_rest_is_replaced(tmp_path: Path) -> None:
         moment = datetime(2024, 5, 6, 7, 8, 9, tzinfo=UTC)
         done: dict[str, Any] = {
             "created": moment, "status": "optimal", "body": b"body", "etag": "e",
-            "summary": {"gap": 0.1}, "problem": {"title": "t"},
+            "summary": {"gap": 0.1}, "problem": None,
         }  # fmt: skip
         await one.accept(row("a"))
+        await one.fail("a", {"title": "t"})
         await one.finish(row("a", state="done", **done), accepted=True)
         for _ in range(2):
             found = await one.find("a", None)

@@ -30,12 +30,15 @@ LIMITS: dict[str, Any] = {
 
 
 class Server:
-    """A server within limits; ``ended`` is set when it notices that a caller has gone."""
+    """A server within limits; ``begun`` counts what it has begun to answer, and ``ended`` is set
+    when it notices that a caller has gone.
+    """
 
     def __init__(self) -> None:
-        self.ended = threading.Event()
+        self.ended, self.begun = threading.Event(), 0
 
         async def answer(request: Request) -> Response:
+            self.begun += 1
             try:
                 return PlainTextResponse(f"{len(await request.body())} bytes")
             except ClientDisconnect:
@@ -112,14 +115,27 @@ def test_a_request_is_answered(server: Server) -> None:
         assert server.exchange(sent).endswith(b"3 bytes")
 
 
-@pytest.mark.parametrize(
-    "sent", [b"", b"\r\n", GET, b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\nab"]
-)
+# As much of a body as is received before somebody reads it, and more than that.
+SHORT = b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\nab"
+LONG = b"POST / HTTP/1.1\r\nContent-Length: 90000\r\n\r\n" + b"a" * 80_000
+
+
+@pytest.mark.parametrize("sent", [b"", b"\r\n", GET, SHORT, LONG])
 def test_a_request_that_does_not_arrive_is_ended(server: Server, sent: bytes) -> None:
     server.ended.clear()
+    begun = server.begun
     assert problem(server.exchange(sent)) == (408, "/problems/request-timeout")
-    if b"Content-Length" in sent:  # whoever waited for the rest waits no longer
+    if sent is LONG:  # whoever waited for the rest waits no longer
         assert server.ended.wait(5.0)
+    else:
+        assert server.begun == begun
+
+
+def test_one_who_waits_to_be_told_to_go_on_is(server: Server) -> None:
+    with server.connect(SHORT[:-4] + b"Connection: close\r\nExpect: 100-continue\r\n\r\n") as line:
+        assert line.recv(1000).startswith(b"HTTP/1.1 100 ")
+        line.sendall(b"a" * 9)
+        assert line.recv(1000).endswith(b"9 bytes")
 
 
 def test_blank_lines_keep_no_connection_open(server: Server) -> None:
