@@ -365,7 +365,9 @@ def main() -> None:
     given = parser.parse_args()
     families = [name for name in FAMILIES if any(text in name for text in given.family)]
     found = measured(families, given.scenes, 60.0 * given.minutes, given.jobs, given.kept)
-    made = section(found, shlex.join(sys.argv[1:]), _seconds(found))
+    # the page names no folder of the machine
+    arguments = [Path(each).name if each == str(given.kept) else each for each in sys.argv[1:]]
+    made = section(found, shlex.join(arguments), _seconds(found))
     print(made.markdown())
     if given.write:
         write(made, FOLDER)
