@@ -139,6 +139,7 @@ def test_the_closed_forms_at_known_points() -> None:
     assert THRESHOLDS["(A − √(A² − 4A))/2, A = 5.3"].least == pytest.approx(1.33755953, rel=1e-8)
 
 
+@pytest.mark.usefixtures("unexplained")
 def test_the_documented_tables_are_what_the_command_prints() -> None:
     page = (DOCS / "exact-optima.md").read_text(encoding="utf-8").splitlines()
     known = ("| peak", "| rms")
