@@ -94,11 +94,7 @@ def _model(rows: LinearRows, accuracy: float) -> highspy.Highs:
     solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options = (("output_flag", False), ("presolve", "off"), ("solver", "simplex"), ("threads", 1),
                ("simplex_iteration_limit", MOST_STEPS), ("primal_feasibility_tolerance", accuracy),
-               ("dual_feasibility_tolerance", accuracy),
-               # The rows are scaled already, and the accuracy is theirs. With scaling of its own
-               # HiGHS 1.15 keeps them up to a hundred times worse, and ended the process on one
-               # program of 11,742 rows.
-               ("simplex_scale_strategy", 0))  # fmt: skip
+               ("dual_feasibility_tolerance", accuracy))  # fmt: skip
     for name, value in options:
         solver.setOptionValue(name, value)
     program = highspy.HighsLp()
