@@ -117,8 +117,8 @@ class PivotNode(Node):
 
     def branch(self, state: SolveState) -> tuple[SolveState, Sequence[Node]]:
         """Halve the widest range of the sizes."""
-        if not self.tubes:
-            return state, ()  # limits imply no rows, however small the box is
+        if self.parts and not self.tubes:
+            return state, ()  # limits that bind on laws imply no rows, however small the box is
         axis, bounds = int(np.argmax(np.ptp(self.sizes, axis=1))), self.problem.sizing.bounds
         children = []
         for sizes in halve(self.sizes, axis):
