@@ -144,7 +144,8 @@ class Boundary:
         """
         assert self.nearest is not None
         start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
-        slope = self._slope(ON_KNOTS if near else 0.0)
+        noise = ON_KNOTS if near else 0.0
+        slope = self._slope(noise)
         gap, value = max(self.fine, self.oracle.open_gap), abs(self.nearest[0])
         step = gap / slope if slope > 0.0 else gap * value
         width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
@@ -176,8 +177,12 @@ class Boundary:
             if before is not None and trial.excess is not None and before[0] != way:
                 local = (trial.excess - before[1]) / (before[0] - way)
                 slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
+            slope = slope if slope > 0.0 else self._slope(noise)
             found = zero(way, trial.excess)
-            cam_zero = min(cam_zero, max(way, bad)) if found is None else found
+            if found is not None:
+                cam_zero = found
+            elif trial.certified:
+                cam_zero = min(cam_zero, max(way, bad))
             if nearer:
                 continue
             before = None if trial.excess is None else (way, trial.excess)

@@ -128,7 +128,7 @@ def _judge(design: Design, looser: Design) -> None:
 
 def test_a_gentle_law_in_place_of_a_refused_cam_keeps_the_bound_and_the_tolerance() -> None:
     """The cam of little acceleration is searched with a tolerance of its own."""
-    limits = [radius(20.0), jerk(32.0 * 1.0001, 49.9, np.radians(79.0))]
+    limits = [radius(20.0), jerk(32.0 * 1.00003, 49.9, np.radians(79.0))]
     program = moves(49.9, 79.0, 11.3, 109.9)
     body = scene(
         *limits, program=program, follower={"kind": "translating_flat_face"}, tolerance=1e-3

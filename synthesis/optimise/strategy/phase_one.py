@@ -32,10 +32,11 @@ from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound
+from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
 from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_caps
 from synthesis.optimise.problem.grid import RAMP_STEP, Grid, SplineLaw, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
-from synthesis.optimise.recovery.candidate import recover_cam
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
 
 MAX_ITERATIONS = 8  # of moving knots to the switches of the ideal law
@@ -46,6 +47,11 @@ GAIN = 1e-4  # of the share, by an iteration: less is not worth another where no
 INTERVALS = 24  # of a mesh where none is known
 NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
+MOST_KNOTS = 60
+"""Of a law whose vertex is sought. Rows at consecutive knots determine a spline by a recursion that
+grows by up to 4 (degree 3) or 110 (degree 7) from one to the next: a simplex basis of n such rows
+has an inverse of up to 110ⁿ. On 909 knots squares of it overflowed, and HiGHS's choice of a row
+called itself until the process ended. 110⁶⁰ is 3e122."""
 IDLE = 4  # vertices in a row whose share changes by more than it has changed before
 LITTLE = 0.1  # of what a share differs from 1 by: a smaller change brings it no nearer
 VERTEX_ACCURACY = 1e-10  # of the rows of a vertex
@@ -181,7 +187,7 @@ def minimise_excess(
     )
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
-    for _ in range(MAX_ITERATIONS):
+    for number in range(MAX_ITERATIONS):
         model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -195,6 +201,8 @@ def minimise_excess(
         best = replace(before, least=max(before.least, least))
         if found.value < before.share:
             best = replace(best, grids=present, share=found.value)
+        if number == 0 and not best.fits:
+            best = _to_last_digits(auxiliary, best, found, deadline)
         gained = before.share - best.share > GAIN * best.share
         done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
         if done or clock.now() >= deadline:
@@ -204,20 +212,24 @@ def minimise_excess(
         )  # fmt: skip
         if is_same_mesh(present, last):
             break
-    if best is None or best.impossible or abs(best.share - 1.0) > NEAR:
-        return best
-    return _to_last_digits(auxiliary, best, deadline)
+    return best
 
 
-def _to_last_digits(auxiliary: Problem, near: PhaseOneResult, deadline: float) -> PhaseOneResult:
-    """The gentlest law to rounding, on knots at its own switches, where it is found.
+def _to_last_digits(
+    auxiliary: Problem, near: PhaseOneResult, law: Candidate, deadline: float
+) -> PhaseOneResult:
+    """The gentlest law to rounding, on knots at its own switches, where it is found, and its bound.
 
     The share's least value is a vertex of the linear program: the simplex method solves the rows
     that bind there to rounding. From vertex to vertex the knots move onto the switches; how far the
     share is from its least falls with their distance. Sizes are left out, as any law may have them.
+    With knots on the switches few are enough, also for the best multipliers of all laws.
     """
-    grids, share, least_change, idle = near.grids, inf, inf, 0
+    grids = grids_on_switches(auxiliary, law, INTERVALS)
+    share, least_change, idle = inf, inf, 0
     for _ in range(LOCATIONS):
+        if not grids or max(len(grid.space.breaks) for grid in grids) > MOST_KNOTS:
+            break
         model = formulate(auxiliary, grids, 0.0)
         rows, end = model.program, model.program.equalities + model.program.inequalities
         unlimited = np.full(rows.matrix.shape[1], inf)
@@ -230,21 +242,37 @@ def _to_last_digits(auxiliary: Problem, near: PhaseOneResult, deadline: float) -
         if vertex.stopped is not StopReason.SOLVED:
             break
         cam = recover_cam(auxiliary, *model.recover(vertex.x))
-        if cam.value < 1.0 - NEAR:
+        if cam.value < near.least - NEAR:
             break  # cones, which are not among the rows, hold the share up
-        little = max(0.1 * MET, LITTLE * (abs(cam.value - 1.0) - SPARE))
+        little = max(0.1 * MET, LITTLE * min(abs(cam.value - 1.0) - SPARE, SETTLED))
         change = abs(cam.value - share)
         if change <= (MET if abs(cam.value - 1.0) <= MET else little):
             tight = _held_back(model, vertex.multipliers)
             last = replace(near, grids=grids, share=cam.value, laws=cam.laws, tight=tight)
             # Rows between points may have flattered the law that it began with.
-            return last if last.just_meets or last.share < near.share else near
+            known = last if last.just_meets or last.share < near.share else near
+            return replace(known, least=max(known.least, _least_of_all_laws(model, cam, deadline)))
         grids, share = grids_on_switches(auxiliary, cam, INTERVALS), cam.value
         idle = 0 if change < least_change else idle + 1
         least_change = min(least_change, change)
-        if not grids or idle == IDLE or clock.now() >= deadline:
+        if idle == IDLE or clock.now() >= deadline:
             break  # the knots wander, and come no nearer to the switches
     return near
+
+
+def _least_of_all_laws(model: ConicModel, cam: Candidate, deadline: float) -> float:
+    """The bound over all laws by the best multipliers of a model's rows; −∞ where there is none.
+
+    Any multipliers give a valid bound: the solution of the model says only which rows bind.
+    """
+    solution = solve(model.program, deadline - clock.now())
+    if solution.stopped not in USABLE:
+        return -inf
+    bound = improve_multipliers(
+        model, solution, dual_bound(model, solution),
+        lambda each: cam.value - each.value <= LITTLE * SETTLED, deadline - clock.now(),
+    )  # fmt: skip
+    return bound.value if bound.switching else -inf
 
 
 def _held_back(model: ConicModel, multipliers: Array) -> tuple[int, ...]:
