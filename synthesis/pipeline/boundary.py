@@ -47,7 +47,7 @@ BEYOND, REACH = 1.3, 2.0
 far will do."""
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
-LATE = "the time budget ended before this was known"
+LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
 UNCONFIRMED = "a cam was found on the way, but none with a value of this number put back"
 DEVIATION = "deviation allowed either way; a cam was found with it"

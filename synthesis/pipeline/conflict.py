@@ -20,6 +20,7 @@ from math import inf
 
 from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
+from synthesis.numerics import clock
 from synthesis.pipeline.attempt import Attempt
 from synthesis.pipeline.boundary import LATE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
@@ -28,6 +29,9 @@ from synthesis.pipeline.outwards import seek_value
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
+MOST_PROGRAMS = 1000
+"""Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
+answer is the same on every machine; most conflicts take 100 to 700."""
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
@@ -56,7 +60,9 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         deadline: ``clock.now()`` at which to stop; what is not known by then is said to be so.
     """
     original = Trial(attempt, smallest, True)
-    oracle = Oracle(attempt.question.physical, deadline)
+    spec = attempt.question.physical
+    most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
+    oracle = Oracle(spec, deadline, most)
     numbers = relaxable_numbers(oracle.spec)
     # 1. A value of each number that suffices alone.
     boundaries = {number: Boundary(oracle, number, original) for number in numbers}

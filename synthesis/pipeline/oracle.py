@@ -105,18 +105,22 @@ class Trial:
 class Oracle:
     """Answers to a question with some of its numbers changed.
 
-    ``open_gap``: relative, what was left between a smallest cam and its bound for all the tolerance
-    that was asked.
+    Attributes:
+        stop: ``clock.now()`` after which nothing more is tried. last_program: the same, counted in
+            programs that are solved.
+        open_gap: relative, what was left between a smallest cam and its bound for all the tolerance
+            that was asked.
     """
 
     spec: DesignSpec
     stop: float
+    last_program: float = inf
     open_gap: float = 0.0
     known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
 
     def is_late(self) -> bool:
         """Whether nothing more can be tried."""
-        return clock.now() >= self.stop
+        return clock.now() >= self.stop or clock.programs_solved() >= self.last_program
 
     def ask(
         self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None,

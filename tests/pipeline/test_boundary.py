@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -15,7 +16,17 @@ from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
-from tests.optimise.scenes import PLAIN, angles, jerk, scene
+from tests.optimise.scenes import (
+    PLAIN,
+    acceleration,
+    angles,
+    dwell,
+    fall,
+    jerk,
+    rise,
+    scene,
+    velocity,
+)
 
 NEAR = 1e-3  # of the way from the request
 
@@ -139,6 +150,90 @@ def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
     assert LEAST <= known.needed <= LEAST + 10.0
     known.confirm()  # nothing nearer was found since
     assert len(asked) == 2
+
+
+@pytest.mark.parametrize("slope", [6e-4, None])
+def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | None) -> None:
+    """Limits on the motion alone: a question without a cam has an excess, one with a cam none.
+
+    None: no question has one.
+    """
+    tried, least, request = list[float](), 1015.7, 1000.0
+
+    def relaxed_to(_number: Any, value: float, *_: Any, **_more: Any) -> Any:
+        tried.append(float(value))
+        return trial_at(value)
+
+    def trial_at(value: float) -> Any:
+        fits = value >= least
+        missing = None if fits or slope is None else slope * (least - value)
+        return SimpleNamespace(
+            certified=fits, excess=missing, bound_excess=missing, smallest=None,
+            proof="" if fits else "proven", on_time=True,
+            attempt=SimpleNamespace(mesh=lambda _: ()),
+        )  # fmt: skip
+
+    oracle = SimpleNamespace(
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        relaxed=relaxed_to, is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
+        ask_as_it_stands=lambda _: SimpleNamespace(certified=True),
+    )  # fmt: skip
+    number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
+    known = Boundary(cast(Oracle, oracle), number, trial_at(request))
+    known.nearest = 1016.0, trial_at(1016.0)
+    known._close_in()
+    assert len(set(tried)) == len(tried)
+    assert known.excluded is not None
+    assert known.excluded < least <= known.nearest[0]
+    near = NEAR if slope else 5.0 * NEAR  # halved alone
+    assert known.nearest[0] - known.excluded <= near * (known.nearest[0] - request)
+
+
+def test_a_conflict_ends_after_some_programs_where_the_spec_gives_no_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What was not known by then says so, and what has its own time is not counted."""
+    monkeypatch.setattr(conflict, "MOST_PROGRAMS", 0)
+    spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
+    short = why(spec)
+    assert boundary.LATE in short.evidence
+    assert {each.note for each in short.relaxations} == {boundary.LATE}
+    timed = why(spec.model_copy(update={"time_budget_s": 3600.0}))
+    assert boundary.LATE not in timed.evidence
+    assert all(each.needed is not None for each in timed.relaxations)
+
+
+@pytest.mark.parametrize("kind", ["velocity", "acceleration", "jerk"])
+def test_both_ends_come_near_where_no_law_keeps_the_caps(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Caps of velocity, acceleration and jerk, by the closed form V(1 − V/A − A/J) = 1 in h/βᵏ."""
+    a, j = 5.3, 53.7
+    v = 0.5 * a * (1.0 - a / j - sqrt((1.0 - a / j) ** 2 - 4.0 / a))
+    caps = [velocity(0.996 * v, 71.3), acceleration(a, 71.3), jerk(j, 71.3)]
+    monkeypatch.setattr(
+        conflict,
+        "relaxable_numbers",
+        lambda s: [n for n in relaxable_numbers(s) if n.limit == kind],
+    )
+    program = [rise(71.3), dwell(37.9), fall(113.7), dwell(137.1)]
+    asked = scene(program, *caps, base=300.0).model_copy(update={"proof": "auto"})
+    (found,) = why(asked).relaxations
+    assert found.needed is not None
+    assert found.at_least is not None
+    v *= 0.996
+    least = {
+        "velocity": 1.0 / 0.996, "acceleration": _least_acceleration(v, j) / a,
+        "jerk": a / (1.0 - v / a - 1.0 / v) / j,
+    }[kind]  # fmt: skip
+    assert found.at_least <= least * found.requested <= found.needed * (1.0 + 1e-9)
+    assert found.needed - found.at_least <= NEAR * (found.needed - found.requested)
+
+
+def _least_acceleration(v: float, j: float) -> float:
+    """A of A²/J − (1 − 1/V) A + V = 0."""
+    b = 1.0 - 1.0 / v
+    return 0.5 * j * (b - sqrt(b * b - 4.0 * v / j))
 
 
 def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:

@@ -45,7 +45,7 @@ PROVEN = 1e-9  # what a bound has to lie above 1, or an excess above 0, by
 SETTLED = 1e-6  # between share and bound: finer knots bring no more
 GAIN = 1e-4  # of the share, by an iteration: less is not worth another where no law would do
 INTERVALS = 24  # of a mesh where none is known
-NEAR = 1e-2  # of 1: a share from which on it is sought to the last digits
+NEAR = 1e-2  # of 1: a share from which on the gentlest law is sought to the last digits
 LOCATIONS = 24  # of the switches, each from the law before
 MOST_KNOTS = 60
 """Of a law whose vertex is sought. Rows at consecutive knots determine a spline by a recursion that
@@ -201,7 +201,7 @@ def minimise_excess(
         best = replace(before, least=max(before.least, least))
         if found.value < before.share:
             best = replace(best, grids=present, share=found.value)
-        if number == 0 and not best.fits:
+        if number == 0 and best.share > 1.0 - NEAR:
             best = _to_last_digits(auxiliary, best, found, deadline)
         gained = before.share - best.share > GAIN * best.share
         done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
