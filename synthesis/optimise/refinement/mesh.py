@@ -28,6 +28,7 @@ from synthesis.optimise.problem.grid import (
     CLOSEST_KNOTS,
     RAMP_STEP,
     Grid,
+    SplineLaw,
     beside_step,
     grid_through,
     merge_knots,
@@ -47,6 +48,7 @@ POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4  # by the same square: over the 
 POLISH_ITERATIONS: Final = 6  # of moving knots to switches
 LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
+SMOOTHEST_CONTROL: Final = 3  # the jerk switches, also that of smoother laws, in ramps
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
 FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
 
@@ -150,19 +152,12 @@ def _knots_of_costly_intervals(
     # at once leaves the law little angle to change in.
     softer = free.smoothness + 1 - lower.order
     ends, step = np.array(free.knots), beside_step(softer)
-    # A ramp from rest has equal coefficients, exactly. Where the law moves they are rounded, and
-    # that is divided by the third power of the ramp's length.
-    steps = [
-        RAMP_STEP if len(end) > free.smoothness and not end[1:].any() else step
-        for end in (state.start, state.end)
-    ]
+    steps = _end_steps(free, state, softer)
     # A law that is less smooth than it has to be switches at once, on knots that cost it nothing.
     jumps = curve.poly.shape[1] - 2 < free.smoothness
     wanted = switches[(counts == 1 if jumps else single)[inside]]
     finer, present = (
-        merge_knots(
-            each, wanted, free.knots, (*(ends - step), *(ends + step)), softer, (steps[0], steps[1])
-        )
+        merge_knots(each, wanted, free.knots, (*(ends - step), *(ends + step)), softer, steps)
         for each in (halved, breaks)
     )
     if len(finer) <= MOST_INTERVALS:
@@ -258,18 +253,43 @@ def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple
 def _through_switches(
     problem: Problem, switches: Sequence[Array], intervals: int
 ) -> tuple[Grid, ...]:
+    equal = tuple(uniform_grid(segment, intervals) for segment in problem.free)
+    states, _ = boundary_states(problem.segments, equal)
     grids = list[Grid]()
-    for segment, x in zip(problem.free, switches, strict=True):
+    for segment, grid, state, x in zip(problem.free, equal, states, switches, strict=True):
         assert segment.free is not None
-        equal = uniform_grid(segment, intervals).space.breaks
-        grids.append(grid_through(segment, merge_knots(equal, x, segment.free.knots)))
+        softer = max(segment.free.smoothness + 1 - SMOOTHEST_CONTROL, 0)
+        steps = _end_steps(segment.free, state, softer)
+        breaks = merge_knots(grid.space.breaks, x, segment.free.knots, (), softer, steps)
+        grids.append(grid_through(segment, breaks))
     return tuple(grids)
+
+
+def _end_steps(free: FreeLaw, state: BoundaryState, softer: int) -> tuple[float, float]:
+    """The lengths of a ramp's intervals at both ends of a law.
+
+    A ramp from rest has equal coefficients, exactly. Where the law moves they are rounded, and
+    that is divided by the third power of the ramp's length.
+    """
+    start, end = (
+        RAMP_STEP if len(end) > free.smoothness and not end[1:].any() else beside_step(softer)
+        for end in (state.start, state.end)
+    )
+    return start, end
 
 
 def _switches_of_laws(cam: Candidate) -> list[Array]:
     """The switches of every law; nothing where none has one."""
-    switches = [_switches(law.space.breaks, law.curve().poly[:, -1]) for law in cam.laws]
+    switches = [_switches(law.space.breaks, _control_means(law)) for law in cam.laws]
     return switches if any(len(each) for each in switches) else []
+
+
+def _control_means(law: SplineLaw) -> Array:
+    """The mean over every interval of the derivative that switches; that of jerk is no spline's."""
+    curve, breaks = law.curve(), law.space.breaks
+    if law.space.degree <= SMOOTHEST_CONTROL:
+        return np.asarray(curve.poly[:, -1])  # but for a factor
+    return np.asarray(np.diff(curve(breaks, order=SMOOTHEST_CONTROL - 1)) / np.diff(breaks))
 
 
 def _nearly_equal(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:

@@ -40,6 +40,24 @@ def test_a_law_on_arcs_is_next_to_the_best_to_a_millionth() -> None:
     assert [stage.stage for stage in found.stages].count("multipliers") == 1
 
 
+@pytest.mark.parametrize("smoothness", [3, 4])
+def test_laws_with_ramps_have_the_bound_of_those_that_switch(smoothness: int) -> None:
+    """Any law of class C3 or C4 is one of class C2, and comes as near to the best as it likes."""
+    limits = angles(34.7, 37.1), jerk(40.0, 71.7)
+    sharp = optimise(problem(scene(PLAIN, *limits)), 3e-7)
+    moves = [
+        {**move, "law": {**move["law"], "smoothness": smoothness}} if "law" in move else move
+        for move in PLAIN
+    ]
+    smooth = optimise(problem(scene(moves, *limits)), 1e-4)
+    assert smooth.covers_all_laws
+    assert sharp.incumbent is not None
+    assert smooth.incumbent is not None
+    best = sharp.incumbent.value
+    assert best * (1.0 - 2e-6) <= smooth.lower <= best
+    assert smooth.incumbent.value <= best * (1.0 + 3e-4)
+
+
 def test_a_mesh_on_which_nothing_is_lost_is_halved(monkeypatch: pytest.MonkeyPatch) -> None:
     question = problem(scene(PLAIN, angles(31.0, 43.0), jerk(47.0, 71.7)))
     found = optimise(question, 0.5)
