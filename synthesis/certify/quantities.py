@@ -98,7 +98,7 @@ def pitch_curvature(at: TracedPoint) -> Any:
 def pitch_radius(at: TracedPoint) -> Any:
     """|p|, the distance of the traced curve from the cam's axis [mm]."""
     (px, py), *_ = at.position
-    return np.sqrt(px * px + py * py)
+    return np.hypot(px, py)
 
 
 def face_radius(at: TracedPoint) -> Any:

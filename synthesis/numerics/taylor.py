@@ -83,6 +83,7 @@ class Taylor(UfuncDispatch):
         np.sin: methodcaller("sin"),
         np.cos: methodcaller("cos"),
         np.arctan2: lambda y, x: _angle(y, x),
+        np.hypot: lambda x, y: _distance(x, y),
     }
 
     def __init__(self, c0: Array, c1: Array, c2: Array, rem: Array, mag: Array) -> None:
@@ -265,6 +266,25 @@ def _angle(y: Taylor | float, x: Taylor | float) -> Taylor:
     mag = np.abs(angle) + q_mag
     rem = rem + q_mag * q_mag * q_mag / 3.0 + ROUNDING * mag  # |atan q − q| ≤ |q|³/3
     return Taylor(angle, q1, q2, rem, mag + rem)
+
+
+def _distance(x: Taylor | float, y: Taylor | float) -> Taylor:
+    """The distance of (x, y) from 0, of which one may be a number.
+
+    Where it may vanish on a box it has no quadratic: it lies between 0 and the farthest corner.
+    """
+    square: Any = x * x + y * y
+    root = square.sqrt()
+    farthest = [
+        np.abs(a0) + np.abs(a1) + np.abs(a2) + rem for a0, a1, a2, rem, _ in map(_parts, (x, y))
+    ]
+    half = 0.5 * (1.0 + ROUNDING) * np.hypot(*farthest)
+    coarse = ~(root.rem <= half)
+    c0, c1, c2 = (
+        np.where(coarse, each, own)
+        for each, own in zip((half, 0.0, 0.0), root.parts[:3], strict=True)
+    )
+    return Taylor.of(c0, c1, c2, np.where(coarse, half, root.rem))
 
 
 def _parts(value: Taylor | float) -> tuple[Any, Any, Any, Any, Any]:

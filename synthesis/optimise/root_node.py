@@ -37,7 +37,7 @@ from synthesis.optimise.refinement.mesh import (
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
-from synthesis.optimise.state import QUICK, ProofBudget, SolveState, over_bound, program_stage
+from synthesis.optimise.state import QUICK, SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.idle_caps import Optimise, search_without_idle_caps
 from synthesis.optimise.strategy.phase_one import minimise_excess
@@ -210,7 +210,7 @@ class RootNode(Node):
         problem = swift or (without_highest_caps(state.problem) if wide else None)
         if problem is None:
             return state
-        proof = ProofBudget(state.programs, 1.0) if swift else QUICK
+        proof = state.proof_budget if swift else QUICK
         wider = self.optimise(problem, state.tolerance, state.deadline, state.tighten, proof=proof)
         if wider.covers_all_laws:
             state = state.raise_bound(wider.lower, wider.valid_for)

@@ -161,6 +161,14 @@ class SolveState:
         lasts = clock.programs_solved() < self.last_program
         return lasts and clock.now() < self.proof_deadline
 
+    @property
+    def proof_budget(self) -> ProofBudget:
+        """What is left for a proof, from now on."""
+        left = self.time_left
+        if not 0.0 < left < inf:
+            return ProofBudget(self.programs, 1.0)
+        return ProofBudget(self.programs, max(self.proof_deadline - clock.now(), 0.0) / left)
+
     def with_proof_begun(self) -> SolveState:
         """The state from which on programs count as those of more than a quick proof."""
         return replace(self, last_program=clock.programs_solved() + self.programs)

@@ -132,6 +132,21 @@ def turned_back(model: Taylor, pairs: list[tuple[Decimal, Decimal]]) -> None:
         assert abs(across) <= sin(rem) * (p * p + q * q).sqrt()
 
 
+@given(models(), models(), st.sampled_from([0.0, 0.999, 1.0]))
+def test_distances(a, b, near):
+    """From 0, which the path may come near to or pass through: never without a bound."""
+    (f, u), (g, v) = a, b
+    k, m = near * float(f.c0[0]), near * float(g.c0[0])
+    exact = [
+        ((p - Decimal(k)) ** 2 + (q - Decimal(m)) ** 2).sqrt() for p, q in zip(u, v, strict=True)
+    ]
+    with np.errstate(all="ignore"):
+        distance = np.hypot(f - k, g - m)
+    assert finite(distance)
+    assert holds(distance, exact)
+    assert holds(np.hypot(f, k), [(p * p + Decimal(k) ** 2).sqrt() for p in u])
+
+
 def test_the_remainder_shrinks_with_the_cube():
     def rem_of(r: float) -> float:
         one, zero = np.ones(1), np.zeros(1)

@@ -135,12 +135,15 @@ class TracedNode(Node):
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_first:
             return state, tighten(inside, replace(self, upper_half=False), ITERATIONS)._processed()
-        node = solve_relaxation(inside, self)
+        node, gained = solve_relaxation(inside, self), True
         for iterations in (FIRST_ITERATIONS, ITERATIONS):
             node = tighten(inside, node, iterations)
             if node.is_pruned(state) or inside.time_left <= 0.0 or not state.thorough:
                 break
-            inside, node = _improve_incumbent(inside, node)
+            if gained:  # where one search found nothing better, none later does
+                before = inside.incumbent
+                inside, node = _improve_incumbent(inside, node)
+                gained = inside.incumbent is not before
         return replace(inside, deadline=state.deadline), node._processed()
 
     def _processed(self) -> TracedNode:

@@ -22,7 +22,12 @@ from synthesis.optimise.heuristics.scp import ScpTarget, solve_scp
 from synthesis.optimise.problem.derivative_caps import with_tighter_caps
 from synthesis.optimise.problem.grid import Grid, SplineLaw, grid_through, merge_knots
 from synthesis.optimise.recovery.candidate import Candidate, enlarge_for_rows, recover_cam
-from synthesis.optimise.refinement.row_violations import ALLOWED, breaks_exact_rows, row_violations
+from synthesis.optimise.refinement.row_violations import (
+    ALLOWED,
+    breaks_exact_rows,
+    exact_excess,
+    row_violations,
+)
 from synthesis.optimise.state import SolveState, Stage, WarmStart
 
 Vector = tuple[float, ...]
@@ -191,11 +196,13 @@ def scp_search(
     first = ScpTarget(gap, TIGHTENING, sufficient=(1.0 - ROW_FACTOR * gap) * state.sufficient_value)
     # a size that is held leaves no room for tighter limits: more points must do
     tightened = TIGHTENING if state.problem.holds_size else RETRY_TIGHTENING * gap
-    repeats = RETRIES * [ScpTarget(gap, tightened, anew=True)]
+    repeats, drawn_in = RETRIES * [ScpTarget(gap, tightened, anew=True)], state.tighten
+    near = False
     for target in (first, *repeats):
         started = state.stopwatch
         # Nonconvex limits enter through their tangents, so rows of curved limits are left out.
-        model = formulate(state.problem, state.grids, 0.0, state.tightening, Region())
+        tightening = replace(state.tightening, every_row=drawn_in)
+        model = formulate(state.problem, state.grids, 0.0, tightening, Region())
         result = solve_scp(model, laws, size, state.deadline, target)
         stopped = StopReason.SOLVED if result.converged else StopReason.INACCURATE
         cam = result.cam
@@ -213,27 +220,36 @@ def scp_search(
         best = state.incumbent
         if best is not None and best.value <= cam.value * (1.0 + ROW_FACTOR * gap):
             return state, result.converged
+        # what rows cost between their points is all that another search could gain then
+        near = best is not None and best.value <= cam.value * (1.0 + tolerance)
         if not result.converged or state.time_left <= 0.0:
             return state, False
-        # The enlargement broke what it cannot repair, a least contact force or a row of a counter
-        # roller: once more with tighter limits, and with points where rows were violated.
-        state = add_violated_points(state, violations)
+        # Once more with tighter limits: the enlargement broke what it cannot repair, a least
+        # contact force or a row of a counter roller; or the solver a row that needs no point.
+        drawn_in += ROW_FACTOR * max(exact_excess(state, cam), 0.0)
+        if violations[1] > ALLOWED:
+            state = add_violated_points(state, violations)
+        else:  # rows between their points cost more size than they would with more of them
+            state = add_violated_points(state, row_violations(state, cam), between=True)
         laws, size = cam.laws, cam.size
-    return state, False
+    return state, near
 
 
-def add_violated_points(state: SolveState, violations: Violations) -> SolveState:
+def add_violated_points(
+    state: SolveState, violations: Violations, *, between: bool = False
+) -> SolveState:
     """The state with collocation points where rows were violated between theirs.
 
     The same state where more points are of no use: nothing is violated, or curved limits are
-    linearised, which the outer approximation refines by itself.
+    linearised, which the outer approximation refines by itself. ``between``: what is left between
+    the new points, the size or the margin's own share of it makes up for.
     """
     points, excess = violations
     if excess <= ALLOWED or state.problem.has_curved_limits or state.time_left <= 0.0:
         return state
     both = zip(state.grids, points, strict=True)
     grids = tuple(grid.with_points(more) for grid, more in both)
-    if state.problem.holds_size:  # the margin takes of the room that there is
+    if between or state.problem.holds_size:  # the margin takes of the room that there is
         return replace(state, grids=grids, margin=state.margin + QUARTERED * excess)
     return replace(state, grids=grids, margin=1.1 * (state.margin + excess))
 

@@ -69,6 +69,11 @@ class NumberProof:
         """Relative gap of the best cam to the bound, on the wire."""
         return self.gap_to(self.lower)
 
+    def combined(self, other: NumberProof) -> NumberProof:
+        """The better cam of two proofs over all numbers, with the better bound."""
+        better, worse = sorted((self, other), key=lambda one: one.value)
+        return better.with_bound(worse)
+
     def with_bound(self, other: NumberProof) -> NumberProof:
         """The same with the better bound of two proofs over all numbers."""
         if other.lower <= self.lower:

@@ -21,7 +21,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Sequence
 from functools import partial
-from math import exp, inf, log
+from math import exp, inf, isfinite, log
 from typing import Any, TypeVar
 
 import numpy as np
@@ -181,7 +181,8 @@ def _search_program(
     if placement is not None:
         searched = NumberSearch(placement, worth.state, all_numbers, single)
         longer = LongerMoves(
-            placement, worth.state, searched.bound, all_numbers, single, proof
+            placement, partial(worth.state, deadline=deadline), searched.bound, all_numbers,
+            single, proof,
         )  # fmt: skip
     freedom = worth.free_parameters.polytope.directions.shape[1]
 
@@ -199,9 +200,8 @@ def _search_program(
         last = clock.programs_solved() + freedom * proof.programs
         other = longer.run(first.u, last, deadline)
         if other is not None:
-            better, worse = sorted((other, first), key=lambda one: one.value)
-            first = better.with_bound(worse)
-            if longer.has_one_size:
+            first = first.combined(other)
+            if longer.has_one_size and isfinite(other.lower):
                 return BundlePoint(first.u, first.value), first
     if first is not None and first.gap <= LITTLE:
         return BundlePoint(first.u, first.value), first
@@ -209,13 +209,12 @@ def _search_program(
     best = _descend(worth, middle)
     more = max(proof.programs, FIRST_PROGRAMS)
     again = None if best is None or best.value == inf else prove(best.u, more)
-    if again is not None and (first is None or again.gap <= first.gap):
-        return BundlePoint(again.u, again.value), again if first is None else again.with_bound(
-            first
-        )
-    if first is not None and first.cam is not None:
+    if again is not None:
+        first = again if first is None else first.combined(again)
+    # 4. The best cam of all proofs; without one where the descents end, if they have an end.
+    if first is not None:
         return BundlePoint(first.u, first.value), first
-    return best, first
+    return best, None
 
 
 def _descend(worth: ValueFunction, middle: Array) -> BundlePoint | None:

@@ -114,13 +114,18 @@ class ValueFunction:
 
         return lambda u: None if clock.now() >= self.deadline else value(u.tobytes())
 
-    def state(self, u: Array, tolerance: float) -> SolveState | None:
-        """The whole search at u to a relative gap; None where no law can be run there."""
-        problem = self.problem(u) if clock.now() < self.deadline else None
+    def state(self, u: Array, tolerance: float, deadline: float | None = None) -> SolveState | None:
+        """The whole search at u to a relative gap; None where no law can be run there.
+
+        Args:
+            u: numbers. tolerance: the gap. deadline: by default that of all.
+        """
+        stop = self.deadline if deadline is None else deadline
+        problem = self.problem(u) if clock.now() < stop else None
         if problem is None:
             return None
         self.calls += 1
-        return optimise(problem, tolerance, self.deadline)
+        return optimise(problem, tolerance, stop)
 
     def solved(self, u: Array, tolerance: float, fixed: float | None) -> SearchedPoint:
         """The best cam that a whole search finds at u; ``fixed``: a value for what can be fixed."""

@@ -45,15 +45,26 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
 def breaks_exact_rows(state: SolveState, cam: Candidate) -> bool:
     """Whether a cam breaks rows that a spline keeps all along once its coefficients keep them.
 
-    A cone program keeps these by itself. A nonlinear one may have stopped before it did, and its
-    start need not: on another mesh the laws of a cam are no longer the same.
+    A cone program keeps these to its accuracy. A nonlinear one may have stopped before it did, and
+    its start need not: on another mesh the laws of a cam are no longer the same.
+    """
+    return exact_excess(state, cam) > ALLOWED
+
+
+def exact_excess(state: SolveState, cam: Candidate) -> float:
+    """By how much a cam breaks such rows, relative; at most 0 where it keeps them.
+
+    The narrower intervals are, the more rounding in the coefficients of a law is in its jerk.
     """
     laws, scales = {s.index: s for s in cam.problem.segments}, natural_scales(state.problem)
-    return any(
-        row_excess(row, laws[free.index], cam.size) > ALLOWED * row_scale(row, free, scales)
-        for free, grid in zip(state.problem.free, state.grids, strict=True)
-        for row in state.problem.limit_rows(free)
-        if not row.equality and not is_sampled(row, grid.space)
+    return max(
+        (
+            row_excess(row, laws[free.index], cam.size) / row_scale(row, free, scales)
+            for free, grid in zip(state.problem.free, state.grids, strict=True)
+            for row in state.problem.limit_rows(free)
+            if not row.equality and not is_sampled(row, grid.space)
+        ),
+        default=0.0,
     )
 
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 import pytest
 
+from synthesis.numerics import clock
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.derivative_caps import SWIFT, without_swift_caps
 from synthesis.optimise.root_node import RootNode
+from synthesis.optimise.state import ProofBudget, SolveState
 from tests.optimise.scenes import (
     PLAIN,
     acceleration,
@@ -57,3 +60,20 @@ def test_where_a_dimension_was_searched_the_proof_goes_on(monkeypatch: pytest.Mo
     monkeypatch.setattr(TracedNode, "root", lambda _: child)
     node = RootNode(optimise, presolved=False, processed=True, dimension_searched=True)
     assert node.branch(state)[1] == [child]
+
+
+def test_the_proof_without_it_ends_when_the_whole_one_does() -> None:
+    question = problem(scene(PLAIN, *LIMITS, jerk(2.0 * PER_LAW, 71.7)))
+    found = optimise(question, 1e-2)
+    now, budgets = clock.now(), list[ProofBudget]()
+    state = replace(found, tolerance=1e-15, deadline=now + 1e3, proof_deadline=now + 4e2)
+
+    def noted(*given: Any, proof: ProofBudget) -> SolveState:
+        budgets.append(proof)
+        return found
+
+    RootNode(noted, presolved=False)._bound_without_highest_caps(state)
+    (budget,) = budgets
+    assert 0.0 < budget.share <= 0.4
+    without_end = replace(state, deadline=inf, proof_deadline=inf)
+    assert without_end.proof_budget.share == 1.0

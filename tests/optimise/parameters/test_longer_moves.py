@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import inf
 from typing import Any
@@ -12,10 +13,11 @@ import pytest
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.driver import optimise
+from synthesis.optimise.parameters import search
 from synthesis.optimise.parameters.longer_moves import LongerMoves
 from synthesis.optimise.parameters.number_search import Box
 from synthesis.optimise.parameters.value_function import ValueFunction
-from synthesis.optimise.state import QUICK
+from synthesis.optimise.state import QUICK, SolveState
 from tests.optimise.parameters.test_number_search import (
     CASES,
     PRESSURE,
@@ -146,3 +148,55 @@ def test_it_does_not_serve_what_the_theorem_leaves_out() -> None:
         "limits": [PRESSURE, JERK],
     }  # fmt: skip
     assert not _serves(gliding)
+
+
+def test_a_finer_tolerance_has_the_answer_of_the_rough_one() -> None:
+    """Where there is time for no search to the finer one, the rough one's numbers and cam stay."""
+    worth, rough = question("two")
+    centre = rough.placement.polytope.centre()
+    assert centre is not None
+    known = rough.run(centre, clock.programs_solved(), inf)
+    assert known is not None
+
+    def while_rough(u: Array, gap: float) -> Any:
+        return worth.state(u, gap) if gap >= 0.39 * TOLERANCE else None
+
+    finer = replace(
+        rough, solve_at=while_rough, tolerance=0.05 * rough.tolerance,
+        single=0.05 * rough.single, known={}, asked={},
+    )  # fmt: skip
+    found = finer.run(centre, clock.programs_solved(), inf)
+    assert found is not None
+    assert found.value == pytest.approx(known.value, rel=1e-6)
+    assert found.lower == pytest.approx(known.lower, rel=1e-3)
+
+
+def test_without_a_bound_of_a_box_the_cam_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    longer = question("two")[1]
+    centre = longer.placement.polytope.centre()
+    assert centre is not None
+    bounded = LongerMoves._bound
+
+    def of_few_laws(self: LongerMoves, *given: Any) -> SolveState:
+        return replace(bounded(self, *given), covers_all_laws=False)
+
+    monkeypatch.setattr(LongerMoves, "_bound", of_few_laws)
+    found = longer.run(centre, clock.programs_solved(), inf)
+    assert found is not None
+    assert found.cam is not None
+    assert found.lower == -inf
+
+
+def test_the_best_numbers_stay_where_descents_find_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the time ends before them."""
+    worth, _ = question("coupled")
+    middle = worth.free_parameters.polytope.centre()
+    assert middle is not None
+    monkeypatch.setattr(search, "_descend", lambda *_: None)
+    monkeypatch.setattr(LongerMoves, "run", lambda *_: None)
+    monkeypatch.setattr(search, "FIRST_PROGRAMS", 6)
+    best, proof = search._search_program(worth, middle, inf, QUICK)
+    assert proof is not None
+    assert proof.gap > search.LITTLE  # it went on to them
+    assert best is not None
+    assert np.array_equal(best.u, proof.u)

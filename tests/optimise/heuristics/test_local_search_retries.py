@@ -1,0 +1,76 @@
+"""What a local search repeats: with points where rows are missed, with rows drawn in; and when
+not."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from synthesis.optimise.branching import traced_node
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.heuristics import local_search
+from synthesis.optimise.heuristics.scp import ScpResult, solve_scp
+from synthesis.optimise.problem.nondimensional import NondimensionalSpec
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.refinement.row_violations import ALLOWED, exact_excess
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
+from synthesis.spec.design_spec import DesignSpec
+from tests.hard.families import random_scene
+
+TOLERANCE = 5e-3
+COSTLY = 2e-4  # relative: of the prime radius, what rows may cost more than at their points
+
+
+def searched(family: str, proof: ProofBudget) -> SolveState:
+    spec = NondimensionalSpec.of(DesignSpec.model_validate(random_scene(family, 100))).scaled
+    return optimise(formulate_problem(spec, spec.objectives()[0]), TOLERANCE, proof=proof)
+
+
+@pytest.fixture
+def results(monkeypatch: pytest.MonkeyPatch) -> list[ScpResult]:
+    """The sequential searches as they come."""
+    found = list[ScpResult]()
+
+    def noted(*given: Any) -> ScpResult:
+        found.append(solve_scp(*given))
+        return found[-1]
+
+    monkeypatch.setattr(local_search, "solve_scp", noted)
+    return found
+
+
+@pytest.mark.parametrize("family", ["slide, acceleration", "slide, splines of class C4"])
+def test_rows_missed_between_points_get_points_there(family: str, results: list[ScpResult]):
+    """The size that the laws need all along is no larger than the one they need at points."""
+    state = searched(family, QUICK)
+    first, *_ = results
+    assert first.cam is not None
+    assert state.incumbent is not None
+    assert state.incumbent.value <= (1.0 + COSTLY) * first.cam.value
+    assert not any(stage.stage == "nonlinear" for stage in state.stages)
+
+
+def test_rows_that_the_solver_misses_are_drawn_in(results: list[ScpResult]):
+    """Short intervals: the jerk of a law has more rounding than its coefficients have."""
+    state = searched("slide, splines of class C4", THOROUGH)
+    cams = [result.cam for result in results if result.cam is not None]
+    broken = [exact_excess(state, cam) > ALLOWED for cam in cams]
+    assert any(broken)
+    assert not any(first and second for first, second in pairwise(broken))
+    assert state.is_good_enough
+    assert not any(stage.stage == "nonlinear" for stage in state.stages)
+
+
+def test_a_search_that_found_nothing_better_is_not_made_again(monkeypatch: pytest.MonkeyPatch):
+    better, improve = list[bool](), traced_node._improve_incumbent
+
+    def noted(state: SolveState, node: Any) -> Any:
+        found = improve(state, node)
+        better.append(found[0].incumbent is not state.incumbent)
+        return found
+
+    monkeypatch.setattr(traced_node, "_improve_incumbent", noted)
+    searched("slide, acceleration", ProofBudget(150.0, 1.0))
+    assert better == [False]
