@@ -50,9 +50,9 @@ def now() -> float:
     return time.monotonic()
 
 
-def count_program() -> None:
-    """Count one more program that a solver has ended; linear ones of one matrix count as one."""
-    _solved.programs += 1
+def count_program(count: int = 1) -> None:
+    """Count more programs that a solver has ended; linear ones of one matrix count as one."""
+    _solved.programs += count
 
 
 def programs_solved() -> int:

@@ -346,6 +346,34 @@ FAMILIES: Mapping[str, Callable[[Scene], Spec]] = MappingProxyType({
 })  # fmt: skip
 
 
+def _face_pivot_in_range(s: Scene) -> Spec:
+    face = s.swinging_face()
+    near, far = (three_digits(face["centre_distance_mm"] * share) for share in (0.8, 1.3))
+    return s.spec({**face, "centre_distance_mm": {"min": near, "max": far}}, [_radius(s)])
+
+
+# No objective is named, and no limit speaks of acceleration or jerk: the rms jerk is held within an
+# allowance, then the cam is made small. Apart from the others, whose scenes are numbered in turn.
+DEFAULT_OBJECTIVES: Mapping[str, Callable[[Scene], Spec]] = MappingProxyType({
+    "no objective, slide": _roller_spec(),
+    "no objective, slide, profile radius": _roller_spec(_radius),
+    "no objective, face": _face(SPLINE),
+    "no objective, face, tilted": _face(SPLINE, tilt_deg=12.3, offset_mm=-9.7),
+    "no objective, arm": _arm_with(),
+    "no objective, arm, pivot free": _arm_with(pivot=False),
+    "no objective, arm, groove": lambda s: _without(_arm_grooved(s), "jerk"),
+    "no objective, arm, conjugate": lambda s: _without(_conjugate_arms(s), "jerk"),
+    "no objective, swinging face": _face_with(SPLINE),
+    "no objective, swinging face, pivot in a range": _face_pivot_in_range,
+})  # fmt: skip
+
+
+def _without(spec: Spec, kind: str) -> Spec:
+    """A spec without its limits of a kind."""
+    return {**spec, "limits": [limit for limit in spec["limits"] if limit["kind"] != kind]}
+
+
 def random_scene(family: str, number: int) -> Spec:
     """The scene of a family and a number, the same at every call."""
-    return FAMILIES[family](Scene(family, number))
+    make = FAMILIES.get(family) or DEFAULT_OBJECTIVES[family]
+    return make(Scene(family, number))

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.hard.adversary.attack import is_modelled, refutation, stands_up
+from tests.hard.adversary.attack import is_modelled, refutation, stands_up, with_held_jerk
 from tests.hard.adversary.machine import Machine
 from tests.hard.adversary.motion import Program
-from tests.hard.adversary.search import Attack, Found, cams
+from tests.hard.adversary.search import HELD, Attack, Found, cams
 from tests.hard.families import FAMILIES, random_scene
 from tests.hard.own_laws import named
 from tests.hard.own_ringing import amplitudes
@@ -216,3 +216,34 @@ def _reading(limit: dict[str, Any], key: str) -> str:
 def test_most_scenes_are_modelled() -> None:
     modelled = [family for family in FAMILIES if is_modelled(random_scene(family, 0))]
     assert len(modelled) > 0.85 * len(FAMILIES)
+
+
+@pytest.mark.parametrize("follower", [NARROW["follower"], {
+    "kind": "oscillating_roller", "roller_radius_mm": 4.1, "arm_mm": 61.0, "sense": "same",
+}], ids=["slide", "arm"])  # fmt: skip
+def test_where_no_objective_is_named_the_rms_jerk_of_the_answer_is_held(
+    follower: dict[str, Any],
+) -> None:
+    """As sampled, and with the derivatives that it says: in the unit of the wire."""
+    program = NARROW["program"]
+    if "arm_mm" in follower:
+        program = [{k.replace("lift_mm", "lift_deg"): v for k, v in s.items()} for s in program]
+    question = {**NARROW, "program": program, "follower": follower}
+    proof = {"lower_bound": 1.0, "other_objectives": [{"objective": "rms_jerk", "value": 2.3e5}]}
+    held = with_held_jerk(question, {"certificate": proof})
+    assert held[HELD] == 2.3e5
+    named = {**question, "objective": {"kind": "rms_jerk"}}
+    assert with_held_jerk(named, {"certificate": proof}) == named
+    attack = Attack(Program(held, lambda index: np.array([0.0, 0.17, 0.41, 0.83, 1.0])))
+    laws, _ = attack.parts(attack.start(np.random.default_rng(3), None))
+    (quantity,) = (one for one in attack.quantities if one.name == "rms jerk")
+    assert quantity.functional is not None
+    excess, slope = quantity.functional(laws)
+    samples = attack.program.samples(400)
+    gaps = np.diff(samples.theta)
+    jerk = samples.at(laws)[3] * attack.program.omega**3 / attack.program.unit
+    mean = 0.5 * np.sum(gaps * (jerk[1:] ** 2 + jerk[:-1] ** 2)) / (2.0 * np.pi)
+    assert (excess[0] + 1.0) * 2.3e5 == pytest.approx(np.sqrt(mean), rel=5e-3)
+    step = np.cos(np.arange(len(laws)))
+    ahead, behind = (quantity.functional(laws + sign * 1e-4 * step)[0][0] for sign in (1.0, -1.0))
+    assert slope[0] @ step == pytest.approx((ahead - behind) / 2e-4, rel=1e-5)

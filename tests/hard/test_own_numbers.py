@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from tests.hard.families import FAMILIES, random_scene
+from synthesis import DesignSpec
+from tests.hard.families import DEFAULT_OBJECTIVES, FAMILIES, random_scene
 from tests.hard.own_numbers import ask, questions, solved
 
 # one question each, of another kind from family to family: a pivot left free costs seconds
@@ -32,3 +33,12 @@ def test_there_are_as_many_families_as_promised_and_each_scene_is_its_own() -> N
     scenes = [json.dumps(random_scene(family, n)) for family in FAMILIES for n in range(3)]
     assert len(set(scenes)) == len(scenes)
     assert scenes == [json.dumps(random_scene(f, n)) for f in FAMILIES for n in range(3)]
+
+
+def test_scenes_without_an_objective_leave_it_and_the_jerk_open() -> None:
+    assert not set(DEFAULT_OBJECTIVES) & set(FAMILIES)  # which are numbered in turn
+    for family in DEFAULT_OBJECTIVES:
+        body = random_scene(family, 1)
+        assert "objective" not in body
+        assert not {"acceleration", "jerk"} & {limit["kind"] for limit in body["limits"]}
+        assert len(DesignSpec.model_validate(body).objectives()) == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import clarabel
@@ -12,7 +13,7 @@ from scipy.sparse.linalg import splu
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
 
 STATUSES = {
     "Solved": StopReason.SOLVED,
@@ -26,6 +27,8 @@ STATUSES = {
     "InsufficientProgress": StopReason.INACCURATE,
 }
 MOST_ITERATIONS = 100  # of the solver: programs that it solves take 10 to 60
+ACCURACY, ROUGH = 1e-10, 1e-6  # relative: of a program, and of many whose multipliers alone count
+SMALL_PROGRAMS = 24  # of many with one matrix: as long as one of all laws takes
 DAMPED, REPEATED = 1e-10, 4  # share of the largest diagonal; steps
 REGULAR, LESS_REGULAR = 1e-8, 1e-12
 """What is added to the diagonal of the solver's matrix, and corrected by iterative refinement: its
@@ -109,13 +112,49 @@ def solve(
     return replace(found, x=project_on_equalities(program, found.x))
 
 
+def minimise_each(
+    program: ConeProgram, objectives: Sequence[Array], time_limit: float = math.inf
+) -> list[ConeSolution]:
+    """Minimise each linear objective (n,) in turn over a program's rows.
+
+    Ends early, with the answer that says so as the last, where a solve does not succeed. After
+    ``time_limit`` seconds no further objective is begun.
+
+    Raises:
+        Cancelled: nobody waits for it any more.
+    """
+    solver = _solver(program, time_limit, REGULAR, ROUGH)
+    until = clock.now() + time_limit
+    found = list[ConeSolution]()
+    for objective in objectives:
+        if clock.now() >= until:
+            found.append(ConeSolution(np.zeros(0), np.zeros(0), StopReason.OUT_OF_TIME, 0))
+            break
+        solver.update(q=objective)
+        found.append(_run(solver))
+        if found[-1].stopped not in USABLE:
+            break
+    clock.count_program(math.ceil(len(found) / SMALL_PROGRAMS))
+    return found
+
+
 def _solve_once(program: ConeProgram, time_limit: float, regular: float) -> ConeSolution:
     """The same, with so much regularisation."""
+    found = _run(_solver(program, time_limit, regular))
+    clock.count_program()
+    clock.now()
+    return found
+
+
+def _solver(
+    program: ConeProgram, time_limit: float, regular: float, accuracy: float = ACCURACY
+) -> clarabel.DefaultSolver:
+    """A program as the solver's own."""
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.presolve_enable = False
     settings.max_threads = 1
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = accuracy
     settings.max_iter = MOST_ITERATIONS
     settings.static_regularization_constant = regular
     if math.isfinite(time_limit):
@@ -131,9 +170,11 @@ def _solve_once(program: ConeProgram, time_limit: float, regular: float) -> Cone
     must_stop = clock.stop_callback()
     if must_stop is not None:
         solver.set_termination_callback(lambda _: must_stop())
+    return solver
+
+
+def _run(solver: clarabel.DefaultSolver) -> ConeSolution:
     found = solver.solve()
-    clock.count_program()
-    clock.now()
     return ConeSolution(
         np.asarray(found.x),
         np.asarray(found.z),

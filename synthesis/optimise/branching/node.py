@@ -17,7 +17,7 @@ import numpy as np
 
 from synthesis.catalogue.limits import Limit
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.control import Control, law_controls
+from synthesis.optimise.conic.control import Control, capped_controls
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.problem.grid import round_knots, uniform_grid
@@ -133,7 +133,8 @@ class BoundTask:
 
     Attributes:
         problem: its laws free to jump in their controls, as all laws are.
-        incumbent: the best cam. controls: caps of the free laws' controls, of one order.
+        incumbent: the best cam. controls: caps of the free laws' controls, of one order, or of
+            their mean squares.
         deadline: ``time.monotonic()`` at which to stop.
     """
 
@@ -156,8 +157,8 @@ class BoundTask:
         target = objective.from_wire(value - AIM * state.tolerance * abs(value), machine)
         smooth = _with_smoothness(state.problem, JERK - 1)
         coarse = [uniform_grid(segment, INTERVALS) for segment in smooth.free]
-        controls = law_controls(formulate(with_value_cap(smooth, target), coarse))
-        if controls is None or not all(control.cap < inf for control in controls):
+        controls = capped_controls(formulate(with_value_cap(smooth, target), coarse))
+        if controls is None:
             return None
         aims = (objective, *(cap.objective for cap in smooth.objective_caps))
         if max(aim.energy_order() or 0 for aim in aims) > controls[0].order:

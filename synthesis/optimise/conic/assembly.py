@@ -160,6 +160,7 @@ class MatrixBuilder:
 
     def energy_cone(self, squares: Energy, value: float) -> ConeBlock:
         """Mean square ≤ value²."""
+        squares = squares.between([(each.start, each.end) for each in self.boundary_states])
         rest = max(value**2 - squares.constant, 0.0) ** 0.5 or 1.0
         matrix = np.zeros((sum(len(f) for f in squares.factors), self.width))
         shift = np.zeros(len(matrix))

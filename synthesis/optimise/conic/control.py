@@ -36,12 +36,21 @@ class Control:
 
 @dataclass(frozen=True)
 class MeanSquareCap:
-    """Σ weights_i ∫ (g_i^(order))² dx ≤ room, over the free laws, and the multiplier of that."""
+    """Σ weights_i ∫ (g_i^(order))² dx ≤ room, over the free laws, and the multiplier of that.
+
+    ``least``: what each law has of it in any case.
+    """
 
     order: int
     weights: Array
     room: float
     multiplier: float
+    least: Array
+
+    @property
+    def rooms(self) -> Array:
+        """What each law may have of it: the room less what the others have in any case."""
+        return np.maximum(self.room - np.sum(self.least) + self.least, self.least)
 
 
 def mean_square_caps(model: ConicModel, z: Array) -> tuple[MeanSquareCap, ...]:
@@ -57,7 +66,7 @@ def mean_square_caps(model: ConicModel, z: Array) -> tuple[MeanSquareCap, ...]:
         if cone.energy is not None:
             multiplier = 0.5 * max(float(z[at]), least) / cone.room
             found.append(MeanSquareCap(
-                cone.energy.order, cone.energy.weights, cone.room, multiplier
+                cone.energy.order, cone.energy.weights, cone.room, multiplier, cone.energy.least
             ))  # fmt: skip
         at += 1 + len(cone.shift)
     return tuple(found)
@@ -74,8 +83,8 @@ def weighed_controls(model: ConicModel, caps: Sequence[MeanSquareCap]) -> list[C
     if any(b.law_matrix is not None and b.highest_order >= cap.order for b in model.blocks):
         return None
     return [
-        Control(cap.order, inf, 0.0, cap.multiplier * float(weight), cap.room / float(weight))
-        for weight in cap.weights
+        Control(cap.order, inf, 0.0, cap.multiplier * float(weight), float(room / weight))
+        for weight, room in zip(cap.weights, cap.rooms, strict=True)
     ]
 
 

@@ -38,14 +38,14 @@ class LawBounds:
         left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
         before, after = x - self.nodes[left], self.nodes[left + 1] - x
         if self.order == 2:
-            reach = self._reach(before), self._reach(after)
+            reach = [change(each, self.cap, self.square) for each in (before, after)]
             slow = np.maximum(self.low_speed[left] - reach[0], self.low_speed[left + 1] - reach[1])
             fast = np.minimum(
                 self.high_speed[left] + reach[0], self.high_speed[left + 1] + reach[1]
             )
             return slow, fast
         # g' leaves its chord by no more than this
-        deviation = self._bend[left] * before * after
+        deviation = bend(np.diff(self.nodes), self.cap, self.square)[left] * before * after
         slow = np.interp(x, self.nodes, self.low_speed) - deviation
         return slow, np.interp(x, self.nodes, self.high_speed) + deviation
 
@@ -55,21 +55,24 @@ class LawBounds:
         before, after = x - self.nodes[left], self.nodes[left + 1] - x
         # g' over every interval
         width = np.diff(self.nodes)
-        over = self._reach(0.5 * width) if self.order == 2 else 0.25 * self._bend * width**2
+        caps = self.cap, self.square
+        over = change(0.5 * width, *caps)
+        if self.order == 3:
+            over = 0.25 * bend(width, *caps) * width**2
         slow = (np.minimum(self.low_speed[:-1], self.low_speed[1:]) - over)[left]
         fast = (np.maximum(self.high_speed[:-1], self.high_speed[1:]) + over)[left]
         high = np.minimum(self.high[left] + before * fast, self.high[left + 1] - after * slow)
         low = np.maximum(self.low[left] + before * slow, self.low[left + 1] - after * fast)
         return low, high
 
-    def _reach(self, distance: Array) -> Array:
-        """What g' changes by over a distance, of order 2."""
-        far = self.cap * distance if self.cap < inf else np.sqrt(self.square * distance)
-        return np.asarray(far)
 
-    @property
-    def _bend(self) -> Array:
-        """Of every interval: times (x − a)(b − x) what g' leaves its chord by, of order 3."""
-        width = np.diff(self.nodes)
-        bend = 0.5 * self.cap if self.cap < inf else np.sqrt(self.square / (3.0 * width))
-        return np.zeros_like(width) + bend
+def change(distance: Array, cap: float, square: float) -> Array:
+    """What a function changes by over distances, with |f'| ≤ cap or, of none, ∫ f'² ≤ square."""
+    return np.asarray(cap * distance if cap < inf else np.sqrt(square * distance))
+
+
+def bend(width: Array, cap: float, square: float) -> Array:
+    """Times (x − a)(b − x) what a function leaves its chord by on intervals, with |f''| ≤ cap or,
+    of none, ∫ f''² ≤ square.
+    """
+    return np.asarray(0.5 * cap + 0.0 * width if cap < inf else np.sqrt(square / (3.0 * width)))

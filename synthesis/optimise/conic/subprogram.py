@@ -32,7 +32,8 @@ def coupled_laws(model: ConicModel, position: int) -> tuple[int, ...]:
 def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     """The laws at these positions alone, numbered anew; without an objective.
 
-    Of the cones it has those on residual vibration after runs of these laws.
+    Of the cones it has those on residual vibration after runs of these laws, and that on a mean
+    square, which leaves them what other laws do not need in any case.
     """
     number = {position: k for k, position in enumerate(positions)}
     # 1. Its rows: junctions, fixed sizes, vibrations, equalities, inequalities (of the size, then
@@ -64,6 +65,7 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
         rows += range(at, at + len(block.rhs))
     inequalities = sum(len(block.rhs) for _, block in others)
     equalities, cones = len(rows) - inequalities, list[ConeBlock]()
+    drawn = list[tuple[range, float]]()  # rows that are divided by another room, and factors
     at = model.program.equalities + model.program.inequalities
     for cone in model.cone_blocks:
         first, at = at, at + 1 + len(cone.shift)
@@ -71,6 +73,17 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
         if own is not None:
             rows += range(first, at)
             cones.append(replace(cone, vibration=own))
+        if cone.energy is not None:
+            # over the root of the room that is left to them, in place of that of all laws
+            energy, of_laws = cone.energy.of_laws(positions)
+            room = cone.room - float(np.sum(cone.energy.least) - np.sum(energy.least))
+            unit = (cone.room / room) ** 0.5 if room > 0.0 else 1.0
+            drawn.append((range(len(rows) + 1, len(rows) + 1 + len(of_laws)), unit))
+            rows += [first, *(first + 1 + of_laws)]
+            cones.append(replace(
+                cone, matrix=unit * cone.matrix[of_laws], shift=unit * cone.shift[of_laws],
+                energy=energy, room=cone.room / unit**2,
+            ))  # fmt: skip
     # 2. Its columns: the coefficients of the laws, and the size.
     parts = [*(model.columns[k] for k in positions), model.size]
     kept = np.concatenate([np.arange(part.start, part.stop) for part in parts])
@@ -79,8 +92,12 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
     whole, width = model.program, len(kept)
     matrix = whole.matrix[rows][:, kept]
     matrix.sort_indices()
+    scale = np.ones(len(rows))
+    for own_rows, unit in drawn:
+        scale[own_rows] = unit
+    matrix.data *= scale[matrix.indices]
     program = ConeProgram(
-        sparse.csc_matrix((width, width)), np.zeros(width), matrix, whole.rhs[rows],
+        sparse.csc_matrix((width, width)), np.zeros(width), matrix, scale * whole.rhs[rows],
         equalities, inequalities, tuple(len(cone.shift) + 1 for cone in cones),
     )  # fmt: skip
     free = tuple(model.problem.free[k] for k in positions)
@@ -94,3 +111,18 @@ def submodel(model: ConicModel, positions: Sequence[int]) -> ConicModel:
         cone_blocks=tuple(replace(cone, matrix=cone.matrix[:, kept]) for cone in cones),
         energy=None, program=program, vibration_equalities=tuple(still),
     )  # fmt: skip
+
+
+def without_size_rows(model: ConicModel) -> ConicModel:
+    """The model without its inequalities on the size alone."""
+    kept = np.ones(len(model.program.rhs), dtype=bool)
+    for at, block in model.numbered_blocks:
+        if block.segment is None and not block.exact:
+            kept[at : at + len(block.rhs)] = False
+    blocks = tuple(block for block in model.blocks if block.segment is not None)
+    program = replace(
+        model.program, matrix=sparse.csc_matrix(model.program.matrix[kept]),
+        rhs=model.program.rhs[kept],
+        inequalities=model.program.inequalities - int(np.count_nonzero(~kept)),
+    )  # fmt: skip
+    return replace(model, blocks=blocks, program=program)

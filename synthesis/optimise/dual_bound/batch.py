@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, gauss_points
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
@@ -34,7 +35,7 @@ from synthesis.optimise.dual_bound.row_functionals import (
     fixed_size_rows,
     row_functionals,
 )
-from synthesis.optimise.dual_bound.switching import mean_absolute
+from synthesis.optimise.dual_bound.switching import NODES, mean_absolute
 from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 
 
@@ -102,10 +103,10 @@ def dual_bounds(
     """A lower bound of every quantity: (q,), −inf where none follows.
 
     Args:
-        controls: caps of every free law's control, of one order m. sizes: ranges of the size
-            [length].
+        controls: caps of every free law's control, of one order m, or of one mean square of all.
+            sizes: ranges of the size [length].
         multipliers: (q, m) of the model's rows, of its cones those on residual vibration alone;
-            any, good ones bound well.
+            any, good ones bound well. Of a mean square the best one is known, and taken.
         costates: (q, laws, m) costates of the laws' ends (``solve_boundary_costates``); any.
     """
     # 1. The quantities and the rows times their multipliers: linear in all unknowns.
@@ -113,10 +114,16 @@ def dual_bounds(
     total, magnitude = lagrangian.constant, lagrangian.magnitude
     # 2. Least over every law: ∫ ψ w with |w| ≤ cap where w switches with the sign of ψ.
     for k, control in enumerate(controls):
+        if control.cap == inf:
+            continue
         integral = control.cap * np.sum(_absolute_pieces(lagrangian, k)[1], axis=1)
         total = total - integral - control.cap * lagrangian.psi_error[:, k]
         magnitude = magnitude + integral + control.cap * lagrangian.psi_magnitude[:, k]
-    total = total - unknown_initial_values(lagrangian, [0.5 * c.cap for c in controls])
+    #    Where a mean square of all laws is capped, less what they can make of it together.
+    if any(control.cap == inf for control in controls):
+        together = _least_under_mean_square(lagrangian)
+        total, magnitude = total + together, magnitude - together
+    total = total - unknown_initial_values(lagrangian, [largest_integral(c) for c in controls])
     # 3. What is left of the size: linear, so least at an end of each range.
     low, high = np.array(sizes).T / model.scales.size
     total = total + np.sum(np.minimum(lagrangian.size * low, lagrangian.size * high), axis=1)
@@ -150,6 +157,35 @@ def _lagrangian(
     lagrangian.reduce()
     lagrangian.add_boundary_costates(project_costates(model, lagrangian.initial_costates, costates))
     return lagrangian
+
+
+def _least_under_mean_square(lagrangian: Lagrangian) -> Array:
+    """The least of Σ ∫ ψ w over all controls with Σ W ∫ w² ≤ room: −√(room Σ ∫ ψ²/W), (q,).
+
+    By Cauchy and Schwarz, with equality where every w is −ψ/W times one number. The multiplier of
+    the cap is the best one, whatever the solver's is. What rounding or a vibration adds to ψ adds
+    no more than its largest value to √∫ ψ², which is a norm.
+    """
+    held = ((cone.energy, cone.room) for cone in lagrangian.model.cone_blocks)
+    ((weights, room),) = ((energy.weights, room) for energy, room in held if energy is not None)
+    squares = np.zeros(lagrangian.count)
+    for k, weight in enumerate(weights):
+        blur = lagrangian.psi_error[:, k] + ROUNDING * lagrangian.psi_magnitude[:, k]
+        squares += (root_mean_squares(lagrangian, k) + blur) ** 2 / weight
+    return np.asarray(-np.sqrt(room * squares))
+
+
+def root_mean_squares(lagrangian: Lagrangian, position: int) -> Array:
+    """√∫ ψ² of one law, (q,): Gauss's rule is exact, and a sum of squares loses no digits."""
+    breaks, poly = lagrangian.psi_pieces(position)
+    s, shares = (each[0] for each in gauss_points(np.array([0.0, 1.0]), NODES))
+    value = poly @ s ** np.arange(poly.shape[2])[:, None]
+    return np.asarray(np.sqrt(np.einsum("qns,s,n->q", value**2, shares, np.diff(breaks))))
+
+
+def largest_integral(control: Control) -> float:
+    """What |∫ (x − τ)²/2 w dτ| is at most: by the cap, or by Schwarz's inequality."""
+    return 0.5 * control.cap if control.cap < inf else sqrt(control.square)
 
 
 def _absolute_pieces(lagrangian: Lagrangian, position: int) -> tuple[Array, Array]:

@@ -75,7 +75,7 @@ def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order:
 
     Those of known values make the eliminated last coefficients stationary; those of values that
     two laws share are the multipliers of their junction's rows. ``gradients``: of all but rows,
-    vibrations and junctions in every law's last coefficients, (q, r) each.
+    vibrations, mean squares held and junctions in every law's last coefficients, (q, r) each.
     """
     costates = np.zeros((len(z), len(gradients), order))
     last = [end_coefficients(model, position) for position in range(len(gradients))]
@@ -84,6 +84,12 @@ def end_costates(model: ConicModel, z: Array, gradients: Sequence[Array], order:
         for share, of_law in zip(vibration.law_terms, vibration.rows, strict=True):
             law = share.position
             gradients[law] = gradients[law] + y @ of_law[:, last[law]]
+    at = model.program.equalities + model.program.inequalities
+    for cone in model.cone_blocks:
+        own, at = z[:, at + 1 : at + 1 + len(cone.shift)], at + 1 + len(cone.shift)
+        for law, factor in enumerate(cone.energy.factors if cone.energy is not None else ()):
+            mine, own = own[:, : len(factor)], own[:, len(factor) :]
+            gradients[law] = gradients[law] - mine @ factor[:, last[law]] / cone.room**0.5
     for at, block in model.numbered_blocks:
         own, k = z[:, at : at + len(block.rhs)], block.segment
         if block.law_matrix is not None and k is not None and np.count_nonzero(own):

@@ -21,13 +21,14 @@ from scipy import sparse
 
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
+from synthesis.numerics.solvers import clarabel, highs
 from synthesis.numerics.solvers.clarabel import ConeProgram
-from synthesis.numerics.solvers.highs import LinearRows, minimise_each
-from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.numerics.solvers.highs import LinearRows
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, with_rows
-from synthesis.optimise.conic.subprogram import coupled_laws, submodel
+from synthesis.optimise.conic.subprogram import coupled_laws, submodel, without_size_rows
 from synthesis.optimise.dual_bound.batch import (
     MultiplierDensity,
     PointRuns,
@@ -93,7 +94,7 @@ def tighten_bounds(
         if region.is_empty:
             break
         quantities, constants = _point_quantities(region, k, parts[k].law, parts[k].model)
-        values = parts[k].lower_bounds(quantities, region, until)
+        values = parts[k].lower_bounds(quantities, region, until, size_is_bounded=True)
         if values is None:
             infeasible.add(k)
         else:
@@ -135,21 +136,27 @@ class _LawSubproblem:
         return cls(part, law, caps, [x for x, _, _ in rows], [(y, runs) for _, y, runs in rows])
 
     def lower_bounds(
-        self, quantities: Quantities, region: ImprovingRegion, until: float
-    ) -> Array | None:
-        """Lower bounds of quantities (q,) where better cams lie; None where there is no spline."""
+        self, quantities: Quantities, region: ImprovingRegion, until: float,
+        *, size_is_bounded: bool = False,
+    ) -> Array | None:  # fmt: skip
+        """Lower bounds of quantities (q,) where better cams lie; None where there is no spline.
+
+        ``size_is_bounded``: whether the region's half-spaces tell what the rows of the size do.
+        """
         wanted, units = quantities.scaled()
         unit = self.model.scales.size
-        full = with_rows(self.model, [*region.half_spaces.blocks(unit), *self.implied])
-        infinite = np.full(full.program.matrix.shape[1], inf)
-        low, high = -infinite, infinite.copy()
-        low[full.size], high[full.size] = (np.array(region.sizes) / unit).T
-        # 1. A linear program for each: its multipliers, at the points where rows are written.
-        rows = _linear_rows(full.program, low, high)
-        result = minimise_each(rows, wanted.objectives(full), until - clock.now())
-        if result[-1].stopped is not StopReason.SOLVED:
+        rows = [*region.half_spaces.blocks(unit), *self.implied]
+        # 1. A program for each: its multipliers, at the points where rows are written.
+        if any(cone.energy is not None for cone in self.model.cone_blocks):
+            # every row costs a cone program as much, whether it binds or not
+            model = without_size_rows(self.model) if size_is_bounded else self.model
+            full = with_rows(model, [*_box_rows(region.sizes, unit), *rows])
+            z = _cone_multipliers(full.program, wanted.objectives(full), until)
+        else:
+            full = with_rows(self.model, rows)
+            z = _linear_multipliers(full, wanted.objectives(full), region.sizes, until)
+        if z is None:
             return None
-        z = _of_cones(full.program, np.stack([each.multipliers for each in result]))
         # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
         order = self.controls[0].order
         between = MultiplierDensity.of(full, self.denser, SPREAD, order)
@@ -161,6 +168,42 @@ class _LawSubproblem:
             for each in (masses, between.balance(masses, z, order))
         ))  # fmt: skip
         return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
+
+
+def _box_rows(sizes: Sizes, unit: float) -> list[LinearBlock]:
+    """Ranges of the size, far ends over their own size; of those that leave no choice none."""
+    return [
+        LinearBlock.of_size(sign * axis / far, np.array([sign * end / unit / far]), "box")
+        for axis, ends in zip(np.eye(len(sizes)), sizes, strict=True)
+        for sign, end in ((1.0, ends[1]), (-1.0, ends[0]))
+        if ends[0] < ends[1]
+        for far in (max(abs(end) / unit, 1.0),)
+    ]
+
+
+def _cone_multipliers(
+    program: ConeProgram, objectives: Sequence[Array], until: float
+) -> Array | None:
+    """Multipliers (q, m) of a program's rows for each objective; None where one has no minimum."""
+    result = clarabel.minimise_each(program, objectives, until - clock.now())
+    if result[-1].stopped not in USABLE:
+        return None
+    return np.stack([each.multipliers for each in result])
+
+
+def _linear_multipliers(
+    model: ConicModel, objectives: Sequence[Array], sizes: Sizes, until: float
+) -> Array | None:
+    """The same of linear programs, with a box in place of every cone and the size in its own."""
+    program = model.program
+    infinite = np.full(program.matrix.shape[1], inf)
+    low, high = -infinite, infinite.copy()
+    low[model.size], high[model.size] = (np.array(sizes) / model.scales.size).T
+    rows = _linear_rows(program, low, high)
+    result = highs.minimise_each(rows, objectives, until - clock.now())
+    if result[-1].stopped is not StopReason.SOLVED:
+        return None
+    return _of_cones(program, np.stack([each.multipliers for each in result]))
 
 
 def _linear_rows(program: ConeProgram, low: Array, high: Array) -> LinearRows:

@@ -25,169 +25,14 @@ from synthesis.optimise.dual_bound.batch import PointRuns
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces
+from synthesis.optimise.propagation.point_bounds import PointBounds
 
 NODE_DISTANCE = 0.05  # of a law, at first
-CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
-SAME = 1e-9  # of a part: rounding of a quotient that is a whole number
-DEVIATION = 0.1  # of the bounds at two nodes: how far u may leave these in between
 UNBOUNDED = 1e9  # strokes
 FARTHER = 10.0  # largest sizes: no cam's point is so far away or so fast past the axis
 
 Sizes = tuple[tuple[float, float], ...]
 Parts = tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, eq=False)
-class PointBounds:
-    """Bounds at nodes of a free law: low ≤ (X, u) ≤ high, (2, n) each; of (X, u, s'') (3, n).
-
-    Sums of motion and size are bounded more narrowly than motion and size one by one: what makes a
-    cam larger makes its law slower.
-
-    Attributes:
-        nodes: (n,) in [0, 1]. parts: first and last node of every part of interest.
-        angle: of the law [rad]. order: m, 2 or 3. cap: of |s^(m)| [length/rad^m].
-        monotone: whether X can only rise (1) or fall (−1) along the law; 0: either.
-        offsets: least and largest e.
-    """
-
-    nodes: Array
-    parts: tuple[tuple[float, float], ...]
-    angle: float
-    order: int
-    cap: float
-    monotone: int
-    low: Array
-    high: Array
-    offsets: tuple[float, float]
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no cam keeps to it."""
-        return bool(np.any(self.low > self.high)) or self.offsets[0] > self.offsets[1]
-
-    @property
-    def width(self) -> float:
-        """How far X and u are open, on average [length]: at nodes, and u in between by more."""
-        return float(np.mean(self.high[:2] - self.low[:2]) + np.mean(self._deviations()))
-
-    def with_closer_nodes(self) -> PointBounds:
-        """The same with more nodes between two where u may deviate from the bounds at these.
-
-        Bounds at nodes become narrower with every iteration; what the cap leaves open in between
-        does not, and falls with a power of their distance.
-        """
-        middle, distance = 0.5 * (self.nodes[1:] + self.nodes[:-1]), np.diff(self.nodes)
-        open_ = np.maximum(self.high[1] - self.low[1], 0.0)
-        allowed = DEVIATION * np.minimum(open_[1:], open_[:-1])
-        wanted = (self._deviations() / np.maximum(allowed, 1e-300)) ** (1.0 / (self.order - 1))
-        inside = np.any([(a < middle) & (middle < b) for a, b in self.parts], axis=0)
-        wanted = np.where(inside, np.minimum(wanted, distance / CLOSEST_NODES), 1.0)
-        counts = np.maximum(np.ceil(wanted - SAME).astype(int), 1)
-        if np.all(counts == 1):
-            return self
-        # equal parts of every interval: where it begins, and the number of the part
-        of = np.repeat(np.arange(len(counts)), counts)
-        number = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
-        nodes = np.append(self.nodes[of] + number / counts[of] * distance[of], self.nodes[-1])
-        new, ends = np.append(number > 0, False), list[Array]()
-        for known, here, bends in zip(
-            (self.low, self.high), self.at(nodes[new]), self.acceleration_bounds(nodes[new]),
-            strict=True,
-        ):  # fmt: skip
-            table = np.empty((len(known), len(nodes)))
-            table[:, ~new] = known
-            table[:, new] = np.stack([*here[:2], bends])[: len(known)]
-            ends.append(table)
-        return replace(self, nodes=nodes, low=ends[0], high=ends[1])
-
-    def _deviations(self) -> Array:
-        """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""
-        width = self.angle * np.diff(self.nodes)
-        return np.asarray(self.cap * width * (0.5 if self.order == 2 else 0.125 * width))
-
-    def along(self, spans: Array) -> tuple[Array, Array]:
-        """Bounds of (X, u, e) all along spans (r, 2) that ascend: (3, r) each.
-
-        For order 2 alone, and between the first node and the last of a part.
-        """
-        # divided at nodes, then the widest of each span
-        ends = np.union1d(
-            spans, self.nodes[(spans[0, 0] < self.nodes) & (self.nodes < spans[-1, 1])]
-        )
-        low, high = self.at(ends[:-1], ends[1:])
-        # every span from its first place to its last; a column more, as the last may be the end
-        places = np.searchsorted(ends, spans).ravel()
-        low = np.minimum.reduceat(np.pad(low, ((0, 0), (0, 1))), places, axis=1)
-        high = np.maximum.reduceat(np.pad(high, ((0, 0), (0, 1))), places, axis=1)
-        return low[:, ::2], high[:, ::2]
-
-    def at(self, x: Array, until: Array | None = None) -> tuple[Array, Array]:
-        """Bounds of (X, u, e) at any x between the first node and the last: (3, m) each.
-
-        ``until``: (m,) of order 2 alone: bounds all along spans from x, none across a node.
-        """
-        ends = x if until is None else until
-        assert ends is x or self.order == 2
-        left = np.searchsorted(self.nodes, 0.5 * (x + ends), "right") - 1
-        left = np.clip(left, 0, len(self.nodes) - 2)
-        # from the node before to the far end of a span, and to the node behind from its near end
-        before = self.angle * (ends - self.nodes[left])
-        after = self.angle * (self.nodes[left + 1] - x)
-        low, high = self.low[1], self.high[1]
-        if self.order == 2:
-            # |u'| is capped: u leaves its value at a node by no more than this
-            slow = np.maximum(low[left] - self.cap * before, low[left + 1] - self.cap * after)
-            fast = np.minimum(high[left] + self.cap * before, high[left + 1] + self.cap * after)
-        else:
-            # |u''| is capped: u leaves its chord by no more than this
-            deviation = 0.5 * self.cap * before * after
-            slow = np.interp(x, self.nodes, low) - deviation
-            fast = np.interp(x, self.nodes, high) + deviation
-        least, most = (speed[left] for speed in self._interval_speed_bounds())
-        # X between two lines from the node before, and two to the node behind: of each the end of
-        # the span where it bounds less
-        length = self.angle * (ends - x)
-        nearer, closer = before - length, after - length
-        low = np.maximum(
-            self.low[0, left] + np.minimum(before * least, nearer * least),
-            self.low[0, left + 1] - np.maximum(after * most, closer * most),
-        )
-        high = np.minimum(
-            self.high[0, left] + np.maximum(before * most, nearer * most),
-            self.high[0, left + 1] - np.minimum(after * least, closer * least),
-        )
-        one = np.ones_like(x)
-        return (
-            np.stack([low, slow, self.offsets[0] * one]),
-            np.stack([high, fast, self.offsets[1] * one]),
-        )
-
-    def acceleration_bounds(self, x: Array) -> tuple[Array, Array]:
-        """Bounds of s'' at any x between the first node and the last: (m,) each.
-
-        Infinite where they are not known at nodes.
-        """
-        if self.order == 2:
-            return np.full_like(x, -self.cap), np.full_like(x, self.cap)
-        if len(self.low) < 3:
-            return np.full_like(x, -np.inf), np.full_like(x, np.inf)
-        left = np.clip(np.searchsorted(self.nodes, x, "right") - 1, 0, len(self.nodes) - 2)
-        before = self.cap * self.angle * (x - self.nodes[left])
-        after = self.cap * self.angle * (self.nodes[left + 1] - x)
-        low = np.maximum(self.low[2, left] - before, self.low[2, left + 1] - after)
-        return low, np.minimum(self.high[2, left] + before, self.high[2, left + 1] + after)
-
-    def _interval_speed_bounds(self) -> tuple[Array, Array]:
-        """Bounds of X' = u + e over every interval."""
-        over = self._deviations()
-        slow = np.minimum(self.low[1, :-1], self.low[1, 1:]) - over + self.offsets[0]
-        fast = np.maximum(self.high[1, :-1], self.high[1, 1:]) + over + self.offsets[1]
-        if self.monotone > 0:
-            slow = np.maximum(slow, 0.0)
-        if self.monotone < 0:
-            fast = np.minimum(fast, 0.0)
-        return slow, fast
 
 
 @dataclass(frozen=True, eq=False)
@@ -391,9 +236,9 @@ def initial_region(
         for coordinates, rows in known.items():
             wide = np.full((rows, len(nodes)), unbounded)
             sense = 0 if segment.free.overshoot else int(np.sign(segment.lift)) * coordinates.sign
-            cap = abs(segment.lift) / segment.angle**control.order * control.cap
+            unit = abs(segment.lift) / segment.angle**control.order
             point_bounds[position, coordinates] = PointBounds(
-                nodes, ranges, segment.angle, control.order, cap, sense, -wide, wide,
-                coordinates.offset_range(sizes),
+                nodes, ranges, segment.angle, control.order, unit * control.cap, sense, -wide, wide,
+                coordinates.offset_range(sizes), unit**2 * segment.angle * control.square,
             )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))

@@ -144,7 +144,7 @@ def _controls(model: ConicModel, z: Array) -> tuple[list[Control], ConicModel]:
     if square.order < controls[0].order and square.multiplier > 0.0:
         own, root = energies[0], sqrt(square.multiplier)
         factors = tuple(root * factor for factor in own.factors)
-        return controls, replace(model, energy=_Priced(own.order, factors, 0.0, weights))
+        return controls, replace(model, energy=_Priced(own.order, factors, 0.0, weights, own.least))
     return controls, model
 
 

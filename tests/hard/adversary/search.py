@@ -28,6 +28,7 @@ STEP = 1e-30  # of the complex differences
 SMALLEST = 1e-7  # of the trust region
 ROOM = 1e-7  # relative: kept of every limit
 ROUNDING = 1e-9  # relative: of what is met exactly
+HELD = "held_rms_jerk"  # key of a question: what its answer's own rms jerk is, in the wire's unit
 SPANS = (2.0, 8.0, 60.0)  # of slope, curvature and jerk of a law: the unit of the trust region
 
 
@@ -53,7 +54,7 @@ class Attack:
         question = spec.get("objective") or {"kind": "base_radius"}
         self.aim: str = (question[0] if isinstance(question, list) else question)["kind"]
         self.equations, self.values = self.program.joined()
-        self.quantities = [*self.machine.quantities(), *self._peaks()]
+        self.quantities = [*self.machine.quantities(), *self._peaks(), *self._held()]
         self.own_size = len(self.machine.numbers)
         self.count = self.program.count + self.own_size + 1
         self.samples = self.program.samples(6)
@@ -86,6 +87,22 @@ class Attack:
 
                     found += [Quantity("peak", over, (kind,)) for kind in ("rise", "return")]
         return found
+
+    def _held(self) -> list[Quantity]:
+        """The rms jerk that an answer leaves to the objective at hand, exactly: jerks are steps."""
+        cap, weights = self.spec.get(HELD), np.zeros(self.program.count)
+        if cap is None:
+            return []
+        for law in self.program.laws.values():
+            lift, beta = law.place.lift, law.place.beta
+            own = (lift * (self.program.omega / beta) ** 3 / cap) ** 2 * beta / (2.0 * np.pi)
+            weights[law.first + 2 : law.first + law.count] = own * np.diff(law.breaks)
+
+        def excess(laws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            root = float(np.sqrt(weights @ laws**2)) or 1.0
+            return np.array([root - 1.0]), (weights * laws / root)[None]
+
+        return [Quantity("rms jerk", lambda s, z: z, functional=excess)]
 
     def objective(self, unknowns: np.ndarray) -> float:
         """What is to be small, of the order of 1."""

@@ -10,7 +10,7 @@ import pytest
 from scipy import sparse
 
 from synthesis.numerics.solvers import clarabel
-from synthesis.numerics.solvers.clarabel import ConeProgram, solve
+from synthesis.numerics.solvers.clarabel import ConeProgram, minimise_each, solve
 from synthesis.numerics.solvers.statuses import StopReason
 
 UNKNOWNS, ROWS = 37, 11
@@ -83,3 +83,32 @@ def test_a_program_that_ends_at_the_limit_of_iterations_is_solved_with_less_regu
     found = solve(program())
     assert found.stopped is StopReason.SOLVED
     assert regular == [clarabel.REGULAR, clarabel.LESS_REGULAR]
+
+
+def _bowl(bottom: float) -> ConeProgram:
+    """x + y ≥ a bottom within a circle of radius 1.3 about (0.4, −0.7)."""
+    matrix = np.array([[-1.0, -1.0], [0.0, 0.0], [-1.0, 0.0], [0.0, -1.0]])
+    rhs = np.array([-bottom, 1.3, -0.4, 0.7])
+    return ConeProgram(
+        sparse.csc_matrix((2, 2)), np.zeros(2), sparse.csc_matrix(matrix), rhs, 0, 1, (3,)
+    )  # fmt: skip
+
+
+def test_many_objectives_over_the_same_rows_have_the_minima_of_each_by_itself() -> None:
+    question, random = _bowl(-1.1), np.random.default_rng(5)
+    objectives = list(random.normal(size=(9, 2)))
+    found = minimise_each(question, objectives)
+    assert len(found) == len(objectives)
+    for each, one in zip(found, objectives, strict=True):
+        alone = solve(replace(question, linear=one))
+        assert one @ each.x == pytest.approx(one @ alone.x, rel=1e-5)
+        # multipliers are those of this objective: its dual value is the minimum
+        assert -question.rhs @ each.multipliers == pytest.approx(one @ alone.x, rel=1e-5)
+
+
+def test_many_objectives_end_where_there_is_no_point_or_no_time() -> None:
+    objectives = [np.array([1.0, 0.3]), np.array([0.2, -1.0])]
+    (only,) = minimise_each(_bowl(1.9), objectives)
+    assert only.stopped is StopReason.INFEASIBLE
+    (late,) = minimise_each(_bowl(-1.1), objectives, 0.0)
+    assert late.stopped is StopReason.OUT_OF_TIME

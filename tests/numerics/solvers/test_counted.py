@@ -8,7 +8,8 @@ import numpy as np
 from scipy import sparse
 
 from synthesis.numerics import clock
-from synthesis.numerics.solvers.clarabel import ConeProgram
+from synthesis.numerics.solvers.clarabel import SMALL_PROGRAMS, ConeProgram
+from synthesis.numerics.solvers.clarabel import minimise_each as minimise_each_of_cones
 from synthesis.numerics.solvers.clarabel import solve as solve_cone_program
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 
@@ -29,6 +30,13 @@ def counted() -> int:
 
 def test_a_batch_on_one_matrix_counts_as_one() -> None:
     assert counted() == 2
+
+
+def test_small_cone_programs_on_one_matrix_count_by_the_two_dozen() -> None:
+    objectives = [np.array([1.0, 0.1 + k]) for k in range(2 * SMALL_PROGRAMS + 1)]
+    before = clock.programs_solved()
+    assert len(minimise_each_of_cones(CONE, objectives)) == len(objectives)
+    assert clock.programs_solved() - before == 3
 
 
 def test_every_thread_counts_its_own() -> None:

@@ -130,7 +130,7 @@ def test_where_the_size_is_given_hulls_are_narrowed_and_no_box_is_cut():
 
 def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
     """Entries of the linear programs, times the quantities that are bounded under them."""
-    work, own = list[int](), narrowing.minimise_each
+    work, own = list[int](), narrowing.highs.minimise_each
 
     def counted(rows, objectives, limit):
         work.append(rows.matrix.nnz * len(objectives))
@@ -142,7 +142,7 @@ def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
         domain = initial_region(
             task.problem, task.controls, dict.fromkeys(range(laws), ((0.1, 0.9),))
         )
-        monkeypatch.setattr(narrowing, "minimise_each", counted)
+        monkeypatch.setattr(narrowing.highs, "minimise_each", counted)
         work.clear()
         tighten_bounds(plan_of(task, 20), task.controls, domain, range(laws))
         monkeypatch.undo()

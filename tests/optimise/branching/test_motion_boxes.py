@@ -11,6 +11,7 @@ SCENES = (
     ("swinging face, laws free", 1),  # the centre distance given
     ("arm, conjugate", 4),
     ("arm, pivot free", 2),
+    ("no objective, swinging face", 100),  # the rms jerk held
 )
 TOLERANCE = 9e-3
 

@@ -11,19 +11,24 @@ import pytest
 
 from synthesis.catalogue.objectives import RmsJerk
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.clarabel import minimise_each, solve
 from synthesis.optimise.conic.control import capped_controls, mean_square_caps, weighed_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel, formulate, with_rows
+from synthesis.optimise.conic.subprogram import submodel
+from synthesis.optimise.dual_bound.batch import Quantities, dual_bounds, solve_boundary_costates
 from synthesis.optimise.dual_bound.bound import (
     _control_integrals,
     dual_bound,
     unknown_initial_values,
 )
 from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.mean_square import least_between
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.propagation.law_tightening import initial_law_bounds, tighten_law
 from synthesis.spec.design_spec import DesignSpec
+from tests.hard.families import random_scene
 from tests.optimise.scenes import Direct, angles, direct, dwell, fall, problem, rise, scene
 
 SCENES: dict[str, DesignSpec] = {
@@ -141,3 +146,137 @@ def test_the_cap_bounds_what_unknown_initial_values_may_gain(question: Problem) 
                                  initial_costates=np.full((1, len(most), 2), 1e-9))  # fmt: skip
     cost = unknown_initial_values(cast(Any, lagrangian), most)[0]
     assert cost > unknown_initial_values(cast(Any, lagrangian), [0.0] * len(most))[0] > 0.0
+
+
+def _wanted(model: ConicModel) -> Quantities:
+    """g and g' of every law at a point from both sides, and the last size from below."""
+    count, sizes = len(model.grids), len(model.problem.sizing.bounds)
+    rows = [
+        (law, x, order, sign)
+        for law in range(count)
+        for x, order in ((0.37, 0), (0.61, 1))
+        for sign in (1.7, -1.7)
+    ]
+    law, x, order, sign = (np.array([*each, last]) for each, last in zip(
+        zip(*rows, strict=True), (0, 0.0, 0, 0.0), strict=True
+    ))  # fmt: skip
+    size = np.zeros((len(law), sizes))
+    size[-1, -1] = 0.9
+    return Quantities(law, x, sign[:, None] * np.eye(3)[order], size)
+
+
+def _values(model: ConicModel, wanted: Quantities, points: Array) -> Array:
+    """Each quantity at a point of the program of its own."""
+    result = np.einsum("qn,qn->q", wanted.size, points[:, model.size])
+    for q, point in enumerate(points):
+        laws, _ = model.recover(point)
+        jet = laws[wanted.law[q]].curve().derivatives(wanted.x[q : q + 1], 2)[:, 0]
+        result[q] += wanted.alpha[q] @ jet[:3]
+    return result
+
+
+def test_bounds_of_many_quantities_meet_what_splines_reach(question: Problem) -> None:
+    """Never above it, and on fine knots next to it: then the mean square's share is as it is."""
+    model = formulate(
+        replace(question, objective=NoObjective()), [uniform_grid(s, 40) for s in question.free]
+    )
+    controls, wanted = capped_controls(model), _wanted(model)
+    assert controls is not None
+    found = minimise_each(model.program, wanted.objectives(model))
+    assert len(found) == len(wanted.x)
+    z = np.stack([each.multipliers for each in found])
+    ends = solve_boundary_costates(model, wanted, z, 3)
+    sizes = question.sizing.bounds
+    bounds = dual_bounds(model, controls, sizes, wanted, z, ends)
+    reached = _values(model, wanted, np.stack([each.x for each in found]))
+    assert np.all(bounds <= reached + 1e-6 * np.abs(reached))
+    assert np.all(bounds >= reached - 5e-3 * np.maximum(np.abs(reached), 1.0))
+    # any other multipliers: no bound is above what a better one says
+    wrong = z * np.exp(np.random.default_rng(3).normal(size=z.shape))
+    assert np.all(dual_bounds(model, controls, sizes, wanted, wrong, ends) <= reached + 1e-6)
+
+
+def test_a_part_has_the_room_that_others_leave(question: Problem) -> None:
+    """Its cone holds for every law of the whole, and is no wider than that says."""
+    answer = on(question, 24)
+    whole, laws = answer.model, answer.model.recover(answer.solution.x)[0]
+    ((energy, room),) = ((c.energy, c.room) for c in whole.cone_blocks if c.energy is not None)
+    shares = [float(np.sum((f @ law.coefficients) ** 2))
+              for f, law in zip(energy.factors, laws, strict=True)]  # fmt: skip
+    assert sum(shares) == pytest.approx(room, rel=1e-6)
+    assert np.all(energy.least <= np.array(shares) * (1.0 + 1e-12))
+    controls = weighed_controls(whole, mean_square_caps(whole, answer.solution.multipliers))
+    assert controls is not None
+    for k, own in enumerate(shares):
+        # of one law alone
+        most = (room - sum(energy.least) + energy.least[k]) / energy.weights[k]
+        assert controls[k].square == pytest.approx(most)
+        part = submodel(whole, (k,))
+        (cone,) = (c for c in part.cone_blocks if c.energy is not None)
+        assert own <= cone.room * (1.0 + 1e-6)
+        assert cone.room < room or len(shares) == 1
+        assert cone.room == pytest.approx(room - sum(energy.least) + energy.least[k])
+        x = answer.solution.x[np.r_[whole.columns[k], whole.size]]
+        assert np.sum((cone.matrix @ x + cone.shift) ** 2) == pytest.approx(own / cone.room)
+        # the rows of its program say the same
+        rows = part.program.rhs - part.program.matrix @ x
+        first = len(rows) - len(cone.shift)
+        assert rows[first - 1] == pytest.approx(1.0)
+        assert np.sum(rows[first:] ** 2) == pytest.approx(own / cone.room)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("ends", [(3, 3), (3, 1), (1, 3), (2, 2), (1, 1), (2, 3)])
+def test_the_least_mean_square_between_known_ends(ends: tuple[int, int], order: int) -> None:
+    random = np.random.default_rng(17)
+    poly = np.polynomial.Polynomial(random.normal(size=9))
+    start, end = (
+        np.array([poly.deriv(k)(at) for k in range(count)])
+        for at, count in zip((0.0, 1.0), ends, strict=True)
+    )
+    least = least_between(start, end, order)
+    # 1. Another way: coefficients of a polynomial of degree 2 order − 1 that keeps to the ends.
+    count = 2 * order
+    powers = [np.polynomial.Polynomial.basis(j) for j in range(count)]
+    form = np.array(
+        [[(a.deriv(order) * b.deriv(order)).integ()(1.0) for a in powers] for b in powers]
+    )
+    rows = [
+        [p.deriv(k)(at) for p in powers]
+        for at, known in ((0.0, start), (1.0, end))
+        for k in range(min(len(known), order))
+    ]
+    known = [*start[:order], *end[:order]]
+    system = np.block([[form, np.array(rows).T], [np.array(rows), np.zeros((len(rows),) * 2)]])
+    c = np.linalg.lstsq(system, np.append(np.zeros(count), known), rcond=None)[0][:count]
+    assert least == pytest.approx(c @ form @ c, rel=1e-7, abs=1e-9)
+    assert least <= c @ form @ c
+    # 2. No function with these ends has less.
+    assert least < (poly.deriv(order) ** 2).integ()(1.0)
+
+
+def test_the_least_mean_square_of_a_move_from_rest_to_rest() -> None:
+    rest = np.zeros(3), np.array([1.0, 0.0, 0.0])
+    assert least_between(*rest, 3) == pytest.approx(720.0)
+    assert least_between(*rest, 2) == pytest.approx(12.0)
+
+
+def test_the_cap_of_a_traced_point_is_that_of_its_motion() -> None:
+    """What a motion has of ∫ (jerk)² dθ relates to its cap as its law's ∫ dx to the law's own."""
+    spec = DesignSpec.model_validate(random_scene("no objective, swinging face", 1))
+    question = problem(spec, (ObjectiveCap(RmsJerk(), 47.0),))
+    model = formulate(
+        replace(question, objective=NoObjective()), [uniform_grid(s, 12) for s in question.free]
+    )
+    controls = capped_controls(model)
+    assert controls is not None
+    region = initial_region(question, controls, dict.fromkeys(range(2), ((0.2, 0.8),)))
+    assert len(region.point_bounds) == 2
+    x = np.linspace(0.0, 1.0, 4001)
+    third = 60.0 - 360.0 * x + 360.0 * x**2  # of 10 x³ − 15 x⁴ + 6 x⁵
+    for (k, _), bounds in region.point_bounds.items():
+        segment = question.free[k]
+        jerk = segment.lift * third / segment.angle**3
+        share = np.trapezoid(jerk**2, segment.angle * x) / bounds.square
+        assert bounds.cap == np.inf
+        assert share == pytest.approx(720.0 / controls[k].square, rel=1e-5)

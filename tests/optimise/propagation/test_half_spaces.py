@@ -156,8 +156,10 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     wanted = SimpleNamespace(objectives=lambda full: [])
     solved = SimpleNamespace(stopped=StopReason.SOLVED, multipliers=np.zeros(2))
     patch: dict[str, Any] = {
-        "with_rows": lambda model, rows: SimpleNamespace(program=program, size=slice(0, 2)),
-        "minimise_each": lambda *_: [solved],
+        "with_rows": lambda model, rows: SimpleNamespace(
+            program=program, size=slice(0, 2), scales=SimpleNamespace(size=1.0)
+        ),
+        "highs": SimpleNamespace(minimise_each=lambda *_: [solved]),
         "MultiplierDensity": SimpleNamespace(
             of=lambda *_: SimpleNamespace(
                 model=None, distribute=lambda *_: None, balance=lambda *_: None
@@ -168,7 +170,7 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     }
     for name, stub in patch.items():
         monkeypatch.setattr(bound_tightening, name, stub)
-    model = SimpleNamespace(scales=SimpleNamespace(size=1.0))
+    model = SimpleNamespace(scales=SimpleNamespace(size=1.0), cone_blocks=())
     controls = (SimpleNamespace(order=3),)
     law = bound_tightening._LawSubproblem(model, 0, controls, [], [])
     region = ImprovingRegion(BOX, {}, HalfSpaces.empty(2))
@@ -177,7 +179,7 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     assert np.all(lost > 1e-10 * np.maximum(1.0, np.abs(values)))
     assert np.all(lost < 1e-8 * np.maximum(1.0, np.abs(values)))
     stopped = SimpleNamespace(stopped=StopReason.INFEASIBLE, multipliers=np.zeros(2))
-    monkeypatch.setattr(bound_tightening, "minimise_each", lambda *_: [solved, stopped])
+    monkeypatch.setattr(bound_tightening.highs, "minimise_each", lambda *_: [solved, stopped])
     assert law.lower_bounds(quantities, region, np.inf) is None
 
 

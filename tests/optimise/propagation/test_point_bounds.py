@@ -1,9 +1,11 @@
 """What lies between the nodes of a hull, against motions whose third derivative is capped."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from synthesis.optimise.propagation.improving_region import CLOSEST_NODES, PointBounds
+from synthesis.optimise.propagation.point_bounds import CLOSEST_NODES, PointBounds
 
 ANGLE, BEND = 1.1, 700.0
 
@@ -173,3 +175,42 @@ def test_crossed_bounds_leave_nothing():
     assert not hull.is_empty
     assert PointBounds(nodes, hull.parts, ANGLE, 3, BEND, 1, low, low - 1.0, (5.0, 6.0)).is_empty
     assert PointBounds(nodes, hull.parts, ANGLE, 3, BEND, 1, low, low + 1.0, (6.0, 5.0)).is_empty
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_motions_of_a_capped_mean_square_keep_to_what_is_said_between(seed):
+    """What a motion has of ∫ (s^(m))² dθ between two nodes alone is all that it may have there."""
+    x, height, speed = motion(seed)
+    bend = np.gradient(speed, x * ANGLE)
+    nodes, step = np.array([0.2, 0.25, 0.31, 0.42, 0.75]), ANGLE / 4000
+    at = np.stack([np.interp(nodes, x, each) for each in (height, speed, bend)])
+    inside = (x >= 0.2) & (x <= 0.75)
+    for order, control in ((2, bend), (3, np.gradient(bend, x * ANGLE))):
+        square = max(
+            float(np.sum(control[(x >= a) & (x <= b)] ** 2) * step) for a, b in pairwise(nodes)
+        )
+        hull = PointBounds(
+            nodes, ((0.2, 0.75),), ANGLE, order, np.inf, 0, at[:order], at[:order], (0.0, 0.0),
+            1.02 * square,
+        )  # fmt: skip
+        for bounds in (hull, hull.with_closer_nodes()):
+            low, high = bounds.at(x[inside])
+            for value, least, most in zip((height, speed), low, high, strict=False):
+                assert np.all(value[inside] >= least - 1e-6)
+                assert np.all(value[inside] <= most + 1e-6)
+            low, high = bounds.acceleration_bounds(x[inside])
+            assert np.all(bend[inside] >= low - 2.0 * BEND * step)
+            assert np.all(bend[inside] <= high + 2.0 * BEND * step)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_nodes_lie_as_close_where_a_mean_square_is_capped(order):
+    nodes, width = np.array([0.2, 0.7]), 2.0
+    square = 5.0 if order == 2 else 4000.0
+    ends = np.zeros((2, 2)), np.full((2, 2), width)
+    hull = PointBounds(nodes, ((0.2, 0.7),), ANGLE, order, np.inf, 0, *ends, (0, 0), square)
+    closer = hull.with_closer_nodes()
+    own = ANGLE * np.diff(closer.nodes)
+    left_open = np.sqrt(square * own / 2.0 if order == 2 else square * own**3 / 48.0)
+    assert np.all((left_open <= 0.1001 * width) | (own <= 2.0 * ANGLE * CLOSEST_NODES))
+    assert len(closer.nodes) > 2
