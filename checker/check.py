@@ -332,6 +332,10 @@ class Question:
     def prime(self, radius):
         return max(radius + self.gap, ZERO)
 
+    def smaller(self, radius):
+        """The prime radius of a base radius, or the largest one if that is smaller."""
+        return min(r for r in (self.prime(radius), self.radii[1]) if r is not None)
+
     def ends_of_face(self, limit):
         """How far contact may be on both sides of a slide's line, or from a pivot's foot on it."""
         ours = ("near_mm", "far_mm") if self.swung else ("left_mm", "right_mm", "width_mm")
@@ -438,7 +442,7 @@ class Question:
     def arcs(self, low, high):
         """A swing, its sine and its cosine all along a range, in parts, as polynomials."""
         if (low, high) not in self.waves:
-            count = (high - low) // 2 + 1
+            count = (high - low) // 3 + 1
             spend("coefficients", 100 * int(count))
             ends = [low + (high - low) * Fraction(k, count) for k in range(count + 1)]
             lines = map(enclose, zip(ends, ends[1:]))
@@ -471,15 +475,20 @@ class Question:
         size = [slope * k * sine + side * cosine, slope * cosine - side * k * sine]
         rest = []
         for line, sines, cosines in self.arcs(low, high):
-            rest += [max(y for _, y in cosines * a + sines * b - line * steep) - UNIT * (
+            plane = line * steep
+            rest += [max(y for _, y in cosines * a + sines * b - plane) - UNIT * (
                 size[0] * e + size[1] * s0 + side * k) for e, s0, a, b in corners]
         return [-steep, side * ONE, ZERO, ZERO], [-x for x in size], -floor(-max(rest) / UNIT)
+
+    def pivot(self, side):
+        """How far an arm's pivot is from the axis at most (side 1) or at least, over its length."""
+        distance = None if None in self.arms else self.distances[side > 0]
+        return None if distance is None else max(distance / self.arms[side < 0], ZERO)
 
     def empty(self, radius):
         """Whether no size of an arm is in the box of e and s0, by squares alone."""
         k, (e, f), (r, t) = self.sense, self.offsets, self.heights
-        low, high = (None if distance is None or None in self.arms else distance / self.arms[i]
-                     for i, distance in zip((1, 0), self.distances))
+        low, high = self.pivot(-1), self.pivot(1)
 
         def least(x, y):
             return max(x, -y, ZERO) ** 2
@@ -487,19 +496,17 @@ class Question:
         p, q = sorted((1 + k * e, 1 + k * f))
         return least(e, f) + least(r, t) > radius**2 or (
             high is not None and least(p, q) + least(r, t) > high**2) or (
-            low is not None and max(p * p, q * q) + max(r * r, t * t) < max(low, ZERO) ** 2)
+            low is not None and max(p * p, q * q) + max(r * r, t * t) < low**2)
 
     def distance_row(self, side):
         """What the distance of an arm's pivot from the axis asks of e and s0 in their box.
 
         At most: a tangent of the circle; at least: (p - p1)(p - p2) <= 0 on [p1, p2].
         """
-        ends, k = (self.offsets, self.heights), self.sense
-        distance = self.distances[side > 0]
-        if distance is None or None in (*ends[0], *ends[1], *self.arms):
+        distance, k = self.pivot(side), self.sense
+        if None in (distance, *self.offsets, *self.heights):
             return None
-        distance = max(distance / self.arms[side < 0], ZERO)
-        (p, q), (r, t) = [[1 + k * e for e in ends[0]], ends[1]]
+        (p, q), (r, t) = (1 + k * e for e in self.offsets), self.heights
         if side > 0:
             m = (p + q) / 2, (r + t) / 2
             return [ZERO] * 4, [k * m[0], m[1]], root(m[0] ** 2 + m[1] ** 2) * distance - m[0]
@@ -895,8 +902,6 @@ class Cam:
                 sine, cosine = map(enclosed, circle(size[2]))
                 paths.append((-1, -sense, get(held, "arm_mm"), cosine * p + sine * q,
                               sine * p - cosine * q))
-            self.paths = [[part for each in self.pieces for part in each.on_arm(*path)]
-                          for path in paths]
             size = [ZERO, q - question.away] if question.face else [p - arm, q]
         else:
             size = [ZERO] * question.face + size
@@ -904,10 +909,10 @@ class Cam:
             if question.conjugate:  # upside down
                 self.ranges.append((size[2], range_of(held["distance_mm"]), 1))
                 paths.append((-UNITY, -get(held, "offset_mm"), size[2] - size[1]))
-            self.paths = [[part for each in self.pieces for part in each.on_slide(*path)]
-                          for path in paths]
             self.ranges.append((size[0], question.offsets, 1))
-        self.size = size[:2]
+        held_by, self.size = Piece.on_arm if question.swung else Piece.on_slide, size[:2]
+        self.paths = [[part for each in self.pieces for part in held_by(each, *path)]
+                      for path in paths]
 
     def join(self, order, limit=UNKNOWN):
         """Refuse jumps of derivatives up to an order; None: up to those that the question asks for.
@@ -1045,7 +1050,8 @@ class Cam:
             demand(kind in MEET or kind in ("forward", "within"), "it is not covered")
             if kind == "within":
                 self.join(limit["order"] - 1, limit)
-                exact = limit["scale"] and f", values but for 1/{1 / JUMP} of their scale" or exact
+                if limit["scale"]:
+                    exact = f", values but for 1/{1 / JUMP} of their scale"
             else:
                 self.join(MEET.get(kind))
             if kind in ("outer_radius", "counter_base_radius"):
@@ -1357,10 +1363,7 @@ def excluded(asked, place, claim, body):
             # rounds speak of all cams below another radius, which is no smaller
             below = get(claim, "below") if "rounds" in claim or "cases" in claim else value
             demand(below >= value >= 0, "rounds do not speak of all cams")
-            most = question.radii[1]
-            question.radii[1], question.aim = (
-                r if most is None else min(most, r)
-                for r in (max(r + question.gap, ZERO) for r in (below, value)))
+            question.aim, question.radii[1] = map(question.smaller, (value, below))
         else:
             impose(question, aims[len(held)], value, "objective")
         kept = " and ".join(f"{kind} up to {decimal(most)}" for kind, most in zip(named, held))
@@ -1383,8 +1386,7 @@ def impose(question, aim, value, name):
     kind = kind_of(aim, *AIMS)
     demand(value >= 0, "an objective is negative")
     if kind == "base_radius":
-        radius, most = question.prime(value), question.radii[1]
-        question.radii[1] = radius if most is None else min(radius, most)
+        question.radii[1] = question.smaller(value)
     elif kind == "peak_pressure_angle":
         demand(not question.face, "it has no pressure angle")
         question.limits[name] = {"kind": kind[5:], "rise_deg": value, "return_deg": value,

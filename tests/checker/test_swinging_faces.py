@@ -1,16 +1,19 @@
 """Faces that swing: limits just beyond the cam's extremes hold, those just within do not."""
 
+import json
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 
+from synthesis import DesignSpec, proof, synthesise
 from tests.checker.run import verdict
 from tests.checker.test_arms import LAWS, NAMED, OF_CAM, PROGRAM
 from tests.checker.test_holes import ANGLE, NOWHERE, document, dwell
 from tests.checker.test_limits import is_sharp
 from tests.checker.truth import broken, face_contact, motion
+from tests.hard.families import random_scene
 
 Json = dict[str, Any]
 FACE: Json = {"kind": "oscillating_flat_face", "centre_distance_mm": 100, "face_offset_mm": 4,
@@ -58,6 +61,14 @@ def test_what_is_true_of_a_face_that_swings_is_accepted() -> None:
         assert code == 0, said
         for claim in found["claims"]:
             assert not (claim["proven"] and broken(found, claim["place"])), claim
+
+
+def test_a_face_that_swings_and_has_no_cam_has_its_file() -> None:
+    """Its programs have rows that the checker does not know, some of them without a size."""
+    scene = random_scene("swinging face, pivot in a range", 0)
+    document = json.loads(json.dumps(proof(synthesise(DesignSpec.model_validate(scene)))))
+    assert [claim["place"] for claim in document["claims"]] == ["infeasible"]
+    assert verdict(document)[0] == 0
 
 
 def fast() -> list[Json]:
