@@ -64,6 +64,18 @@ def test_rows_of_a_box_hold_all_over_it(sense: str) -> None:
     judge.spent.clear()
 
 
+def test_the_work_of_a_row_grows_with_its_range_of_swings() -> None:
+    judge, question = checker(), question_of("same")
+    question.offsets, question.heights = [Fraction(0), Fraction(1)], [Fraction(0), Fraction(1)]
+    (limit,) = (each for each in question.limits.values() if each["kind"] == "pressure_angle")
+    taken = []
+    for x in (Fraction(1, 5), Fraction(1, 5), Fraction(2, 5)):
+        judge.spent.clear()
+        question.bent_row(question.program[0], limit, x, 1, Fraction(6))
+        taken.append(judge.spent["coefficients"])
+    assert taken == [60 + 6 * 100, 0, 60]  # 15 degrees in parts of less than 3
+
+
 def test_the_row_of_one_size_and_swing_is_the_limit_itself() -> None:
     question = question_of("same")
     question.offsets, question.heights = [Fraction(1, 10)] * 2, [Fraction(3, 10)] * 2

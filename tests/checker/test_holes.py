@@ -207,6 +207,11 @@ HOLES: dict[str, tuple[Json, str]] = {
     "more end conditions than there are": (
         document("infeasible", moves(18), None, SLOW, JERK,
                  witness=bound(0, MEAN, ends=[-0.1, 0, 0, 7])), "end conditions"),
+    "a density on a given law": (
+        document("infeasible", [move("rise", 180, 18), {**move("return", 180, 18), "law": SINE}],
+                 None, SLOW, JERK, witness=bound(
+                     0, {"limit": "limits/0", "side": -1, "multipliers": [[0, 1, 1, 1]]},
+                     segment=1, ends=[])), "a density on a segment that is not free"),
     "rounds of a flat face, whose offset is not its size": (
         document("infeasible", [move("rise", 180, 10), {**move("return", 180, 10), "law": SINE}],
                  None, {**RADIUS, "min_mm": 150}, {**NOWHERE, "width_mm": 14}, JERK, follower=FACE,

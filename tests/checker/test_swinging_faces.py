@@ -96,6 +96,26 @@ FALSE = {
 }  # fmt: skip
 
 
+HIDDEN = {  # each alone would be a polynomial that is nowhere negative
+    "a face that turns faster than the cam": face(
+        {**WIDTH, "far_mm": None}, program=fast(), sense="same"),
+    "contact on the other side of the pivot": face(
+        {**WIDTH, "near_mm": None}, size=(20, 97)),
+    "an axis beyond the face": face({**WIDTH, "near_mm": None}, size=(100, 3)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_no_limit_is_shown_of_a_face_that_touches_nowhere(name: str) -> None:
+    found = HIDDEN[name]
+    for claim in found["claims"]:
+        if claim["place"] != "limits/0":
+            claim.update(proven=False, reason="-")
+    code, said = verdict(found)
+    assert code == 1, said
+    assert said.splitlines()[-1].startswith("limits/0: program/")
+
+
 @pytest.mark.parametrize("name", FALSE)
 def test_what_is_false_of_a_face_that_swings_is_refused(name: str) -> None:
     assert verdict(FALSE[name])[0] > 0
