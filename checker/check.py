@@ -289,6 +289,7 @@ class Question:
         self.tilt, self.offset, self.away = ZERO, ZERO, ZERO  # of a face; its distance from a pivot
         if self.swung:
             demand(get(follower, "sense", str) in ("opposite", "same"), "no sense of an arm")
+            self.sense = (1, -1)[follower["sense"] == "same"]
             self.away = get(follower, "face_offset_mm") if self.face else ZERO
         elif self.face:
             self.tilt, self.offset = get(follower, "tilt_deg"), get(follower, "offset_mm")
@@ -298,10 +299,9 @@ class Question:
         if not self.arm:  # a face as a roller of radius 0 without an offset, s0 the base radius
             self.offsets = [ZERO, ZERO] if self.face else range_of(follower["offset_mm"])
         # of an arm lengths count in its own length, so that e and s0 are angles nearly
-        self.unit, self.arms, self.sense = C, [ONE, ONE], 0
+        self.unit, self.arms = C, [ONE, ONE]
         if self.arm:
             self.unit, self.arms = (ONE, ONE), range_of(follower["arm_mm"])
-            self.sense = (1, -1)[follower["sense"] == "same"]
             self.distances = range_of(follower["centre_distance_mm"])
         self.radii = [r if r is None else self.prime(r) for r in range_of(body["base_radius_mm"])]
         others = {*SQUARES, *(() if self.conjugate and not self.arm else ("counter_base_radius",)),
@@ -367,7 +367,7 @@ class Question:
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
         h, d, (low, high), (least, most) = segment.lift, segment.degrees, self.offsets, self.heights
-        spend("coefficients", len(self.known))
+        spend("coefficients", 16 + len(self.known))
         demand(None not in (low, high, most), "a size has no range")
         e = [min(low * c for c in C), min(-high * c for c in C)]
         if not segment.free:
@@ -393,7 +393,6 @@ class Question:
         """A row that differs from place to place, as one of g."""
         place = segment.index, x, id(limit), side, touch
         if place not in self.bent:
-            spend("coefficients", 60 if self.arm else 16)
             row = (self.swing_row(segment, limit, x, side, touch) if self.arm else
                    self.bend_row(segment, limit, x, side))
             self.bent[place] = scaled(segment, row)
@@ -458,7 +457,7 @@ class Question:
         """
         most = limit[f"{segment.sense}_deg"]
         demand(most is not None, f"it says nothing of program/{segment.index}")
-        spend("coefficients", len(self.known))
+        spend("coefficients", 40 + len(self.known))
         (low, high), box = self.swings(segment, x), (self.offsets, self.heights)
         demand(None not in (low, high, *box[0], *box[1]), "a size or a swing has no range")
         low, high, slope, k = floor(low), -floor(-high), -floor(-tangent(most)[1]), self.sense
@@ -475,6 +474,7 @@ class Question:
         size = [slope * k * sine + side * cosine, slope * cosine - side * k * sine]
         rest = []
         for line, sines, cosines in self.arcs(low, high):
+            spend("coefficients", 10)
             plane = line * steep
             rest += [max(y for _, y in cosines * a + sines * b - plane) - UNIT * (
                 size[0] * e + size[1] * s0 + side * k) for e, s0, a, b in corners]
@@ -569,14 +569,8 @@ class Question:
         low, rest = Fraction(low, UNIT), Fraction(rest + (high - low) * (deep or 0), UNIT)
         return [low, along * ONE, bent * ONE, ZERO], [-along * (not self.face) * ONE, low], rest
 
-# Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
-def between(terms):
-    low, high = sorted((sum(terms[:-1]), sum(terms)))
-    return Fraction(low * UNIT // 1, UNIT), -Fraction(-high * UNIT // 1, UNIT)
-
-FIFTH, FAR = (between([Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(32)])
-              for n in (5, 239))  # pi = 16 arctan 1/5 - 4 arctan 1/239 (Machin)
-C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
+# Step 3. Irrational numbers between two fractions. Of pi the first 40 decimals; a degree is C.
+C = [Fraction(31415926535897932384626433832795028841971 + k, 180 * 10**40) for k in (0, 1)]
 
 @lru_cache(maxsize=None)
 def circle(degrees):
@@ -886,12 +880,11 @@ class Cam:
         good = len(laws) == len(question.program) and len(size) == (
             2 - (question.face and not question.swung) + question.conjugate + free)
         demand(good, "the cam has not as many laws or sizes as it must have", 2)
-        self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
-        self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
+        self.pieces = [piece for s in question.turning for piece in pieces_of(s, laws[s.index])]
         if question.swung:
             arm = ZERO if question.face else size.pop() if free else get(follower, "arm_mm")
             demand(question.face or arm > 0, "an arm without a length")
-            sense, (p, q) = (1, -1)[follower["sense"] == "same"], size[:2]
+            sense, (p, q) = question.sense, size[:2]
             self.ranges.append((p * p + q * q, range_of(follower["centre_distance_mm"]), 2))
             if not question.face:
                 self.ranges.append((arm, range_of(follower["arm_mm"]), 1))
@@ -982,12 +975,6 @@ class Cam:
         3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > reach W too, so that the
         profile runs once round the axis; 2 r W <= W^2 + r^2.
         """
-        for flank, gap, _, path in self.question.flanks:
-            # the radius, and the reach, next to W, as r is in units of 1/sqrt(UNIT)
-            share, far = (max(x, ZERO) * (1 << BITS // 2) for x in (least + way * gap, flank * gap))
-            self.bend_flank(self.paths[path], way * flank, share, far if around else None)
-
-    def bend_flank(self, path, side, share, far):
         def bends(w, n):
             r = isqrt(max(w[len(w) // 2], 1))
             return all(3 * r * p - r**3 + 2 * share * q >= 0 for p, q in zip(w, n))
@@ -996,14 +983,17 @@ class Cam:
             r = isqrt(max(w[len(w) // 2], 1))
             return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
 
-        for piece in path:
-            x, slope, u = piece.x, piece.slope, piece.slope - piece.e
-            w = x * x + u * u
-            n = w + slope * u * (piece.turn + 1) - piece.bend * x
-            piece.show(lambda b: min(b) > 0, x)
-            piece.show(bends, w, n * -side)
-            if far is not None:
-                piece.show(passes, w, -w, x * x - piece.e * u)
+        for flank, gap, _, path in self.question.flanks:
+            # the radius, and the reach, next to W, as r is in units of 1/sqrt(UNIT)
+            share, far = (max(x, ZERO) * (1 << BITS // 2) for x in (least + way * gap, flank * gap))
+            for piece in self.paths[path]:
+                x, slope, u = piece.x, piece.slope, piece.slope - piece.e
+                w = x * x + u * u
+                n = w + slope * u * (piece.turn + 1) - piece.bend * x
+                piece.show(lambda b: min(b) > 0, x)
+                piece.show(bends, w, n * -(way * flank))
+                if around:
+                    piece.show(passes, w, -w, x * x - piece.e * u)
 
     def reach(self, way, radius):
         """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),

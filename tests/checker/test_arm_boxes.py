@@ -73,7 +73,7 @@ def test_the_work_of_a_row_grows_with_its_range_of_swings() -> None:
         judge.spent.clear()
         question.bent_row(question.program[0], limit, x, 1, Fraction(6))
         taken.append(judge.spent["coefficients"])
-    assert taken == [60 + 6 * 100, 0, 60]  # 15 degrees in parts of less than 3
+    assert taken == [40 + 6 * 10 + 6 * 100, 0, 40 + 6 * 10]  # 15 degrees in parts of less than 3
 
 
 def test_the_row_of_one_size_and_swing_is_the_limit_itself() -> None:
