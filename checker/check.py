@@ -16,7 +16,7 @@ import json
 import re
 import sys
 from collections import Counter, defaultdict
-from copy import copy
+from copy import copy, deepcopy
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product, zip_longest
@@ -55,7 +55,8 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "outer_radius": "max_mm", "counter_base_radius": "min_mm",
-    "face_width": "width_mm left_mm right_mm",
+    "oscillating_flat_face": "centre_distance_mm face_offset_mm sense pivot_direction_deg",
+    "face_width": "width_mm left_mm right_mm near_mm far_mm",
     **dict.fromkeys(AIMS, "allowance")}  # which the claims state as a value
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
@@ -67,11 +68,13 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
     "parabolic": (0, 40, 0), "simple_harmonic": (0, 0, 40), "cycloidal": (20, 0, 20),
     "modified_trapezoid": (10, 20, 10), "modified_sine": (10, 0, 30), "mcv50_makino": (5, 0, 15),
     "cv50_half_sine": (10, 0, 10), "cv50_modified_trapezoid": (5, 10, 5), "scca_cv20": (8, 16, 8)}
-FOLLOWERS = "translating_roller", "translating_flat_face", "oscillating_roller"
+FOLLOWERS = ("translating_roller", "translating_flat_face", "oscillating_roller",
+             "oscillating_flat_face")
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
         "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
+UNKNOWN = {"kind": "unknown"}  # a limit of which nothing is said
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 TWINS = {name.format(one): name.format(other) for one, other in (("mm", "deg"), ("deg", "mm"))
          for name in ("lift_{}", "velocity_{}_per_s", "acceleration_{}_per_s2", "jerk_{}_per_s3",
@@ -187,6 +190,11 @@ class Segment:
         """The integral of (s^(order))^2 per degree over that of (g^(order))^2."""
         return self.lift**2 / self.degrees ** (2 * order - 1)
 
+    def given(self, k, x):
+        """A derivative of s per degree under a given law, of s without the level: its bounds."""
+        scale = self.lift / self.degrees**k
+        return sorted(scale * bound for bound in given(self.law, k, x))
+
     def depth(self, jerk):
         """How far below 0 it may go; None where nothing is known of that.
 
@@ -197,18 +205,17 @@ class Segment:
         if jerk is None or (self.before.free and self.after.free):
             return None
         near, end = (self.after, ZERO) if self.before.free else (self.before, ONE)
-        slopes = (abs(x * near.lift / near.degrees**k) for k in (1, 2)
-                  for x in given(near.law, k, end))
-        v, w, a, b = slopes
-        return max(v, w) * self.degrees + max(a, b) * self.degrees**2 / 2 + (
-            jerk * self.degrees**3 / 6)
+        v, a = (max(map(abs, near.given(k, end))) for k in (1, 2))
+        return v * self.degrees + a * self.degrees**2 / 2 + jerk * self.degrees**3 / 6
 
-    def bounds(self, name):
-        """What windows or points ask of s^(k) from one x to another: number, k, ends, range.
+    def bounds(self):
+        """What windows and points ask of s^(k) from one x to another, as limits by their names.
 
         And the scale of s^(k) where it is one value, which a decimal may miss; else 0.
         """
-        for number, each in enumerate(get(self.body, name, list)):
+        asked = ((name, *each) for name in ("windows", "points")
+                 for each in enumerate(self.body.get(name) or ()))
+        for name, number, each in asked:
             spend("coefficients", 8)
             kind_of({**each, "kind": name}, name)
             ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
@@ -224,8 +231,10 @@ class Segment:
                 way = -1 if k == 0 and self.lift < 0 else 1  # of travel, in the sense of the move
                 asked = [end if end is None else way * (end / self.rate**k + side * slack)
                          + (0 if k else self.level) for end, side in zip(asked, (-1, 1))][::way]
-                scale = abs(self.lift) / self.degrees**k if exact else ZERO
-                yield number, k, first, last, asked, scale
+                if asked != [None, None]:
+                    yield f"program/{self.index}/{name}/{number}/{k}", {
+                        "kind": "within", "of": self, "order": k, "ends": asked, "from": first,
+                        "to": last, "scale": abs(self.lift) / self.degrees**k if exact else ZERO}
 
 class Question:
     def __init__(self, body, chosen=()):
@@ -233,9 +242,11 @@ class Question:
         rate = self.rate = 6 * get(body, "speed_rpm")  # degrees per second
         demand(rate > 0, "the speed is not positive")
         follower = self.follower = get(body, "follower", dict)
-        self.face, self.arm = (kind_of(follower, *FOLLOWERS) == kind for kind in FOLLOWERS[1:])
+        kind = kind_of(follower, *FOLLOWERS)
+        self.face, self.swung = kind[-4:] == "face", kind[:11] == "oscillating"
+        self.arm = self.swung and not self.face
         program, limits, chosen = (
-            [turned(each) for each in found] if self.arm else found
+            [turned(each) for each in found] if self.swung else found
             for found in (get(body, "program", list), get(body, "limits", list), chosen))
         good = len(program) <= MOST_SEGMENTS and len(limits) <= MOST_LIMITS
         demand(good, "there are too many segments or limits", 2)
@@ -275,19 +286,22 @@ class Question:
             demand(not any(held.get(name) for name in unknown.split()), "it is not covered")
         good = min(slack, rim, *(distance for _, distance, *_ in self.flanks)) >= 0
         demand(good, "this follower is not covered")
-        self.tilt = ZERO
-        if self.face:  # as a roller of radius 0 without an offset, s0 the base radius
-            self.tilt, self.offsets = get(follower, "tilt_deg"), [ZERO, ZERO]
-            demand(abs(self.tilt) < 90 and get(follower, "offset_mm") is not None, "it is no face")
-        elif self.arm:
+        self.tilt, self.offset, self.away = ZERO, ZERO, ZERO  # of a face; its distance from a pivot
+        if self.swung:
             demand(get(follower, "sense", str) in ("opposite", "same"), "no sense of an arm")
-        else:
-            self.offsets = range_of(follower["offset_mm"])
+            self.sense = (1, -1)[follower["sense"] == "same"]
+            self.away = get(follower, "face_offset_mm") if self.face else ZERO
+        elif self.face:
+            self.tilt, self.offset = get(follower, "tilt_deg"), get(follower, "offset_mm")
+            demand(abs(self.tilt) < 90, "it is no face")
+        cosines = circle(self.tilt)[1] if self.tilt else (ONE, ONE)
+        self.cosine, self.lean = enclosed(cosines), enclosed(1 / x for x in cosines[::-1])
+        if not self.arm:  # a face as a roller of radius 0 without an offset, s0 the base radius
+            self.offsets = [ZERO, ZERO] if self.face else range_of(follower["offset_mm"])
         # of an arm lengths count in its own length, so that e and s0 are angles nearly
-        self.unit, self.arms, self.sense = C, [ONE, ONE], 0
+        self.unit, self.arms = C, [ONE, ONE]
         if self.arm:
             self.unit, self.arms = (ONE, ONE), range_of(follower["arm_mm"])
-            self.sense = (1, -1)[follower["sense"] == "same"]
             self.distances = range_of(follower["centre_distance_mm"])
         self.radii = [r if r is None else self.prime(r) for r in range_of(body["base_radius_mm"])]
         others = {*SQUARES, *(() if self.conjugate and not self.arm else ("counter_base_radius",)),
@@ -303,19 +317,35 @@ class Question:
                     if name[-3:] == "deg" and limit[name] is not None:
                         tangent(limit[name])
                 if limit["kind"] == "face_width":
-                    limit = {"kind": "face_width", "reach": [min(
-                        (r for r in (limit[name], limit["width_mm"] and limit["width_mm"] / 2)
-                         if r is not None), default=None) for name in ("left_mm", "right_mm")]}
+                    limit = {"kind": "face_width", "reach": self.ends_of_face(limit)}
             else:
-                limit = {"kind": "unknown"}
+                limit = UNKNOWN
             self.limits[f"limits/{k}"] = limit
+        for segment in self.turning:
+            self.limits.update(segment.bounds())
         jerks = [get(x, FIELDS["jerk"]) for x in self.limits.values() if x["kind"] == "jerk"]
         self.jerk = min(jerks) / rate**3 if jerks else None
-        self.heights, self.known, self.bent = [ZERO, None], {}, {}  # s0; X and U at places
+        self.heights, self.known = [ZERO, None], {}  # s0; X and U at places
+        self.bent, self.waves = {}, {}  # what is derived once
         self.aim = None  # the prime radius below which there is no cam, if rounds have a larger one
 
     def prime(self, radius):
         return max(radius + self.gap, ZERO)
+
+    def smaller(self, radius):
+        """The prime radius of a base radius, or the largest one if that is smaller."""
+        return min(r for r in (self.prime(radius), self.radii[1]) if r is not None)
+
+    def ends_of_face(self, limit):
+        """How far contact may be on both sides of a slide's line, or from a pivot's foot on it."""
+        ours = ("near_mm", "far_mm") if self.swung else ("left_mm", "right_mm", "width_mm")
+        other = [name for name in FIELDS["face_width"].split() if name not in ours]
+        demand(not any(limit.get(name) for name in other), "it is no width of this face")
+        low, high, *width = (limit[name] for name in ours)
+        if self.swung:
+            return [low if low is None else -low, high]
+        half = [w / 2 for w in width if w is not None]
+        return [min(half + [end] * (end is not None), default=None) for end in (low, high)]
 
     def highest(self, aim=None):
         """The largest s0, of a face Rb/cos tilt, of an arm over its length; None where open."""
@@ -330,25 +360,19 @@ class Question:
         """What a mean square leaves to free laws: its integral less what given laws take of it."""
         left = 360 * most**2 / self.rate ** (2 * order)
         for segment in self.turning:
-            if not segment.free and segment.lift:
-                for _, w, orders in parts_of(segment.law):
-                    b = times(orders[order], orders[order])
-                    spend("coefficients", len(b))
-                    taken = Fraction(sum(low for low, _ in b), len(b) * UNIT)
-                    left -= max(taken, ZERO) * w * segment.square(order)
+            for piece in () if segment.free else pieces_of(segment, None):
+                left -= max(piece.square(order)[0], ZERO)
         return left
 
     def hull(self, segment, x):
         """Lower bounds of X, -X, U, -U, E and -E at a place, with U = v - c e and E = c e."""
         h, d, (low, high), (least, most) = segment.lift, segment.degrees, self.offsets, self.heights
-        spend("coefficients", len(self.known))
+        spend("coefficients", 16 + len(self.known))
         demand(None not in (low, high, most), "a size has no range")
         e = [min(low * c for c in C), min(-high * c for c in C)]
         if not segment.free:
-            (s, v), (t, w) = (zip(*([f * h / d**k for f in given(segment.law, k, x)]
-                                    for k in (0, 1))))
-            s, t, v, w = min(s, t) + segment.level, max(s, t) + segment.level, min(v, w), max(v, w)
-            return [s + least, -t - most, v + e[1], -w + e[0], *e]
+            (s, t), (v, w) = (segment.given(k, x) for k in (0, 1))
+            return [s + segment.level + least, -t - segment.level - most, v + e[1], -w + e[0], *e]
         nodes = sorted(y for (index, y), b in self.known.items()
                        if index == segment.index and None not in b)
         left, right = [y for y in nodes if y <= x], [y for y in nodes if y >= x]
@@ -365,16 +389,21 @@ class Question:
         far = [max(p[k] + before * speeds[k], q[k] + after * speeds[1 - k]) for k in (0, 1)]
         return [*map(floor, far), *(floor(u - self.jerk * before * after / 2) for u in chords), *e]
 
+    def bent_row(self, segment, limit, x, side, touch):
+        """A row that differs from place to place, as one of g."""
+        place = segment.index, x, id(limit), side, touch
+        if place not in self.bent:
+            row = (self.swing_row(segment, limit, x, side, touch) if self.arm else
+                   self.bend_row(segment, limit, x, side))
+            self.bent[place] = scaled(segment, row)
+        return self.bent[place]
+
     def bend_row(self, segment, limit, x, flank=1):
         """A row that a roller's profile radius implies where X, U and E are in the hull.
 
         side a >= A - B, A and B convex. A is of degree 1, so nowhere below its tangents; B less a
         linear function is largest at a corner of the hull.
         """
-        place = segment.index, x, id(limit), flank
-        if place in self.bent:
-            return self.bent[place]
-        spend("coefficients", 16)
         way = 1 if limit["kind"] == "profile_radius" else -1
         gaps = [gap for side, gap, _, path in self.flanks if side == flank and path == 0]
         demand(gaps, "there is no such flank")
@@ -382,15 +411,10 @@ class Question:
         low, high = (z := self.hull(segment, x))[::2], [-y for y in z[1::2]]
         demand(radius > 0 and low[0] > 0, "it says nothing here")
 
-        def steep(x, u, e):
-            return C[1] ** 2 * x + 2 * (u + e / 4) ** 2 / x
-
-        def slight(x, u, e):
-            return e * e / (8 * x)
-
         def convex(x, u, e):
             sharp = root((C[1] * x) ** 2 + u * u) ** 3 / (C[0] * radius * x)
-            return sharp + (slight if side > 0 else steep)(x, u, e)
+            return sharp + (e * e / (8 * x) if side > 0 else
+                            C[1] ** 2 * x + 2 * (u + e / 4) ** 2 / x)
 
         mean = [y + z for y, z in zip(low, high)]
         q = floor((mean[1] + mean[2] / 4) / mean[0]) if side > 0 else floor(mean[2] / mean[0])
@@ -400,98 +424,71 @@ class Question:
                  if w < y else ZERO for k, (w, y) in enumerate(zip(low, high))]
         most = -floor(min(sum(m * y for m, y in zip(turns, z)) - b for z, b in corners))
         b, c, d = (floor(p - m) if k == 0 else p - m for k, (p, m) in enumerate(zip(slopes, turns)))
-        row = [b, c, -side * ONE, ZERO], [d - c, b], most  # times X, rounded down: X > 0
-        self.bent[place] = scaled(segment, row)
-        return self.bent[place]
-
-    def limit(self, name):
-        """A limit by its name; of windows and points program/i/windows/number/k."""
-        if name in self.limits or name[:8] != "program/":
-            return self.limits.get(name, {"kind": "unknown"})
-        _, index, kind, *which = name.split("/")
-        demand(index in map(str, range(len(self.program))) and kind in ("windows", "points"),
-               f"{ascii(name)[:20]} is not known")
-        segment = self.program[int(index)]
-        for number, k, first, last, ends, _ in segment.bounds(kind):
-            if [str(number), str(k)] == which:
-                return {"kind": "within", "of": segment, "order": k, "ends": ends,
-                        "from": first, "to": last}
-        return {"kind": "unknown"}
+        return [b, c, -side * ONE, ZERO], [d - c, b], most  # times X, rounded down: X > 0
 
     def swings(self, segment, x):
         """Where s of an arm lies at a place [deg]: between its ends, and what rounds have shown."""
-        ends = sorted((segment.level, segment.level + segment.lift))
+        ends, way = (segment.level, segment.level + segment.lift), 1 if segment.lift > 0 else -1
         if not segment.free:
-            return [segment.level + end for end in sorted(
-                segment.lift * bound for bound in given(segment.law, 0, x))]
-        if not segment.forward:
-            ends = [None, None]
-        way = 1 if segment.lift > 0 else -1
-        for (index, y), (low, high, *_) in self.known.items():
-            if index == segment.index and (y == x or segment.forward):
-                if low is not None and (way * (x - y) >= 0):
-                    ends[0] = low if ends[0] is None else max(ends[0], low)
-                if high is not None and (way * (y - x) >= 0):
-                    ends[1] = high if ends[1] is None else min(ends[1], high)
-        return ends
+            return [segment.level + end for end in segment.given(0, x)]
+        known = [(way * (x - y), *bounds) for (index, y), bounds in self.known.items()
+                 if index == segment.index and (y == x or segment.forward)]
+        known += [(0, min(ends), max(ends))] if segment.forward else []
+        return [max((low for far, low, *_ in known if far >= 0 and low is not None), default=None),
+                min((high for far, _, high, *_ in known if far <= 0 and high is not None),
+                    default=None)]
+
+    def arcs(self, low, high):
+        """A swing, its sine and its cosine all along a range, in parts, as polynomials."""
+        if (low, high) not in self.waves:
+            count = (high - low) // 3 + 1
+            spend("coefficients", 100 * int(count))
+            ends = [low + (high - low) * Fraction(k, count) for k in range(count + 1)]
+            lines = map(enclose, zip(ends, ends[1:]))
+            self.waves[low, high] = [(line, *waves(line)) for line in lines]
+        return self.waves[low, high]
 
     def swing_row(self, segment, limit, x, side, touch):
         """A row that the pressure angle of an arm implies where the size is in its box.
 
         side v <= F = s0 (T cos s - side k sin s) + e (T k sin s + side cos s)
         + T sin s + side k (cos s - 1), k the sense. At each s, F is linear in e and s0, so F less
-        a plane is largest at a corner of the box; along s its second derivative is known.
+        a plane is largest at a corner of the box; along s it is at most its largest coefficient.
         """
         most = limit[f"{segment.sense}_deg"]
         demand(most is not None, f"it says nothing of program/{segment.index}")
-        spend("coefficients", 60 + len(self.known))
+        spend("coefficients", 40 + len(self.known))
         (low, high), box = self.swings(segment, x), (self.offsets, self.heights)
         demand(None not in (low, high, *box[0], *box[1]), "a size or a swing has no range")
-        place = segment.index, x, id(limit), side, touch
-        if place in self.bent:
-            return self.bent[place]
         low, high, slope, k = floor(low), -floor(-high), -floor(-tangent(most)[1]), self.sense
-        touch = min(max(touch, low), high)
-        width, c, d = high - low, floor(C[0]), -floor(-C[1])
         # F = A cos s + B sin s - side k
         corners = [(e, s0, slope * s0 + side * (e + k), slope * (1 + k * e) - side * k * s0)
                    for e, s0 in product(*box)]
-        points = [[floor(sum(part) / 2) for part in circle(at)] for at in (touch, low, high)]
-        blur = Fraction(1, FINE) * 4  # of sines and cosines, at most 2/FINE each
-
-        def at(point, a, b):
-            return a * point[1] + b * point[0]
-
-        middle = [floor(sum(corner[i] for corner in corners) / 4) for i in (2, 3)]
-        convex = at(points[0], *middle) < 0
-        if convex and width:
-            steep = floor((at(points[2], *middle) - at(points[1], *middle)) / width)
-        else:
-            steep = floor(c * (middle[1] * points[0][1] - middle[0] * points[0][0]))
-        sine, cosine = points[0]
+        mean = [floor(sum(corner[i] for corner in corners) / 4) for i in (2, 3)]
+        (sine, cosine), *ends = ([floor(sum(part) / 2) for part in circle(at)] for at in (
+            min(max(touch, low), high), low, high))
+        steep = floor(C[0] * (mean[1] * cosine - mean[0] * sine))  # any slopes would do
+        if mean[0] * cosine + mean[1] * sine < 0 and low < high:
+            first, last = (mean[0] * y + mean[1] * x for x, y in ends)
+            steep = floor((last - first) / (high - low))
         size = [slope * k * sine + side * cosine, slope * cosine - side * k * sine]
         rest = []
-        for e, s0, a, b in corners:
-            far, less = abs(a) + abs(b), size[0] * e + size[1] * s0 + side * k
-            first, *ends = (at(point, a, b) for point in points)
-            bow = far * (d * width) ** 2 / 8 + far * blur  # of a cosine over its chord
-            most = max(end - steep * s for end, s in zip(ends, (low, high))) + (
-                max(*ends, ZERO) + bow) * (d * width) ** 2 / 8
-            if min(ends) > bow:
-                # concave: below the parabola with the least curvature, from where the plane touches
-                turn = abs(d * (b * cosine - a * sine) - steep) + far * blur
-                most = min(most, first - steep * touch + turn**2 / (2 * c * c * (
-                    min(ends) - bow)))
-            rest.append(most + far * blur - less)
-        row = [-steep, side * ONE, ZERO, ZERO], [-x for x in size], -floor(-max(rest))
-        self.bent[place] = scaled(segment, row)
-        return self.bent[place]
+        for line, sines, cosines in self.arcs(low, high):
+            spend("coefficients", 10)
+            plane = line * steep
+            rest += [max(y for _, y in cosines * a + sines * b - plane) - UNIT * (
+                size[0] * e + size[1] * s0 + side * k) for e, s0, a, b in corners]
+        return [-steep, side * ONE, ZERO, ZERO], [-x for x in size], -floor(-max(rest) / UNIT)
+
+    def pivot(self, side):
+        """How far an arm's pivot is from the axis at most (side 1) or at least, over its length."""
+        distance = None if None in self.arms else self.distances[side > 0]
+        return None if distance is None else max(distance / self.arms[side < 0], ZERO)
 
     def empty(self, radius):
         """Whether no size of an arm is in the box of e and s0, by squares alone."""
         k, (e, f), (r, t) = self.sense, self.offsets, self.heights
-        low, high = (None if distance is None or None in self.arms else distance / self.arms[i]
-                     for i, distance in zip((1, 0), self.distances))
+        low, high = self.pivot(-1), self.pivot(1)
 
         def least(x, y):
             return max(x, -y, ZERO) ** 2
@@ -499,19 +496,17 @@ class Question:
         p, q = sorted((1 + k * e, 1 + k * f))
         return least(e, f) + least(r, t) > radius**2 or (
             high is not None and least(p, q) + least(r, t) > high**2) or (
-            low is not None and max(p * p, q * q) + max(r * r, t * t) < max(low, ZERO) ** 2)
+            low is not None and max(p * p, q * q) + max(r * r, t * t) < low**2)
 
     def distance_row(self, side):
         """What the distance of an arm's pivot from the axis asks of e and s0 in their box.
 
         At most: a tangent of the circle; at least: (p - p1)(p - p2) <= 0 on [p1, p2].
         """
-        ends, k = (self.offsets, self.heights), self.sense
-        distance = self.distances[side > 0]
-        if distance is None or None in (*ends[0], *ends[1], *self.arms):
+        distance, k = self.pivot(side), self.sense
+        if None in (distance, *self.offsets, *self.heights):
             return None
-        distance = max(distance / self.arms[side < 0], ZERO)
-        (p, q), (r, t) = [[1 + k * e for e in ends[0]], ends[1]]
+        (p, q), (r, t) = (1 + k * e for e in self.offsets), self.heights
         if side > 0:
             m = (p + q) / 2, (r + t) / 2
             return [ZERO] * 4, [k * m[0], m[1]], root(m[0] ** 2 + m[1] ** 2) * distance - m[0]
@@ -522,52 +517,60 @@ class Question:
         return not self.face and limit["kind"] in (
             ("pressure_angle",) if self.arm else ("profile_radius", "cutter_radius"))
 
-    def row(self, segment, limit, side):
-        """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
-        kind, none, (low, high) = limit["kind"], [ZERO] * 2, C
-        if kind == "distance":
-            return self.distance_row(side) if self.arm else None
+    def row_of_motion(self, segment, limit, side):
+        """What a limit asks of one derivative, factor s^(k) <= most: k, factor, most; or None."""
+        kind = limit["kind"]
         if kind in ORDERS:
-            k = ORDERS[kind]
-            return [side * ONE if i == k else ZERO for i in range(4)], none, (
-                get(limit, FIELDS[kind]) / self.rate**k)
-        if kind == "within" and limit["of"] is segment and (
-                most := limit["ends"][side > 0]) is not None:
-            return [side * ONE if i == limit["order"] else ZERO for i in range(4)], none, (
-                side * most)
-        if kind == "pressure_angle" and not (self.face or self.arm) and (
-                limit[f"{segment.sense}_deg"] is not None):
-            # side u <= X tan, times c; both sides together say that X is not negative
-            slope = tangent(limit[f"{segment.sense}_deg"])[1] * high
-            return [-slope, side, ZERO, ZERO], [-side, -slope], ZERO
+            return ORDERS[kind], side, get(limit, FIELDS[kind]) / self.rate ** ORDERS[kind]
         if kind == "forward" and segment.forward and side > 0:
-            return [ZERO, -segment.lift, ZERO, ZERO], none, ZERO
-        deep = segment.depth(self.jerk)  # s >= -deep
-        if kind == "face_width" and limit["reach"][side > 0] is not None and (
-                deep is not None or not self.tilt):
-            # side (s' - (s + Rb/cos) tan - offset/cos^2) <= reach/cos, times c
-            away, lean = side * self.tilt, [1 / x for x in circle(self.tilt)[1]]
-            ends = [t * c for t, c in zip(tangent(abs(away)), C)] if away else [ZERO] * 2
-            slope = -ends[1] if away > 0 else ends[0]
-            offset = side * self.follower["offset_mm"]
-            most = [limit["reach"][side > 0] + offset * k for k in lean]
-            return [slope, side, ZERO, ZERO], [ZERO, slope], max(
-                c * k * m for c, k, m in product(C, lean, most)) + (ends[1] - ends[0]) * (deep or 0)
-        if kind == "profile_radius" and self.face and side > 0 and deep is not None:
-            # Rb + (s + s'') cos tilt >= least, times c^2/cos tilt
-            least = get(limit, "min_mm") / circle(self.tilt)[1][1]
-            return [-(high**2), ZERO, -ONE, ZERO], [ZERO, -(high**2)], (
-                -least * low**2 + (high**2 - low**2) * deep)
+            return 1, -segment.lift, ZERO
+        if kind == "within" and limit["of"] is segment and limit["ends"][side > 0] is not None:
+            return limit["order"], side, side * limit["ends"][side > 0]
         return None
 
-# Step 3. Irrational numbers between two fractions: sums that alternate with terms that shrink.
-def between(terms):
-    low, high = sorted((sum(terms[:-1]), sum(terms)))
-    return Fraction(low * UNIT // 1, UNIT), -Fraction(-high * UNIT // 1, UNIT)
+    def row_of_path(self, segment, limit, side):
+        """What a limit asks along a path, f X + g u + h s'' <= most; or None.
 
-FIFTH, FAR = (between([Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(32)])
-              for n in (5, 239))  # pi = 16 arctan 1/5 - 4 arctan 1/239 (Machin)
-C = (16 * FIFTH[0] - 4 * FAR[1]) / 180, (16 * FIFTH[1] - 4 * FAR[0]) / 180
+        f and most are constants. A face that swings is as Piece.on_arm has it.
+        """
+        kind, bound = limit["kind"], limit.get(f"{segment.sense}_deg")
+        if kind == "pressure_angle" and bound is not None:
+            if not self.face:
+                return -enclosed(tangent(bound)), side, 0, UNITY * 0
+            if self.swung:  # |distance from the pivot| <= u tan
+                return UNITY * 0, -1, 0, enclosed(1 / t for t in tangent(bound)) * -abs(self.away)
+            return UNITY * 0, 0, 0, UNITY * (bound - abs(self.tilt))
+        if kind == "face_width" and limit["reach"][side > 0] is not None:
+            # along the face contact is at s' - X tan - offset/cos, seen from the slide's line
+            reach, turn = limit["reach"][side > 0], (self.tilt > 0) - (self.tilt < 0)
+            slope = enclosed(tangent(abs(self.tilt))) * turn if turn else UNITY * 0
+            return slope * -side, side, 0, self.lean * (side * self.offset) + reach
+        if kind == "profile_radius" and self.face and side > 0:
+            return -UNITY, 0, -1, UNITY * -get(limit, "min_mm")
+        return None
+
+    def row(self, segment, limit, side):
+        """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
+        none, found = [ZERO] * 2, self.row_of_motion(segment, limit, side)
+        if limit["kind"] == "distance":
+            return self.distance_row(side) if self.arm else None
+        if found:
+            order, factor, most = found
+            return [factor * ONE if i == order else ZERO for i in range(4)], none, most
+        found = None if self.swung or self.bends(limit) else self.row_of_path(segment, limit, side)
+        if not found or (self.face and limit["kind"] == "pressure_angle"):
+            return None
+        # times c, or c^2 with s'', over the cosine of the tilt; s + z is -deep at least
+        (steep, along, bent, most), deep = found, segment.depth(self.jerk) if self.face else ZERO
+        power = DEGREE * DEGREE if bent else DEGREE
+        ((low, high),), ((_, rest),) = steep * power, most * power * self.lean
+        if deep is None and low < high:
+            return None
+        low, rest = Fraction(low, UNIT), Fraction(rest + (high - low) * (deep or 0), UNIT)
+        return [low, along * ONE, bent * ONE, ZERO], [-along * (not self.face) * ONE, low], rest
+
+# Step 3. Irrational numbers between two fractions. Of pi the first 40 decimals; a degree is C.
+C = [Fraction(31415926535897932384626433832795028841971 + k, 180 * 10**40) for k in (0, 1)]
 
 @lru_cache(maxsize=None)
 def circle(degrees):
@@ -603,26 +606,57 @@ def root(x):
 def decimal(x):
     return f"{x * 10**9 // 1 // 10**9}.{x * 10**9 // 1 % 10**9:09d}"
 
-# Step 4. Polynomials on an interval: Bernstein coefficients, each between two integers over UNIT.
+# Step 4. Polynomials on an interval.
+class Polynomial(tuple):
+    """Bernstein coefficients on [0, 1], each between two integers over UNIT; of a constant one.
+
+    What is added or multiplied is another one, or a fraction.
+    """
+
+    def raised(self, size):
+        """The same with as many coefficients."""
+        more = size - len(self)
+        return self * Polynomial([(UNIT, UNIT)] * (more + 1)) if more else self
+
+    def __add__(self, other):
+        other = other if isinstance(other, Polynomial) else enclose([other])
+        b, c = (p.raised(max(len(self), len(other))) for p in (self, other))
+        return Polynomial((x + z, y + w) for (x, y), (z, w) in zip(b, c))
+
+    def __neg__(self):
+        return Polynomial((-y, -x) for x, y in self)
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __mul__(self, other):
+        if not isinstance(other, Polynomial):
+            top, bottom = Fraction(other).as_integer_ratio()
+            ends = (sorted((x * top, y * top)) for x, y in self)
+            return Polynomial((x // bottom, -(-y // bottom)) for x, y in ends)
+        n, m = len(self) - 1, len(other) - 1
+        b, c = ([(comb(k, i) * x, comb(k, i) * y) for i, (x, y) in enumerate(p)]
+                for k, p in ((n, self), (m, other)))
+        low, high = [0] * (n + m + 1), [0] * (n + m + 1)
+        for i, (x, y) in enumerate(b):
+            for k, (z, w) in enumerate(c, i):
+                each = x * z, x * w, y * z, y * w
+                low[k], high[k] = low[k] + min(each), high[k] + max(each)
+        return Polynomial((x // (comb(n + m, k) << BITS), -(-y // (comb(n + m, k) << BITS)))
+                          for k, (x, y) in enumerate(zip(low, high)))
+
+    __radd__, __rmul__ = __add__, __mul__
+
 def enclose(low, high=None):
-    return [(x * UNIT // 1, -(-y * UNIT // 1)) for x, y in zip(low, high or low)]
+    return Polynomial((x * UNIT // 1, -(-y * UNIT // 1)) for x, y in zip(low, high or low))
 
-def times(b, c):
-    n, m = len(b) - 1, len(c) - 1
-    b, c = ([(comb(k, i) * x, comb(k, i) * y) for i, (x, y) in enumerate(p)]
-            for k, p in ((n, b), (m, c)))
-    low, high = [0] * (n + m + 1), [0] * (n + m + 1)
-    for i, (x, y) in enumerate(b):
-        for k, (z, w) in enumerate(c, i):
-            each = x * z, x * w, y * z, y * w
-            low[k], high[k] = low[k] + min(each), high[k] + max(each)
-    return [(x // (comb(n + m, k) << BITS), -(-y // (comb(n + m, k) << BITS)))
-            for k, (x, y) in enumerate(zip(low, high))]
-
-def plus(b, c):
-    size = max(len(b), len(c))
-    b, c = (times(p, [(UNIT, UNIT)] * (size - len(p) + 1)) if len(p) < size else p for p in (b, c))
-    return [(x + z, y + w) for (x, y), (z, w) in zip(b, c)]
+def enclosed(ends):
+    """A constant between two numbers, in any order."""
+    low, high = sorted(ends)
+    return enclose([low], [high])
 
 def halves(b, middle):
     spend("halvings of intervals", -(-len(b) // 16))
@@ -633,44 +667,35 @@ def halves(b, middle):
     return left, right
 
 def split(b, t):
-    """Coefficients on both sides of a place on [0, 1], rounded outwards."""
+    """A polynomial on both sides of a place on [0, 1], rounded outwards."""
     right, whole = t.as_integer_ratio()
     left = whole - right
-    return halves(b, lambda x, y: ((x[0] * left + y[0] * right) // whole,
-                                   -(-(x[1] * left + y[1] * right) // whole)))
+    return map(Polynomial, halves(b, lambda x, y: (
+        (x[0] * left + y[0] * right) // whole, -(-(x[1] * left + y[1] * right) // whole))))
 
-def total(*pairs):
-    return sum(x for x, _ in pairs), sum(y for _, y in pairs)
-
-def by(pair, factor):
-    top, bottom = factor.as_integer_ratio()
-    low, high = sorted((pair[0] * top, pair[1] * top))
-    return low // bottom, -(-high // bottom)
-
-PER_RADIAN = enclose([1 / C[1]], [1 / C[0]])  # degrees
-PI = enclose([180 * C[0]], [180 * C[1]])[0]
-INVERSE = enclose([1 / (180 * C[1])], [1 / (180 * C[0])])[0]  # of pi
+UNITY, DEGREE, PI, PER_RADIAN, INVERSE = map(enclosed, (  # degrees per radian; inverse of pi
+    (ONE, ONE), C, [180 * c for c in C], [1 / c for c in C], [1 / (180 * c) for c in C]))
 
 def sine(order, last=28):
     """A derivative of sin(pi u / 2), 0 <= u <= 1, in powers of u, its remainder in the first one.
 
     The terms alternate and shrink: what is left out is less than the first of them.
     """
-    power, found = (UNIT, UNIT), []
+    power, found = UNITY, []
     for i in range(last + 1):
         if i >= order:
             sign = (-1) ** (i // 2) if i % 2 else 0
-            found.append(by(power, Fraction(sign, factorial(i - order))))
-        power = times([power], [by(PI, Fraction(1, 2))])[0]
-    rest = by(power, Fraction(1, factorial(last + 1 - order)))[1]
-    found[0] = total(found[0], (-rest, rest))
+            found.append(power * Fraction(sign, factorial(i - order)))
+        power = power * PI * Fraction(1, 2)
+    ((_, rest),) = power * Fraction(1, factorial(last + 1 - order))
+    found[0] += Polynomial([(-rest, rest)])
     return found
 
 def bernstein(c):
-    """Coefficients of sum c_i y^i."""
+    """The polynomial sum c_i y^i, of pairs."""
     c = [(x // comb(len(c) - 1, i), -(-y // comb(len(c) - 1, i))) for i, (x, y) in enumerate(c)]
-    return [total(*((comb(m, i) * x, comb(m, i) * y) for i, (x, y) in enumerate(c[: m + 1])))
-            for m in range(len(c))]
+    return Polynomial(tuple(sum(comb(m, i) * pair[end] for i, pair in enumerate(c[: m + 1]))
+                            for end in (0, 1)) for m in range(len(c)))
 
 def cut(b):
     """A polynomial of degree TERMS at most, with what the powers left out come to at most."""
@@ -679,21 +704,19 @@ def cut(b):
         c.append((comb(m, len(c)) * b[0],) * 2)
         b = [y - x for x, y in zip(b, b[1:])]
     rest = sum(abs(x) for x, _ in c[TERMS + 1 :])
-    return [(x - rest, y + rest + wide) for x, y in bernstein(c[: TERMS + 1])]
+    return bernstein(c[: TERMS + 1]) + Polynomial([(-rest, rest + wide)])
 
 def waves(degrees):
     """Sine and cosine of a polynomial in degrees, by Taylor's formula about a whole degree."""
     at = Fraction((degrees[len(degrees) // 2][0] + UNIT // 2) >> BITS)
-    y = times(enclose([C[0]], [C[1]]), plus(degrees, enclose([-at])))
-    power, parts = [(UNIT, UNIT)], [[(0, 0)], [(0, 0)]]  # of cosine and sine of y
+    y, power, parts = DEGREE * (degrees - at), UNITY, [UNITY * 0] * 2  # of cosine and sine of y
     for k in range(TERMS):
-        term = [by(x, Fraction((-1) ** (k // 2), factorial(k))) for x in power]
-        parts[k % 2], power = plus(parts[k % 2], term), cut(times(power, y))
+        parts[k % 2] += power * Fraction((-1) ** (k // 2), factorial(k))
+        power = cut(power * y)
     rest = max(max(-x, z) for x, z in power) // factorial(TERMS) + 1  # |y|^TERMS: even
-    cosine, sine = ([(x - rest, z + rest) for x, z in part] for part in parts)
-    up, along = (enclose([low], [high]) for low, high in circle(at))
-    return (plus(times(up, cosine), times(along, sine)),
-            plus(times(along, cosine), times([by(up[0], -1)], sine)))
+    cosine, sine = (part + Polynomial([(-rest, rest)]) for part in parts)
+    up, along = map(enclosed, circle(at))
+    return up * cosine + along * sine, along * cosine - up * sine
 
 @lru_cache(maxsize=None)
 def parts_of(law):
@@ -701,37 +724,37 @@ def parts_of(law):
 
     A part is the sum of p_i y^i and q sin(pi y / 2w), y measured from one end, w its width.
     """
-    one, none, found, at = (UNIT, UNIT), (0, 0), [], ZERO
+    none, found, at = UNITY * 0, [], ZERO
     if law in SCCA:
-        (b, c, d), q = (Fraction(x, 40) for x in SCCA[law]), INVERSE
-        flat, square = 1 - b - c - d, times([q], [q])[0]
-        v1, s1 = by(q, b), total(by(q, b * b / 2), by(square, -b * b))
-        v2, s2 = total(v1, by(one, c / 2)), total(s1, by(v1, c / 2), by(one, c * c / 8))
-        v3, s3 = total(v2, by(q, d)), total(s2, by(v2, d / 2), by(square, d * d))
-        end = total(s3, by(v3, flat / 2))
-        peak = UNIT * UNIT // (2 * end[1]), -(-UNIT * UNIT // (2 * end[0]))  # as g(1/2) = 1/2
-        parts = [(b / 2, 1, [none, v1], by(square, -b * b)),
-                 (c / 2, 1, [s1, v1, by(one, Fraction(1, 2))], none),
-                 (d / 2, -1, [s3, v2], by(square, d * d)), (flat / 2, -1, [end, v3], none)]
-        parts = [(w, way, [times([x], [peak])[0] for x in p], times([a], [peak])[0])
-                 for w, way, p, a in parts if w]
+        (b, c, d), square = (Fraction(x, 40) for x in SCCA[law]), INVERSE * INVERSE
+        flat = 1 - b - c - d
+        v1, s1 = INVERSE * b, INVERSE * (b * b / 2) - square * (b * b)
+        v2, s2 = v1 + c / 2, s1 + v1 * (c / 2) + c * c / 8
+        v3, s3 = v2 + INVERSE * d, s2 + v2 * (d / 2) + square * (d * d)
+        end = s3 + v3 * (flat / 2)
+        ((low, high),) = end
+        peak = enclosed((Fraction(UNIT, 2 * high), Fraction(UNIT, 2 * low)))  # as g(1/2) = 1/2
+        parts = [(b / 2, 1, [none, v1], square * (-b * b)),
+                 (c / 2, 1, [s1, v1, UNITY * Fraction(1, 2)], none),
+                 (d / 2, -1, [s3, v2], square * (d * d)), (flat / 2, -1, [end, v3], none)]
+        parts = [(w, way, [x * peak for x in p], a * peak) for w, way, p, a in parts if w]
     else:
         lowest, *c = POLYNOMIALS.get(law, (1, 1))
-        parts = [(ONE, 1, [none] * lowest + [by(one, x) for x in c], none)]
+        parts = [(ONE, 1, [none] * lowest + [UNITY * x for x in c], none)]
     for w, way, p, a in parts:
         orders, y = [], way * w  # of y at u = 1
         for k in range(5):
-            c = [by(x, Fraction(factorial(i), factorial(i - k)) * y**i / y**k)
+            c = [x * (Fraction(factorial(i), factorial(i - k)) * y**i / y**k)
                  for i, x in enumerate(p) if i >= k] or [none]
-            wave = [by(times([x], [a])[0], way / y**k) for x in sine(k)] if any(a) else []
-            c = [total(x, z) for x, z in zip_longest(c, wave, fillvalue=none)]
-            orders.append(bernstein(c)[::way])
+            wave = [a * x * (way / y**k) for x in sine(k)] if any(*a) else []
+            c = [x + z for x, z in zip_longest(c, wave, fillvalue=none)]
+            orders.append(Polynomial(bernstein([pair for (pair,) in c])[::way]))
         found.append((at, w, orders))
         at += w
     if at < 1:  # the second half is 1 - g(1 - x)
         for start, w, orders in found[::-1]:
-            turned = [[by(x, -((-1) ** k)) for x in b[::-1]] for k, b in enumerate(orders)]
-            turned[0] = [total(one, x) for x in turned[0]]
+            turned = [Polynomial(b[::-1]) * -((-1) ** k) for k, b in enumerate(orders)]
+            turned[0] += 1
             found.append((1 - start - w, w, turned))
     return found
 
@@ -739,13 +762,17 @@ def given(law, k, x):
     """A derivative of a given law at a place on [0, 1]: two fractions."""
     start, w, orders = [part for part in parts_of(law) if part[0] <= x][-1]
     spend("coefficients", len(orders[k]))
-    return tuple(Fraction(x, UNIT) for x in split(orders[k], (x - start) / w)[0][-1])
+    before, _ = split(orders[k], (x - start) / w)
+    return tuple(Fraction(x, UNIT) for x in before[-1])
 
 class Piece:
     """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg].
 
-    Of a path also the offset e, X, s' and s'' as lengths, and by how much of s' an arm turns.
+    Of a path also the offset e, X, s' and s'' as lengths, and by how much of s' an arm turns; and
+    by how much of the cam's turn that of a face and the cam is.
     """
+
+    both = UNITY
 
     def __init__(self, segment, start, width, orders):
         self.segment, self.start, self.width, self.s = segment, start, width, orders
@@ -753,17 +780,19 @@ class Piece:
     def on_slide(self, factor, e, s0):
         """The path of what a slide holds, whose motion is a factor (a pair) times the piece's."""
         found = copy(self)
-        found.x, v, a = (times([factor], b) for b in self.s[:3])
-        found.x, found.e, found.turn = plus(found.x, enclose([s0])), enclose([e]), [(0, 0)]
-        found.slope, found.bend = times(PER_RADIAN, v), times(times(PER_RADIAN, PER_RADIAN), a)
+        found.x, v, a = (factor * b for b in self.s[:3])
+        found.x, found.e, found.turn = found.x + s0, enclose([e]), UNITY * 0
+        found.slope, found.bend = v * PER_RADIAN, a * PER_RADIAN * PER_RADIAN
         return [found]
 
-    def on_arm(self, way, sense, arm, p, q):
+    def on_arm(self, way, sense, arm, p, q, away=None):
         """The path of what an arm holds, which turns way times as the piece says, in parts.
 
-        (p, q) is the axis as seen from the pivot, along the arm and square to it, where s = 0.
+        (p, q) is the axis as seen from the pivot, along the arm and square to it, where s = 0. Of a
+        face, so far away from the pivot, u is contact from the pivot's foot times ``both``, w, and
+        X + s'' is w^3 times the profile's radius.
         """
-        parts, found = [(self.start, self.width, [[by(x, way) for x in b] for b in self.s[:3]])], []
+        parts, found = [(self.start, self.width, [b * way for b in self.s[:3]])], []
         while parts:
             start, width, orders = parts.pop()
             spend("coefficients", 400)
@@ -774,13 +803,23 @@ class Piece:
                 parts += [(start + width / 2, width / 2, right), (start, width / 2, left)]
                 continue
             part = Piece(self.segment, start, width, self.s)
-            part.x = plus(times(q, cosine), times(p, sine))
-            part.e = plus(times(p, cosine), times([by(q[0], -1)], sine))
-            part.e = [by(x, sense) for x in plus(part.e, enclose([-arm]))]
-            part.turn = [by(x, sense) for x in v]
-            part.slope, part.bend = ([by(x, arm) for x in b] for b in (v, times(PER_RADIAN, a)))
+            part.x, along, a = q * cosine + p * sine, p * cosine - q * sine, a * PER_RADIAN
+            part.e, part.turn = (along - arm) * sense, v * sense
+            part.slope, part.bend = v * arm, a * arm
+            if away is not None:
+                w, high = part.turn + 1, part.x
+                part.x, part.e, part.slope, part.both = high - away, UNITY * 0, along, w
+                part.bend = high * (part.turn * 2 + 1) * w + along * a - w * w * w * away - part.x
+                for each in (w, along, part.x):  # else there is no contact on its own side
+                    part.show(lambda b: min(b) > 0, each)
             found.append(part)
         return found
+
+    def square(self, order):
+        """The integral of (s^(order))^2: the mean of the coefficients."""
+        b = self.s[order] * self.s[order]
+        spend("coefficients", len(b))
+        return [self.width * Fraction(sum(ends), len(b) * UNIT) for ends in zip(*b)]
 
     def show(self, test, *polynomials):
         """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
@@ -803,8 +842,8 @@ def pieces_of(segment, law):
     if not segment.free:
         demand(law is None, f"program/{segment.index} has a law", 2)
         for start, w, orders in parts_of(segment.law):
-            orders = [[by(x, h / d**k) for x in b] for k, b in enumerate(orders)]
-            orders[0] = [total(x, enclose([level])[0]) for x in orders[0]]
+            orders = [b * (h / d**k) for k, b in enumerate(orders)]
+            orders[0] += level
             found.append(Piece(segment, d * start, d * w, orders))
         return found
     p, (t, c) = whole(law, "degree", 1, 5), (
@@ -839,49 +878,56 @@ class Cam:
         # what the size and the counter roller's place have to keep: a value and its range
         self.ranges, free = [], question.arm and isinstance(follower["arm_mm"], (dict, type(None)))
         good = len(laws) == len(question.program) and len(size) == (
-            2 - question.face + question.conjugate + free)
+            2 - (question.face and not question.swung) + question.conjugate + free)
         demand(good, "the cam has not as many laws or sizes as it must have", 2)
-        self.of = {s.index: pieces_of(s, laws[s.index]) for s in question.turning}
-        self.pieces = [piece for s in question.turning for piece in self.of[s.index]]
-        if question.arm:
-            arm = size.pop() if free else get(follower, "arm_mm")
-            demand(arm > 0, "an arm without a length")
-            sense, (p, q) = (1, -1)[follower["sense"] == "same"], size[:2]
-            self.ranges += [(arm, range_of(follower["arm_mm"]), 1),
-                            (p * p + q * q, range_of(follower["centre_distance_mm"]), 2)]
-            paths = [(1, sense, arm, enclose([p]), enclose([q]))]
+        self.pieces = [piece for s in question.turning for piece in pieces_of(s, laws[s.index])]
+        if question.swung:
+            arm = ZERO if question.face else size.pop() if free else get(follower, "arm_mm")
+            demand(question.face or arm > 0, "an arm without a length")
+            sense, (p, q) = question.sense, size[:2]
+            self.ranges.append((p * p + q * q, range_of(follower["centre_distance_mm"]), 2))
+            if not question.face:
+                self.ranges.append((arm, range_of(follower["arm_mm"]), 1))
+            away = question.away if question.face else None
+            paths = [(1, sense, arm, UNITY * p, UNITY * q, away)]
             if question.conjugate:  # as far beyond the axis as the angle between both arms says
                 self.ranges.append((size[2], range_of(held["angle_deg"]), 1))
-                sine, cosine = (enclose([low], [high])[0] for low, high in circle(size[2]))
-                paths.append((-1, -sense, get(held, "arm_mm"), [total(by(cosine, p), by(sine, q))],
-                              [total(by(sine, p), by(cosine, -q))]))
-            self.paths = [[part for each in self.pieces for part in each.on_arm(*path)]
-                          for path in paths]
-            size = [p - arm, q]
+                sine, cosine = map(enclosed, circle(size[2]))
+                paths.append((-1, -sense, get(held, "arm_mm"), cosine * p + sine * q,
+                              sine * p - cosine * q))
+            size = [ZERO, q - question.away] if question.face else [p - arm, q]
         else:
             size = [ZERO] * question.face + size
-            low, high = circle(question.tilt)[1]
-            paths = [(enclose([low], [high])[0] if question.tilt else (UNIT, UNIT), *size[:2])]
+            paths = [(question.cosine, *size[:2])]
             if question.conjugate:  # upside down
                 self.ranges.append((size[2], range_of(held["distance_mm"]), 1))
-                paths.append(((-UNIT, -UNIT), -get(held, "offset_mm"), size[2] - size[1]))
-            self.paths = [[part for each in self.pieces for part in each.on_slide(*path)]
-                          for path in paths]
+                paths.append((-UNITY, -get(held, "offset_mm"), size[2] - size[1]))
             self.ranges.append((size[0], question.offsets, 1))
-        self.size = size[:2]
+        held_by, self.size = Piece.on_arm if question.swung else Piece.on_slide, size[:2]
+        self.paths = [[part for each in self.pieces for part in held_by(each, *path)]
+                      for path in paths]
 
-    def join(self, order=None):
-        """Refuse jumps of derivatives up to an order, or up to those that the question asks for."""
-        for left in self.question.turning:
-            right, smooth, inside = left.after, order, self.of[left.index]
+    def join(self, order, limit=UNKNOWN):
+        """Refuse jumps of derivatives up to an order; None: up to those that the question asks for.
+
+        Of a window or point only where it is.
+        """
+        for left, right in zip(self.pieces, self.pieces[1:] + self.pieces[:1]):
+            one, other, inside, smooth = left.segment, right.segment, right.start > 0, order
+            places = (one, (left.start + left.width) / one.degrees), (
+                other, right.start / other.degrees)
+            if limit is not UNKNOWN and not any(segment is limit["of"] and (
+                    limit["from"] <= x <= limit["to"]) for segment, x in places):
+                continue
             if order is None:
-                smooth = min(left.smooth, right.smooth) if left.free or right.free else 0
+                smooth = min(one.smooth, other.smooth) if (
+                    one.free or other.free) and not inside else 0
                 smooth = max(smooth, self.question.smooth)
-            good = not left.free or len(inside) == 1 or len(inside[0].s[0]) - 1 > smooth
-            demand(good, f"derivative {smooth} jumps inside program/{left.index}")  # at knots
-            self.meet(inside[-1], self.of[right.index][0], smooth)
-            for one, other in zip(inside, inside[1:]) if not left.free else ():
-                self.meet(one, other, self.question.smooth if order is None else order)
+            if inside and one.free:  # a knot
+                demand(len(left.s[0]) - 1 > smooth,
+                       f"derivative {smooth} jumps inside program/{one.index}")
+            else:
+                self.meet(left, right, smooth)
 
     def meet(self, left, right, smooth):
         """Refuse jumps between two pieces of derivatives up to an order."""
@@ -899,45 +945,28 @@ class Cam:
 
     def keep(self, limit):
         """Show that what a limit leaves to spare is nowhere negative."""
-        of_motion = limit["kind"] in (*ORDERS, "forward")
-        paths = [self.pieces] if of_motion else self.paths[: len(self.paths) if (
-            limit["kind"] == "pressure_angle") else 1]
-        for path, side in product(paths, (1, -1)):
+        question, of_motion = self.question, limit["kind"] in (*ORDERS, "forward", "within")
+        asked = question.row_of_motion if of_motion else question.row_of_path
+        for path, side in product([self.pieces] if of_motion else self.paths, (1, -1)):
             for piece in path:
-                spare = self.spare(limit, piece, side)
-                if spare:
-                    piece.show(lambda b: min(b) >= 0, spare)
-
-    def spare(self, limit, piece, side):
-        """What a limit leaves on one side, a polynomial; None where it says nothing."""
-        question, kind = self.question, limit["kind"]
-        if kind in ORDERS:
-            k = ORDERS[kind]
-            return plus(enclose([get(limit, FIELDS[kind]) / question.rate**k]),
-                        [by(x, -side) for x in piece.s[k]])
-        if kind == "forward":
-            return [by(x, piece.segment.lift) for x in piece.s[1]] if (
-                piece.segment.forward and side > 0) else None
-        if kind == "profile_radius":  # of a face: its distance from the axis, and its change
-            return plus(plus(piece.x, piece.bend), enclose([-get(limit, "min_mm")]))
-        if kind == "pressure_angle":
-            most = limit[f"{piece.segment.sense}_deg"]
-            if most is None:
-                return None
-            if question.face:
-                return enclose([most - abs(question.tilt)])
-            u = plus(piece.slope, [by(x, -1) for x in piece.e])
-            return plus(times(enclose([tangent(most)[0]]), piece.x), [by(x, -side) for x in u])
-        reach, tilt = limit["reach"][side > 0], question.tilt
-        if reach is None:
-            return None
-        # along the face contact is at s' cos - X tan - offset/cos, seen from the slide's line
-        lean, cosine = tangent(abs(tilt)) if tilt else (0, 0), circle(tilt)[1]
-        lean = enclose(*([x] for x in lean)), enclose([1 / cosine[1]], [1 / cosine[0]])
-        lean = times(lean[0], piece.x), [by(lean[1][0], question.follower["offset_mm"])]
-        away = plus(plus(piece.slope, [by(x, 1 if tilt < 0 else -1) for x in lean[0]]),
-                    [by(x, -1) for x in lean[1]])
-        return plus(enclose([reach]), [by(x, -side) for x in away])
+                found, degrees = asked(piece.segment, limit, side), piece.segment.degrees
+                first, last = (((limit[end] * degrees - piece.start) / piece.width)
+                               for end in ("from", "to")) if "from" in limit else (ZERO, ONE)
+                if not found or last < 0 or first > 1:
+                    continue
+                if of_motion:
+                    order, factor, most = found
+                    spare = most + JUMP * limit.get("scale", 0) - piece.s[order] * factor
+                else:
+                    steep, along, bent, most = found
+                    most = most * (piece.both * piece.both * piece.both if bent else piece.both)
+                    spare = most - steep * piece.x - (piece.slope - piece.e) * along - (
+                        piece.bend * bent)
+                if (first, last) != (0, 1):
+                    first, last = max(first, ZERO), min(last, ONE)
+                    spare, _ = split(spare, last)
+                    spare = [*split(spare, first / last)][1] if first < last else spare[-1:]
+                piece.show(lambda b: min(b) >= 0, spare)
 
     def bend(self, way, least, around=False):
         """X > 0, and the radius of every flank is at least so much where it is convex (way 1) or
@@ -946,14 +975,6 @@ class Cam:
         3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > reach W too, so that the
         profile runs once round the axis; 2 r W <= W^2 + r^2.
         """
-        for flank, gap, _, path in self.question.flanks:
-            reach = max(flank * gap, ZERO) if around else None
-            self.bend_flank(self.paths[path], way * flank, max(least + way * gap, ZERO), reach)
-
-    def bend_flank(self, path, side, radius, reach):
-        share, far = (x * (1 << BITS // 2) for x in (radius, reach or ZERO))
-        # as r is in units of 1/sqrt(UNIT), next to W
-
         def bends(w, n):
             r = isqrt(max(w[len(w) // 2], 1))
             return all(3 * r * p - r**3 + 2 * share * q >= 0 for p, q in zip(w, n))
@@ -962,18 +983,17 @@ class Cam:
             r = isqrt(max(w[len(w) // 2], 1))
             return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
 
-        minus, one = enclose([-ONE]), enclose([ONE])
-        for piece in path:
-            x, e, slope = piece.x, times(minus, piece.e), piece.slope
-            u = plus(slope, e)
-            square = times(x, x)
-            w = plus(square, times(u, u))
-            n = times(times(slope, u), plus(one, piece.turn))
-            n = plus(plus(w, n), times(minus, times(piece.bend, x)))
-            piece.show(lambda b: min(b) > 0, x)
-            piece.show(bends, w, times(enclose([-side * ONE]), n))
-            if reach is not None:
-                piece.show(passes, w, times(minus, w), plus(square, times(e, u)))
+        for flank, gap, _, path in self.question.flanks:
+            # the radius, and the reach, next to W, as r is in units of 1/sqrt(UNIT)
+            share, far = (max(x, ZERO) * (1 << BITS // 2) for x in (least + way * gap, flank * gap))
+            for piece in self.paths[path]:
+                x, slope, u = piece.x, piece.slope, piece.slope - piece.e
+                w = x * x + u * u
+                n = w + slope * u * (piece.turn + 1) - piece.bend * x
+                piece.show(lambda b: min(b) > 0, x)
+                piece.show(bends, w, n * -(way * flank))
+                if around:
+                    piece.show(passes, w, -w, x * x - piece.e * u)
 
     def reach(self, way, radius):
         """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),
@@ -984,42 +1004,13 @@ class Cam:
             most = radius + min(gaps)
             demand(most >= 0, "roller and rim alone are larger")
             for piece in pieces:
-                far = plus(times(piece.x, piece.x), times(piece.e, piece.e))
+                far = piece.x * piece.x + piece.e * piece.e
                 piece.show(lambda b: min(b) > 0, piece.x)
-                piece.show(lambda b: min(b) >= 0, plus(enclose([way * most * most]),
-                                                       [by(p, -way) for p in far]))
-
-    def within(self, segment, name):
-        """Show windows or points of a segment: bounds of s and its derivatives on a part of it."""
-        exact, own = "", self.of[segment.index]
-        row = [self.of[segment.before.index][-1], *own, self.of[segment.after.index][0]]
-        for _, k, first, last, ends, scale in segment.bounds(name):
-            if scale:
-                exact = f", values but for 1/{1 / JUMP} of their scale"
-            for n, (one, other) in enumerate(zip(row, row[1:])):  # no lower one may jump there
-                at = other.start if n < len(own) else segment.degrees
-                if ends != [None, None] and first <= at / segment.degrees <= last:
-                    knot = segment.free and 0 < n < len(own)
-                    demand(not knot or len(one.s[0]) > k,
-                           f"derivative {k - 1} jumps inside program/{segment.index}")
-                    self.meet(one, other, -1 if knot else k - 1)
-            for way, most in zip((-1, 1), ends):
-                for piece in own if most is not None else ():
-                    start, end = (min(max((x * segment.degrees - piece.start) / piece.width,
-                                          ZERO), ONE) for x in (first, last))
-                    if first * segment.degrees > piece.start + piece.width or (
-                            last * segment.degrees < piece.start):
-                        continue
-                    b = split(piece.s[k], end)[0]
-                    b = split(b, start / end)[1] if start < end else b[-1:]
-                    piece.show(lambda b: min(b) >= 0, plus(
-                        enclose([way * most + JUMP * scale]), [by(x, -way) for x in b]))
-        return "holds all along" + exact
+                piece.show(lambda b: min(b) >= 0, way * (most * most - far))
 
     def mean(self, order, most):
-        """A mean square: that of a polynomial is the mean of its square's coefficients."""
-        squares = ((p.width, times(p.s[order], p.s[order])) for p in self.pieces)
-        total = sum(w * sum(high for _, high in b) / (len(b) * UNIT) for w, b in squares)
+        """A mean square, as a sum of integrals."""
+        total = sum(piece.square(order)[1] for piece in self.pieces)
         demand(total * self.question.rate ** (2 * order) <= 360 * most**2, "its mean is larger")
 
     def fit(self):
@@ -1038,28 +1029,33 @@ class Cam:
 
     def check(self, place):
         """Show what stands at a place of the list of claims, or refuse."""
-        question, self.jump = self.question, ZERO
+        question, self.jump, exact = self.question, ZERO, ""
         if place == "size":
             return self.fit()
+        name = {"motion": "forward", "self_crossing": "no_undercut"}.get(place, place)
+        limits = [x for each, x in question.limits.items() if f"{each}/".startswith(f"{name}/")]
+        demand(limits, "it is not covered")
+        for limit in limits:
+            kind = limit["kind"]
+            demand(kind in MEET or kind in ("forward", "within"), "it is not covered")
+            if kind == "within":
+                self.join(limit["order"] - 1, limit)
+                if limit["scale"]:
+                    exact = f", values but for 1/{1 / JUMP} of their scale"
+            else:
+                self.join(MEET.get(kind))
+            if kind in ("outer_radius", "counter_base_radius"):
+                self.reach(1 if kind == "outer_radius" else -1, get(limit, FIELDS[kind]))
+            elif kind == "cutter_radius":
+                self.bend(-1, get(limit, "radius_mm"))
+            elif kind == "profile_radius" and not question.face:
+                self.bend(1, get(limit, "min_mm"), place == "self_crossing")
+            elif kind in SQUARES:
+                self.mean(SQUARES[kind], limit["most"])
+            else:
+                self.keep(limit)
         if place[:8] == "program/":
-            _, index, name = place.split("/")
-            demand(name in ("windows", "points"), "it is not covered")
-            return self.within(question.program[int(index)], name)
-        ours = {"motion": "forward", "self_crossing": "no_undercut"}
-        limit = question.limits.get(ours.get(place, place), {"kind": "unknown"})
-        kind = limit["kind"]
-        demand(place == "motion" or kind in MEET, "it is not covered")
-        self.join(None if place == "motion" else MEET[kind])
-        if kind in ("outer_radius", "counter_base_radius"):
-            self.reach(1 if kind == "outer_radius" else -1, get(limit, FIELDS[kind]))
-        elif kind == "cutter_radius":
-            self.bend(-1, get(limit, "radius_mm"))
-        elif kind == "profile_radius" and not question.face:
-            self.bend(1, get(limit, "min_mm"), place == "self_crossing")
-        elif kind in SQUARES:
-            self.mean(SQUARES[kind], limit["most"])
-        else:
-            self.keep(limit)
+            return "holds all along" + exact
         share = f", but derivatives jump by 1/{1 / (self.jump or 1) // 1} of their scale at joints"
         return "holds at every cam angle" + (share if self.jump else "")
 
@@ -1084,7 +1080,7 @@ def half_plane(question, proof, aim=None):
     used = defaultdict(int)  # of each law, up to where tangents of a mean square are known
     squares, price, most = {}, ZERO, None  # of the derivative of this order: multiplier, and room
     for name in proof.get("squares", {}):
-        limit, factor = question.limits.get(name, {"kind": "unknown"}), get(proof["squares"], name)
+        limit, factor = question.limits.get(name, UNKNOWN), get(proof["squares"], name)
         k = SQUARES.get(limit["kind"], 4)
         demand(factor > 0 and k <= order, f"{ascii(name)[:20]} is no mean square, or not limited")
         room = question.room(k, limit["most"])
@@ -1093,25 +1089,44 @@ def half_plane(question, proof, aim=None):
             price, most = price + factor, room if most is None else min(room, most)
     demand(caps or price or not any(s.free for s in question.program),
            f"nothing limits the {kind} of every law")
-    aims = [aim] if aim and any(aim[2]) else []
-    if aim:
+
+    def add(segment, row, x, y, low, high):
+        """A row times a multiplier at x, or a density that is linear from there to y."""
+        nonlocal constant, sizes
+        alpha, size, rhs = row
+        spend("coefficients", 8)
+        demand(not (segment.free and any(alpha[order:])),
+               "a row is of the derivative that is limited itself")
+        mass, kernels = low, [(x, 0, low)]
+        if x < y:
+            demand(segment.free, "a density on a segment that is not free")
+            steep, mass = (high - low) / (y - x), (low + high) / 2 * (y - x)
+            kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
+        for at, n, weight in kernels if segment.free else ():
+            for k in range(order):
+                kernels_of[segment.index][at][order - 1 - k + n] += weight * alpha[k]
+        if not segment.free:
+            constant += mass * sum(min(f * bound for bound in given(segment.law, k, x))
+                                   for k, f in enumerate(alpha) if f)
+        constant -= mass * rhs
+        sizes = [p + mass * q for p, q in zip(sizes, size)]
+
+    if aim and aim[0] is None:
         sizes = aim[3]
+    elif aim:
+        segment, x, alpha, size = aim
+        demand(segment.free and 0 <= x <= 1, "a place that is not on a free law")
+        add(segment, scaled(segment, (alpha, size, ZERO)), x, x, ONE, ZERO)
     for part in get(proof, "segments", list):
         segment = question.program[whole(part, "segment", 0, len(question.program) - 1)]
         h, d, psi = segment.lift, segment.degrees, kernels_of[segment.index]
         ends = numbers(get(part, "ends", list))
         good = segment in question.turning and len(ends) <= order * segment.free
         demand(good, f"program/{segment.index} has no angle, or not so many end conditions")
-        while aims and segment is aims[0][0]:
-            _, at, alpha, _ = aims.pop()
-            demand(segment.free and 0 <= at <= 1, "a place that is not on a free law")
-            constant += alpha[0] * segment.level
-            for k in range(order):
-                psi[at][order - 1 - k] += alpha[k] * h / d**k
         # 6.1 Rows times multipliers that are not negative, at points and as linear densities.
         for group in get(part, "rows", list):
             name = get(group, "limit", str)
-            limit, side = question.limit(name), get(group, "side")
+            limit, side = question.limits.get(name, UNKNOWN), get(group, "side")
             bends = question.bends(limit)
             row = None if bends else scaled(segment, question.row(segment, limit, side))
             of, factor = squares.get(name, (0, ZERO))
@@ -1119,7 +1134,6 @@ def half_plane(question, proof, aim=None):
                 row = scaled(segment, ([ONE * (i == of) for i in range(4)], [ZERO] * 2, ZERO))
             demand(side in (1, -1) and (row or bends),
                    f"{ascii(name)[:20]} says nothing of program/{segment.index}")
-            spread = []
             for x, *more in map(numbers, get(group, "multipliers", list)):
                 swings = bends and question.arm
                 demand(not swings or len(more) == 2, "a row of an arm is not [x, factor, swing]")
@@ -1128,46 +1142,27 @@ def half_plane(question, proof, aim=None):
                 demand(0 <= x <= y <= 1 and (of or low >= 0 <= high),
                        "a multiplier is negative, or beyond")
                 x, y = (min(max(at, limit.get("from", 0)), limit.get("to", 1)) for at in (x, y))
-                if bends and x < y:
-                    step, n = (y - x) / SLICES, 2 * SLICES
-                    spread += [(x + step * (2 * k + 1) / 2,) * 2 + (
-                        step * (low + (high - low) * (2 * k + 1) / n), ZERO, None)
-                        for k in range(SLICES)]
-                else:
-                    spread.append((x, y, low, high, touch))
-            for x, y, low, high, touch in spread:
                 if bends:
-                    row = (question.bend_row(segment, limit, x, side) if touch is None else
-                           question.swing_row(segment, limit, x, side, touch))
-                alpha, size, rhs = row
-                spend("coefficients", 8)
-                good = not segment.free or not any(alpha[order:])
-                demand(good, "a row is of the derivative that is limited itself")
-                mass, kernels = low, [(x, 0, low)]
-                if x < y:
-                    steep = -Fraction((low - high) / (y - x) * UNIT // 1, UNIT)  # up: high too
-                    high = low + steep * (y - x)
-                    mass = (low + high) / 2 * (y - x)
-                    kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
+                    count = SLICES if x < y else 1
+                    for k in range(count):  # in the middle of each slice
+                        t = x + (y - x) * Fraction(2 * k + 1, 2 * count)
+                        mass = low if count == 1 else (y - x) / count * (
+                            low + (high - low) * Fraction(2 * k + 1, 2 * count))
+                        add(segment, question.bent_row(segment, limit, t, side, touch),
+                            t, t, mass, ZERO)
+                    continue
+                if x < y:  # the slope is rounded up, and the end with it
+                    high = low - Fraction((low - high) / (y - x) * UNIT // 1, UNIT) * (y - x)
                 if of:
                     demand(used[segment.index, name] <= x < y, "tangents overlap, or have no width")
                     used[segment.index, name] = y
                     constant -= (y - x) * (low * low + low * high + high * high) / (
                         12 * factor * d)
-                for at, n, weight in kernels:
-                    for k in range(order):
-                        psi[at][order - 1 - k + n] += weight * alpha[k]
-                if not segment.free:
-                    demand(x == y, "a density on a segment that is not free")
-                    constant += mass * sum(min(f * bound for bound in given(segment.law, k, x))
-                                           for k, f in enumerate(alpha) if f)
-                constant -= mass * rhs
-                sizes = [p + mass * q for p, q in zip(sizes, size)]
+                add(segment, row, x, y, low, high)
         # 6.2 End conditions are equalities, with multipliers of either sign.
         for k, nu in enumerate(ends):
             psi[ONE][order - 1 - k] += nu
             joints[segment.index, k] -= nu * d**k / h
-    demand(not aims, "the segment of a step is not in its multipliers")
     # What is left of a law is the integral of psi g^(m), and shares of derivatives at its start.
     for segment in question.turning:
         if segment.free:
@@ -1187,8 +1182,7 @@ def half_plane(question, proof, aim=None):
             constant += share * left.lift
         elif known:
             (segment, end), *_ = known
-            share *= segment.lift / segment.degrees**k
-            constant += min(share * bound for bound in given(segment.law, k, end))
+            constant += min(share * bound for bound in segment.given(k, end))
         elif share and not (k == 1 and turns):
             demand(right.forward, f"the start of program/{right.index} is not bounded")
             total = root(max(most, ZERO) / right.square(order)) if cap is None else (
@@ -1307,12 +1301,12 @@ def exclude(question, body):
     names = "offset", "s0", *(("arm",) if question.arm else ())
     which = names.index(get(body, "of", str))
     for k, case in enumerate(cases):
-        part, ends = copy(question), (
-            question.offsets[:], question.heights[:], question.arms[:])
-        ends[which][1 - k] = value
-        (part.offsets, part.heights, part.arms), part.bent = ends, {}
+        part = copy(question)
+        part.bent = {}
         spend("coefficients", len(question.known))
-        part.known = {place: bounds[:] for place, bounds in question.known.items()}
+        for name in ("offsets", "heights", "arms", "known"):
+            setattr(part, name, deepcopy(getattr(question, name)))
+        (part.offsets, part.heights, part.arms)[which][1 - k] = value
         exclude(part, case)
 
 def bound_of(question, step):
@@ -1359,10 +1353,7 @@ def excluded(asked, place, claim, body):
             # rounds speak of all cams below another radius, which is no smaller
             below = get(claim, "below") if "rounds" in claim or "cases" in claim else value
             demand(below >= value >= 0, "rounds do not speak of all cams")
-            most = question.radii[1]
-            question.radii[1], question.aim = (
-                r if most is None else min(most, r)
-                for r in (max(r + question.gap, ZERO) for r in (below, value)))
+            question.aim, question.radii[1] = map(question.smaller, (value, below))
         else:
             impose(question, aims[len(held)], value, "objective")
         kept = " and ".join(f"{kind} up to {decimal(most)}" for kind, most in zip(named, held))
@@ -1385,8 +1376,7 @@ def impose(question, aim, value, name):
     kind = kind_of(aim, *AIMS)
     demand(value >= 0, "an objective is negative")
     if kind == "base_radius":
-        radius, most = question.prime(value), question.radii[1]
-        question.radii[1] = radius if most is None else min(radius, most)
+        question.radii[1] = question.smaller(value)
     elif kind == "peak_pressure_angle":
         demand(not question.face, "it has no pressure angle")
         question.limits[name] = {"kind": kind[5:], "rise_deg": value, "return_deg": value,

@@ -7,8 +7,16 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import PydanticCustomError, from_json
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetPydanticSchema,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError, core_schema, from_json
 
 from synthesis.catalogue.hub import HUB_RULE
 
@@ -23,6 +31,21 @@ Rotation = Literal["ccw", "cw"]
 
 CamSpeed = Annotated[Speed, Field(description="Cam speed, constant over the turn [rpm].")]
 CamRotation = Annotated[Rotation, Field(description="Sense in which the cam turns.")]
+
+
+def _checked_once(source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+    read = handler(source)
+    made = core_schema.no_info_wrap_validator_function(
+        lambda value, check: value if type(value) is source else check(value), read
+    )
+    return core_schema.json_or_python_schema(read, made)
+
+
+CHECKED_ONCE = GetPydanticSchema(_checked_once)
+"""A part that has been made is in order, and not checked again.
+
+What is read from JSON is checked as JSON: there a tuple is a list, also in strict mode.
+"""
 
 
 class AnswerModel(BaseModel):

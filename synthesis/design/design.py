@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
+from pydantic import Field
 
-from synthesis.catalogue.fields import AnswerModel, Rotation, doc
+from synthesis.catalogue.fields import CHECKED_ONCE, AnswerModel, Rotation, doc
 from synthesis.catalogue.motion import Motion, PlacedSegment, SegmentKind
 from synthesis.design.identity import design_id, question_id
 from synthesis.design.jupyter import ShownByJupyter
@@ -289,11 +289,6 @@ class Conflict(AnswerModel):
     )
 
 
-def _checked_once(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
-    """A spec that has been made is in order: placing its program once more would prove nothing."""
-    return value if type(value) is DesignSpec else check(value)
-
-
 class Design(AnswerModel, ShownByJupyter):
     """The answer to a DesignSpec."""
 
@@ -335,7 +330,7 @@ class Design(AnswerModel, ShownByJupyter):
     )
     conflict: Conflict | None = Field(None, description="Why nothing fits, where nothing does.")
     report: Report = doc("What was modelled and what it cost.")
-    spec: Annotated[DesignSpec, WrapValidator(_checked_once)] = doc("The question.")
+    spec: Annotated[DesignSpec, CHECKED_ONCE] = doc("The question.")
     assumptions: list[str] = Field(
         [], description="What was assumed where the spec says nothing, and how to ask otherwise."
     )

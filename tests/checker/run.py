@@ -149,12 +149,13 @@ def report(found: list[Outcome]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int)
+    parser.add_argument("--first", type=int, default=0, help="number of the first question")
     parser.add_argument("--mutants", type=int, default=0, help="changed files, of all together")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kept", type=Path, help="file of outcomes, not asked again")
     wanted = parser.parse_args()
     kept, others = read(wanted.kept), deque[Any](maxlen=OTHERS)
-    for number in range(wanted.count):
+    for number in range(wanted.first, wanted.count):
         if number in kept:
             continue
         found = outcome(number, wanted.seed, -(-wanted.mutants // wanted.count), others)

@@ -45,7 +45,7 @@ def test_rows_of_a_box_hold_all_over_it(sense: str) -> None:
         ends = boxes(chance, question)
         for side in (1, -1):
             touch = Fraction(repr(round(chance.uniform(0.0, lift), 3)))
-            row = question.swing_row(segment, limit, Fraction(2, 5), side, touch)
+            row = question.bent_row(segment, limit, Fraction(2, 5), side, touch)
             (a, b, *_), size, most = ([float(x) for x in row[0]], row[1], float(row[2]))
             spare = []
             for n in range(300):
@@ -64,12 +64,24 @@ def test_rows_of_a_box_hold_all_over_it(sense: str) -> None:
     judge.spent.clear()
 
 
+def test_the_work_of_a_row_grows_with_its_range_of_swings() -> None:
+    judge, question = checker(), question_of("same")
+    question.offsets, question.heights = [Fraction(0), Fraction(1)], [Fraction(0), Fraction(1)]
+    (limit,) = (each for each in question.limits.values() if each["kind"] == "pressure_angle")
+    taken = []
+    for x in (Fraction(1, 5), Fraction(1, 5), Fraction(2, 5)):
+        judge.spent.clear()
+        question.bent_row(question.program[0], limit, x, 1, Fraction(6))
+        taken.append(judge.spent["coefficients"])
+    assert taken == [40 + 6 * 10 + 6 * 100, 0, 40 + 6 * 10]  # 15 degrees in parts of less than 3
+
+
 def test_the_row_of_one_size_and_swing_is_the_limit_itself() -> None:
     question = question_of("same")
     question.offsets, question.heights = [Fraction(1, 10)] * 2, [Fraction(3, 10)] * 2
     question.known[0, Fraction(2, 5)] = [Fraction(6), Fraction(6), None, None]
     limit = next(x for x in question.limits.values() if x["kind"] == "pressure_angle")
-    row = question.swing_row(question.program[0], limit, Fraction(2, 5), 1, Fraction(6))
+    row = question.bent_row(question.program[0], limit, Fraction(2, 5), 1, Fraction(6))
     swing, slope = math.radians(6.0), math.tan(math.radians(SLOPE))
     across = 0.3 * math.cos(swing) + 0.9 * math.sin(swing)
     beside = -(0.9 * math.cos(swing) - 0.3 * math.sin(swing) - 1.0)

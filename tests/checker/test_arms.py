@@ -132,6 +132,24 @@ def test_a_row_of_a_tilted_face_holds_wherever_the_limit_does(tilt: float) -> No
     assert float(question.highest()) == pytest.approx(60 / cos, rel=1e-12)
 
 
+def test_a_row_of_a_face_holds_where_its_law_goes_below_the_lowest_position() -> None:
+    law = {"overshoot": True}
+    program = [move("rise", 120, 30, **law), dwell(60), move("return", 120, 30, **law), dwell(60)]
+    limit = {"kind": "profile_radius", "min_mm": 0}
+    found = document("", program, LAWS, limit, JERK, follower=FACE, size=(60,))
+    judge = checker()
+    question = judge.Question(judge.read(json.dumps(found).encode())["question"])
+    segment, pi = question.program[0], Fraction(31415926535897932384626433832795028841971693993751)
+    alpha, _, upper = question.row(segment, question.limits["limits/0"], 1)
+    c, deep = pi / 10**49 / 180, segment.depth(question.jerk)
+    assert deep > 0
+    for s in (-deep, Fraction(0), Fraction(30)):
+        a = -s * c * c  # just at the limit, with a base radius of 0
+        assert alpha[0] * s + alpha[2] * a <= upper
+    question.jerk = None  # nothing is known of how far it goes
+    assert question.row(segment, question.limits["limits/0"], 1) is None
+
+
 WRONG: dict[str, tuple[Json, str]] = {
     "the pivot's distance is not as asked": (arm(centre_distance_mm=100.001), "not within"),
     "the pivot's distance is beyond its range": (

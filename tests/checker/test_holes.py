@@ -18,7 +18,8 @@ FACE = {"kind": "translating_flat_face", "tilt_deg": 0, "offset_mm": 0}
 ANGLE = {"kind": "pressure_angle", "rise_deg": 60, "return_deg": 60, "dwell_deg": None}
 VELOCITY, JERK = {"kind": "velocity", "max_mm_per_s": 1e6}, {"kind": "jerk", "max_mm_per_s3": 1e12}
 RADIUS, CUTTER = {"kind": "profile_radius", "min_mm": 1}, {"kind": "cutter_radius", "radius_mm": 11}
-NOWHERE = {"kind": "face_width", "width_mm": None, "left_mm": None, "right_mm": None}
+NOWHERE = {"kind": "face_width", "width_mm": None, "left_mm": None, "right_mm": None,
+           "near_mm": None, "far_mm": None}  # fmt: skip
 SMOOTH = {"degree": 3, "knots": [0, 0.25, 0.75, 1], "coefficients": [0, 0, 0, 1, 1, 1]}
 QUADRATIC = {"degree": 2, "knots": [0, 0.1, 0.5, 0.9, 1], "coefficients": [0, 0, 0, 1, 1, 1]}
 POLYGON = {"degree": 1, "knots": [0, 0.1, 0.9, 1], "coefficients": [0, 0, 1, 1]}
@@ -206,6 +207,11 @@ HOLES: dict[str, tuple[Json, str]] = {
     "more end conditions than there are": (
         document("infeasible", moves(18), None, SLOW, JERK,
                  witness=bound(0, MEAN, ends=[-0.1, 0, 0, 7])), "end conditions"),
+    "a density on a given law": (
+        document("infeasible", [move("rise", 180, 18), {**move("return", 180, 18), "law": SINE}],
+                 None, SLOW, JERK, witness=bound(
+                     0, {"limit": "limits/0", "side": -1, "multipliers": [[0, 1, 1, 1]]},
+                     segment=1, ends=[])), "a density on a segment that is not free"),
     "rounds of a flat face, whose offset is not its size": (
         document("infeasible", [move("rise", 180, 10), {**move("return", 180, 10), "law": SINE}],
                  None, {**RADIUS, "min_mm": 150}, {**NOWHERE, "width_mm": 14}, JERK, follower=FACE,

@@ -13,6 +13,7 @@ from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.truth import Json, motion
 
 NEAR = 3e-4  # relative: what sampling misses of an extreme where a derivative has a corner
+ENDS = ("left", "right", "near", "far")  # of a face
 ANGLES = {"rise": "rise_deg", "return": "return_deg"}
 
 
@@ -68,7 +69,7 @@ def is_sharp(
     """
     little = NEAR * (size or extreme) * (1.0 if most else -1.0)
     others = {"pressure_angle": dict.fromkeys(("rise_deg", "return_deg", "dwell_deg")),
-              "face_width": dict.fromkeys(("width_mm", "left_mm", "right_mm"))}  # fmt: skip
+              "face_width": dict.fromkeys(f"{name}_mm" for name in ("width", *ENDS))}  # fmt: skip
     limits = ({"kind": kind, **others.get(kind, {}), field: extreme + d} for d in (little, -little))
     return [accepts(document, "limits/0", limit) for limit in limits] == [True, False]
 

@@ -85,8 +85,8 @@ def test_places_on_given_laws_are_work(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_a_series_leaves_out_is_in_its_remainder() -> None:
     judge = checker()
     for order in range(5):  # at u = 1, where the terms are largest
-        low, high = judge.total(*judge.sine(order))
-        least, most = judge.total(*judge.sine(order, 60))
+        ((low, high),) = sum(judge.sine(order))
+        ((least, most),) = sum(judge.sine(order, 60))
         assert low < least <= most < high
 
 

@@ -60,7 +60,7 @@ def test_a_row_of_a_radius_holds_wherever_the_limit_does(kind: str) -> None:
         found.offsets = [exact(round(each / C, 9)) for each in ends[2]]
         found.heights, found.bent = [Fraction(0), Fraction(80)], {}
         found.known = {(0, place): [exact(each) for pair in ends[:2] for each in pair]}
-        (alpha, size, upper), h, d = found.bend_row(segment, limit, place), 20.0, 70.0
+        (alpha, size, upper), h, d = found.bent_row(segment, limit, place, 1, None), 20.0, 70.0
         by_s, by_v, by_a = (float(f) / h * d**k for k, f in enumerate(alpha[:3]))
         most = float(upper) + by_s * float(segment.level)
         for corner in range(60):

@@ -8,6 +8,7 @@ that there is none.
 import math
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,11 +89,12 @@ def broken(proof: Json, place: str) -> str:
     omega = question["speed_rpm"] * math.pi / 30.0
     follower = question["follower"]
     roller = follower["kind"] != "translating_flat_face"
+    swinging = follower["kind"] == "oscillating_flat_face"
     limit = question["limits"][int(place[7:])] if place.startswith("limits/") else {"kind": place}
     kind, worst = limit["kind"], 0.0
     orders = {"velocity": 1, "acceleration": 2, "jerk": 3}
     if kind in orders:
-        k, unit = orders[kind], "deg" if follower["kind"] == "oscillating_roller" else "mm"
+        k, unit = orders[kind], "deg" if follower["kind"].startswith("oscillating") else "mm"
         most = limit[f"max_{unit}_per_s" + ("", "2", "3")[k - 1]]
         worst = np.max(np.abs(s[k])) * omega**k / most - 1.0
     elif kind == "motion":
@@ -102,6 +104,12 @@ def broken(proof: Json, place: str) -> str:
     elif place.startswith("program/"):
         _, index, name = place.split("/")
         worst = outside_bounds(question, cam, int(index), name)
+    elif swinging:
+        worst = broken_on_face(limit, sense, *face_contact(question, cam, s))
+        if kind == "size":
+            (p, q), f = cam["size"], follower["face_offset_mm"]
+            worst = max(worst, outside(follower["centre_distance_mm"], math.hypot(p, q)),
+                        outside(question["base_radius_mm"], q - f))  # fmt: skip
     elif follower["kind"] == "oscillating_roller":
         worst = max(broken_on_path(limit, *each, sense) for each in arm_paths(question, cam, s))
         if kind == "size":
@@ -233,6 +241,48 @@ def broken_on_path(
             found = -1.0
         worst = max(worst, float(found))
     return worst
+
+
+def face_contact(question: Json, cam: Json, s: Any) -> tuple[Any, Any, Any, float]:
+    """Of a face that swings where contact is along it, the points of the cam, and its radius.
+
+    The axis is at 0, the pivot at −d on the real axis, exp(iψ) runs along the face. Points are seen
+    from the cam, and their differences give the radius, which is negative where it is undercut.
+    """
+    follower, (p, q) = question["follower"], cam["size"]
+    way = 1.0 if follower["sense"] == "opposite" else -1.0
+    d, f = math.hypot(p, q), follower["face_offset_mm"]
+    psi, speed = math.atan2(q, p) + np.radians(s[0]), np.radians(s[1])
+    along = d * np.cos(psi) / (1.0 + way * speed)
+    angles = np.radians([each["angle_deg"] for each in question["program"] if each["angle_deg"]])
+    step = np.repeat(angles / SAMPLES, SAMPLES)
+    theta = np.cumsum(step) - step / 2.0
+    turned = np.exp(1j * (psi + way * theta))
+    points = -d * np.exp(1j * way * theta) + (along - 1j * f) * turned
+    ends = np.cumsum([0] + [SAMPLES] * len(angles))
+    rate = np.concatenate([np.gradient(points[a:b], theta[a:b]) for a, b in pairwise(ends)])
+    radius = -(np.conj(turned) * rate).real / (way + speed)
+    return along, points, radius, f
+
+
+def broken_on_face(
+    limit: Json, sense: Any, along: Any, points: Any, radius: Any, away: float
+) -> float:
+    """By how much a limit is broken on a face that swings."""
+    kind = limit["kind"]
+    if np.min(along) <= 0.0:
+        return 1.0
+    size = float(np.max(np.abs(points)))
+    if kind == "pressure_angle":
+        names = {1.0: "rise_deg", -1.0: "return_deg", 0.0: "dwell_deg"}
+        most = np.array([math.tan(math.radians(limit[names[k]] or 89.9999)) for k in sense])
+        return float(np.max(abs(away) - most * along) / size)
+    if kind in ("profile_radius", "no_undercut", "self_crossing"):
+        return float(((limit.get("min_mm") or 0.0) - np.min(radius)) / size)
+    if kind == "face_width":
+        near, far = limit["near_mm"] or 0.0, limit["far_mm"] or math.inf
+        return float(max(near - np.min(along), np.max(along) - far) / size)
+    return size / limit["max_mm"] - 1.0 if kind == "outer_radius" else -1.0
 
 
 def arm_outside(question: Json, cam: Json) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 from synthesis.catalogue.fields import Range
 from synthesis.catalogue.followers.closures import Force
 from synthesis.catalogue.followers.oscillating_roller import OscillatingRoller
+from synthesis.catalogue.followers.pivot import PivotedFollower
 from synthesis.catalogue.followers.translating_roller import TranslatingRoller
 from synthesis.catalogue.limits.pressure_angle import PressureAngle
 from synthesis.catalogue.limits.radii import CounterBaseRadius
@@ -247,7 +248,7 @@ def _has_cam(design: Design) -> bool:
 def _size(design: Design) -> list[float]:
     """The sizes of the cam; of an arm the axis as seen from the pivot, along the arm and across."""
     size, known, follower = list(design.size), design.dimensions, design.spec.follower
-    if isinstance(follower, OscillatingRoller):
+    if isinstance(follower, PivotedFollower):
         distance, angle = known["centre_distance_mm"], known["initial_angle_deg"] * DEGREE
         size = [distance * cos(angle), distance * sin(angle)]
     size += [known[name] for name in COUNTER if name in known]

@@ -318,8 +318,8 @@ def _row(
         factor = abs(block.alpha[order]) * degrees**order / abs(segment.lift * length)
         side = -1 if row.coefficients[order] < 0.0 and kind != "profile_radius" else 1
         return name, side, float(factor)
-    if kind not in ("pressure_angle", "profile_radius"):
-        return None
+    if kind not in ("pressure_angle", "profile_radius") or not len(block.size):
+        return None  # the checker has no row of it, or the size is known
     # on a given motion: as large a share of the size, its last variable
     share = abs(float(block.size[-1])) / (model.scales.size * length)
     if kind == "profile_radius":

@@ -129,7 +129,8 @@ class Program:
         for name, limit in self.question.limits.items():
             for segment in self.question.turning:
                 for side in (1, -1):
-                    if self.question.bends(limit) or limit["kind"] == "distance":
+                    # those of windows hold at some places alone
+                    if self.question.bends(limit) or limit["kind"] in ("distance", "within"):
                         continue
                     found = self.question.row(segment, limit, side)
                     found = self.judge.scaled(segment, found)
@@ -192,7 +193,7 @@ class Program:
         for k in range(count):
             x = first + (last - first) * Fraction(2 * k + 1, 2 * count)
             self.judge.spent.clear()
-            found = self.question.bend_row(segment, limit, x, side)
+            found = self.question.bent_row(segment, limit, x, side, None)
             matrix, upper = self.row(segment, np.array([float(x)]), *found)
             alpha.append([float(f) / count for f in found[0][:ORDER]])
             places.append(float(x))

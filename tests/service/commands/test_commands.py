@@ -139,6 +139,16 @@ def test_a_design_is_written_as_a_proof(spec_file: Path, tmp_path: Path) -> None
     assert all(f"{claim['place']}:" in done.output for claim in claims)
 
 
+def test_a_design_with_a_table_has_a_proof_file_too(tmp_path: Path) -> None:
+    """Its question holds pairs, which are lists in JSON."""
+    runner.invoke(cli.app, ["design", "table", "--out", str(tmp_path)])
+    to = tmp_path / "proof.json"
+    done = runner.invoke(cli.app, ["proof", str(tmp_path / "design.json"), "--out", str(to)])
+    assert done.exit_code == 3, done.output
+    claims = json.loads(to.read_text())["claims"]
+    assert {claim["proven"] for claim in claims} == {False}
+
+
 def test_a_groove_brings_a_file_for_each_flank(tmp_path: Path) -> None:
     value = examples()["grooved"]["value"]
     program = [s | ({"law": {"kind": "cycloidal"}} if "law" in s else {}) for s in value["program"]]
