@@ -73,14 +73,15 @@ def size_conflict(problem: Problem) -> str:
     Every limit on a known motion is a half-plane of the size, or several, and so is the least
     duration of a move. If these have no common point, or none within a cone of the size, no law
     mends it: the nearest point to the cone's axis lies outside. They are moved out by more than
-    rounding. Ends of a search for an open pivot are no half-planes of the question.
+    rounding. Ends of the search alone are no limits: the cones of a size that is open above, and
+    the ranges of an open pivot.
     """
     if problem.machine.follower.fixable_dimension() is not None and problem.open_above:
         return ""
     which = "the motion, whatever the free laws are," if problem.free else "the given laws"
     if least_size(problem) is None:
         return f"proven: no size fits {which} under these limits"
-    for cone in problem.norm_bounds:
+    for cone in problem.norm_bounds if not problem.open_above else ():
         rows, columns = np.shape(cone.norm.matrix)
         if rows > 1 and (rows != columns or np.linalg.matrix_rank(cone.norm.matrix) < rows):
             continue  # nearest in such a norm is no corner of the polygon
