@@ -236,6 +236,15 @@ class NonconvexConstraint(ABC):
         return True
 
     @property
+    def speed_curvatures(self) -> tuple[float, ...]:
+        """Of each value of ``excess`` that is affine in s' and knows no higher derivative.
+
+        It leaves |s'| ≤ F(s, z), where F is linear in z, or one function of s + z that rises, then
+        falls. An upper bound of ∂²F/∂s² where F ≥ 0. () where it says nothing of the kind.
+        """
+        return ()
+
+    @property
     def norm_bounds(self) -> tuple[NormBounds, ...]:
         """What the constraint says of the size alone, exactly, that no half-plane does."""
         return ()

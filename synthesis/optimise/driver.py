@@ -30,6 +30,7 @@ from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, in_problem_units
+from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import Grid, grid_through
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import (
@@ -41,6 +42,7 @@ from synthesis.optimise.recovery.candidate import (
     weighs_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.relaxation.any_law import least_size
 from synthesis.optimise.root_node import RootNode
 from synthesis.optimise.state import (
     DEFAULT_TIGHTENING,
@@ -200,6 +202,22 @@ def _with_base_circle(state: SolveState) -> SolveState:
     return state.raise_bound(circle, "every motion law: a dwell below is a part of the base circle")
 
 
+def _with_size_of_any_law(state: SolveState) -> SolveState:
+    """The state with a bound over all laws where its own covers none, or a family of splines alone.
+
+    The least size on the half-planes that every law keeps, whatever its derivatives.
+    """
+    problem, norm = state.problem, state.problem.objective.norm(state.problem.machine)
+    if norm is None or not problem.free or highest_caps(problem):
+        return state
+    size = least_size(problem)
+    if size is None or (state.covers_all_laws and norm.value(size) <= state.lower):
+        return state
+    least = norm.value(size) * (1.0 - ROUNDING)
+    state = replace(state, lower=-inf, covers_all_laws=True)
+    return state.raise_bound(least, "every motion law, whatever its derivatives")
+
+
 def _with_least_size(state: SolveState) -> SolveState:
     """The state with the least size that is allowed as its bound, where the best cam is as small.
 
@@ -234,7 +252,9 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
 
 def _with_valid_for(state: SolveState) -> SolveState:
     """The state with what its bound covers, and what it leaves out."""
-    state = _with_least_size(_with_base_circle(state))  # that of a family of splines took its place
+    state = _with_least_size(
+        _with_base_circle(_with_size_of_any_law(state))
+    )  # that of a family of splines took its place
     return replace(state, valid_for=state.valid_for + unmodelled_limits(state))
 
 

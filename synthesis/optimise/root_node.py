@@ -36,6 +36,7 @@ from synthesis.optimise.refinement.mesh import (
     refine_mesh,
 )
 from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
+from synthesis.optimise.relaxation.any_law import size_conflict
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
 from synthesis.optimise.state import QUICK, SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
@@ -44,8 +45,7 @@ from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 
 MAX_MESHES = 8  # one finer than the other
-COARSEST, FINEST = 24, 96
-"""Intervals of the first mesh; between, by tolerance: the bound's error falls as their square."""
+COARSEST, FINEST = 24, 96  # intervals of the first mesh: the bound's error falls as their square
 INTERVALS_AT_UNIT_TOLERANCE = 3.7  # too coarse as a rule: the second has knots where needed
 FINEST_CURVED = 16  # intervals of the first mesh at most where curved limits are linearised
 FINEST_WITHOUT_ROWS = 150  # of all laws, where curved limits have no rows: a local search follows
@@ -153,11 +153,12 @@ class RootNode(Node):
             state = replace(state, grids=self.last_solvable_mesh, margin=0.0)
             grids = halve_intervals(problem, state.grids, violations)
             return self._next(replace(state, grids=grids), last_solvable_mesh=())
-        if self.mesh_number > 1 or not state.grids:
-            return self._finish(replace(state, infeasible=state.relaxed is None))
-        if problem.has_curved_limits:
-            return None
-        result = minimise_excess(problem, state.grids, state.tighten, state.deadline)
+        proof = size_conflict(problem)
+        if proof or self.mesh_number > 1 or not state.grids:
+            nothing = replace(state, infeasible=bool(proof) or state.relaxed is None)
+            return self._finish(replace(nothing, infeasibility_proof=proof))
+        curved, args = problem.has_curved_limits, (state.grids, state.tighten, state.deadline)
+        result = None if curved else minimise_excess(problem, *args)
         if result is None:
             return None
         if result.just_meets and state.tighten > 0.0:

@@ -15,7 +15,6 @@ for all of them; ``conflict`` uses it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import lru_cache
 from math import inf, pi
 
@@ -29,7 +28,7 @@ from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.optimise.recovery.candidate import given_cam
-from synthesis.optimise.recovery.closed_form import closed_form_size
+from synthesis.optimise.relaxation.any_law import size_conflict
 from synthesis.optimise.strategy.phase_one import (
     INTERVALS,
     PhaseOneResult,
@@ -68,7 +67,7 @@ def infeasibility_proof(attempt: Attempt) -> str:
         lambda: _mean_velocity_conflict(problem),
         lambda: _given_cam_conflict(problem, attempt, given),
         lambda: search.infeasibility_proof,
-        lambda: _size_conflict(problem, given),
+        lambda: size_conflict(problem),
         lambda: _cone_conflict(problem),
         lambda: _gentlest_law_conflict(attempt),
         lambda: excess_proof(search.problem),
@@ -181,32 +180,6 @@ def contains_angle(segment: PlacedSegment, angle_deg: float) -> bool:
     """Whether a cam angle lies on a segment, its ends included."""
     beyond = (angle_deg * DEGREE - segment.start + NEAR) % (2.0 * pi)
     return beyond <= segment.angle + 2.0 * NEAR
-
-
-def _size_conflict(problem: Problem, given: set[int]) -> str:
-    """Whether the segments whose law is given, dwells among them, leave no size.
-
-    Every limit on a given law is a half-plane of the size, or several. If these have no common
-    point, or none within a cone of the size, no law of the other segments mends it: the nearest
-    point to the cone's axis lies outside. Half-planes are moved out by more than rounding.
-    """
-    follower = problem.machine.follower
-    known = tuple(segment for segment in problem.segments if segment.index in given)
-    if not known or follower.fixable_dimension() is not None:
-        return ""
-    alone, slack = replace(problem, segments=known), ROUNDING * problem.length
-    which = "the given laws" if not problem.free else "the dwells and the given laws"
-    if closed_form_size(alone, slack=slack) is None:
-        return f"proven: no size fits {which}"
-    for cone in problem.norm_bounds:
-        rows, columns = np.shape(cone.norm.matrix)
-        if rows > 1 and (rows != columns or np.linalg.matrix_rank(cone.norm.matrix) < rows):
-            continue  # nearest in such a norm is no corner of the polygon
-        nearest = closed_form_size(alone, norm=cone.norm, slack=slack)
-        if nearest is None or cone.norm.value(nearest) > cone.upper + slack:
-            name = cone.source.replace("_", " ")
-            return f"proven: no size fits {which} and {name} together"
-    return ""
 
 
 def _cone_conflict(problem: Problem) -> str:

@@ -231,6 +231,7 @@ def test_a_largest_radius_beyond_what_is_searched_by_itself() -> None:
 def test_how_large_a_cam_was_searched_is_stated() -> None:
     question = scene(PLAIN, angles(1e-3, 45.0))
     assert f"base radii up to {1e4 * LIFT:.6g} mm" in why(question).evidence
+    assert why(question).proven is False
     larger = changed(question, "base_radius_mm", {"max": 3e6})
     assert certified(larger)
 

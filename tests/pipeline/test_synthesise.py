@@ -506,18 +506,18 @@ def test_the_largest_cam_is_no_answer() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [2e-2, 7e-3])
-def test_a_bound_over_a_family_lies_below_the_value(tolerance: float) -> None:
-    """Without a jerk limit; the rows that the solver keeps drawn in must not raise the bound."""
+def test_without_a_cap_the_bound_is_no_least_of_splines(tolerance: float) -> None:
+    """No best law exists: the finer the knots, the smaller the cam, and none reaches the bound."""
     knife = {"kind": "translating_roller", "roller_radius_mm": 0.0}
     aim = {"kind": "base_radius"}
     question = spec(limits=[PRESSURE], follower=knife, tolerance=tolerance, objective=aim)
     design = synthesise(question)
     proof = design.certificate
-    assert proof.bound_valid_for.startswith("splines of degree 3")
+    assert proof.bound_valid_for.startswith("every motion law")
     assert proof.lower_bound is not None
     assert proof.value is not None
     assert proof.lower_bound <= proof.value
-    assert design.status == "optimal"
+    assert design.status == "feasible"
 
 
 def test_a_design_read_back_has_its_spec_checked() -> None:

@@ -59,6 +59,12 @@ class FreePivotPressureAngle(NonconvexConstraint):
         lever = self.arm + self.sense * s[1]
         return (lever - across - beside) / self.arm, (across - beside - lever) / self.arm
 
+    @property
+    def speed_curvatures(self) -> tuple[float, float]:
+        # F = D cos(ψ − α) − l bends down where it is positive; of F = l − D cos(ψ + α), with
+        # D = d √(1 + t²), l² F'' = D cos(ψ + α) = l − F. Both are linear in z.
+        return 0.0, 1.0 / self.arm
+
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         phi, lever, still = s[0] / self.arm, self.arm + self.sense * s[1], np.zeros_like(s)
         cosine, sine, t = np.cos(phi), np.sin(phi), self.slope
@@ -122,6 +128,10 @@ class FixedPivotPressureAngle(NonconvexConstraint):
         above = lever - self._reach * np.cos(psi - self._angle)
         below = self._reach * np.cos(psi + self._angle) - lever
         return above / unit, below / unit
+
+    @property
+    def speed_curvatures(self) -> tuple[float, float]:
+        return 0.0, 1.0 / self.arm  # the same of s + w, in which F rises, then falls
 
     def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
         # With cos A = (l + σ s')/D the two rows read cos(ψ − α) ≥ cos A and cos(ψ + α) ≤ cos A, so

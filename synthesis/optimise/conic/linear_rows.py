@@ -55,7 +55,8 @@ class LinearBlock:
 
     Attributes:
         kind: point: Σ alpha_k g^(k)(x) is what the laws' part stands for, at the points x; mean:
-            the mean of this along each row's span, all along which it is at most rhs; control: a
+            the mean of this along each row's span, all along which it is at most rhs; falling,
+            rising: the same, weighed linearly, 0 at the end or at the start; control: a
             bound on the coefficients of the derivative that ``alpha`` names; monotone: coefficients
             in order; size: no motion in it.
         segment: position among the free segments, None for kind size.
@@ -72,7 +73,7 @@ class LinearBlock:
         origin: of rows that hold whatever the region; None of cuts, and of rows of no limit.
     """
 
-    kind: Literal["point", "mean", "control", "monotone", "size"]
+    kind: Literal["point", "mean", "falling", "rising", "control", "monotone", "size"]
     segment: int | None
     law_matrix: Array | None
     x: Array

@@ -11,12 +11,16 @@ as valid as any; of a value that is held on a window they may have either sign.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import factorial
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import nnls
 
 from synthesis.numerics.piecewise import Array, gauss_points
+from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (
     RowFunctional,
@@ -25,6 +29,7 @@ from synthesis.optimise.dual_bound.row_functionals import (
 )
 from synthesis.optimise.dual_bound.switching import Switching
 
+ACCELERATION = 2  # order of the derivative
 BINDS = 1e-5  # of the largest multiplier: a smaller one is of a row that does not bind
 SHORTEST = 4  # multipliers of an arc: fewer are all used up by what has to stay as it is
 KEPT = 1e3  # weight of what stays as it is, relative to that of ψ
@@ -32,6 +37,7 @@ SAMPLES = 3  # of ψ between two multipliers
 WINDOW_NODES = 33  # Chebyshev points of a window on which its multipliers are redistributed
 WINDOW_SAMPLES = 3  # between two of them, at which ψ is made small
 
+HatKind = Literal["falling", "rising"]
 Function = Callable[[Array], Array]
 
 
@@ -49,6 +55,44 @@ def density_terms(
         mass = flatten(one, nodes, mass, psi[one.block.segment])
     own = np.concatenate(distribute_to_intervals(nodes, mass))
     return [(one.hat_rows(nodes).select(own != 0.0), own[own != 0.0])]
+
+
+def with_densities_of_control(model: ConicModel, z: Array) -> tuple[ConicModel, Array] | None:
+    """A model and its multipliers (m,), those of rows on s'' and the size densities; None: none.
+
+    Where s'' is the control, a row on it at a point says nothing of a law. But its limit holds
+    almost everywhere, and so with any density that is not negative. What the points have goes to
+    the knots beside them; between these the density is linear.
+    """
+    at = model.program.equalities
+    blocks, parts = list[LinearBlock](), [z[:at]]
+    for block in model.blocks:
+        own, at = z[at : at + len(block.rhs)], at + len(block.rhs)
+        uniform = block.alpha.ndim == 1 and block.size.ndim == 1 and block.spans is None
+        of_both = block.orders[-1:] == (ACCELERATION,) and np.any(block.size)
+        if not (of_both and uniform) or block.segment is None:
+            blocks.append(block)
+            parts.append(own)
+            continue
+        breaks = model.grids[block.segment].space.breaks
+        left = np.clip(np.searchsorted(breaks, block.x, "right") - 1, 0, len(breaks) - 2)
+        share = (block.x - breaks[left]) / np.diff(breaks)[left]
+        mass = np.asarray(np.bincount(left, (1.0 - share) * own, len(breaks)), dtype=float)
+        mass += np.bincount(left + 1, share * own, len(breaks))
+        spans = np.stack([breaks[:-1], breaks[1:]], axis=1)
+        rhs = np.full(len(spans), np.min(block.rhs))
+        hats: tuple[tuple[HatKind, Array], ...] = tuple(
+            zip(("falling", "rising"), distribute_to_intervals(breaks, mass), strict=True)
+        )
+        for kind, masses in hats:
+            x = spans.mean(axis=1)
+            blocks.append(replace(block, kind=kind, law_matrix=None, x=x, spans=spans, rhs=rhs))
+            parts.append(masses)
+    if len(blocks) == len(model.blocks):
+        return None
+    program = replace(model.program, inequalities=sum(len(block.rhs) for block in blocks))
+    changed = replace(model, blocks=tuple(blocks), program=program)
+    return changed, np.concatenate([*parts, z[at:]])
 
 
 def flatten(one: RowFunctional, nodes: Array, mass: Array, psi: Function) -> Array:

@@ -47,7 +47,11 @@ from synthesis.optimise.conic.control import (
 )
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound import row_functionals as terms
-from synthesis.optimise.dual_bound.arcs import density_terms, redistribute_window_multipliers
+from synthesis.optimise.dual_bound.arcs import (
+    density_terms,
+    redistribute_window_multipliers,
+    with_densities_of_control,
+)
 from synthesis.optimise.dual_bound.costates import (
     best_costates,
     boundary_multipliers,
@@ -108,6 +112,10 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     z = nonnegative_multipliers(model, solution)
     if controls is None:
         controls = weighed_controls(model, mean_square_caps(model, z))
+    densities = with_densities_of_control(model, z) if controls is None and not dense else None
+    if densities is not None and law_controls(densities[0]) is not None:
+        ends = boundary_multipliers(model, solution, len(NAMES), z)
+        return dual_bound(densities[0], replace(solution, multipliers=densities[1]), ends)
     if controls is None:
         value = spline_family_bound(model, solution)
         return Bound(in_problem_units(model, value), _family_name(model))

@@ -30,6 +30,7 @@ from synthesis.optimise.conic.program import ConicModel
 Which = NDArray[Any] | slice
 EVERY = slice(None)
 DEGREE = 4  # of what a density of g itself adds to ψ where the third derivative is the control
+RISING_SHARE = {"mean": 0.5, "falling": 0.0, "rising": 1.0}  # of a density, by kind of block
 PARTS = 4  # of a knot interval where y is not linear there
 
 
@@ -144,14 +145,18 @@ class RowFunctional:
             here = slice(first, first + self.count)
             x, slopes = (a[here][which] for a in self.model.grids[block.segment].space.step_slopes)
             weights[:, 1] = slopes
-        elif block.highest_order == order or block.kind == "mean":
+        elif block.highest_order == order or block.kind in RISING_SHARE:
             # Rows of the control itself on a part of a law, and means over it, add to ψ all along.
             assert block.spans is not None
             spans, alpha = block.spans[which], np.zeros((len(rhs), order + 1))
             alpha[:] = _of_rows(block.alpha.T, which)[..., : order + 1]
-            even = Hats(spans[:, 0], spans[:, 1], np.full(len(rhs), 0.5), alpha[:, :order])
-            x, weights, poly = even.left, even.weights, even.poly
-            poly[:, 0] += alpha[:, order] / np.ptp(spans, axis=1)
+            rising = RISING_SHARE.get(block.kind, 0.5)
+            hats = Hats(spans[:, 0], spans[:, 1], np.full(len(rhs), rising), alpha[:, :order])
+            x, weights, poly = hats.left, hats.weights, hats.poly
+            # the density itself: 2 (1 − s) over the width of a falling hat, 2 s of a rising one
+            steep = 2.0 * alpha[:, order] / np.ptp(spans, axis=1)
+            poly[:, 0] += (1.0 - rising) * steep
+            poly[:, 1] += (2.0 * rising - 1.0) * steep
         else:
             weights[:] = _of_rows(block.alpha.T, which)[..., :order]
         return WeightedRows(

@@ -17,10 +17,12 @@ from synthesis.catalogue.constraints import AffineNorm
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.semi_infinite import most_violated
+from synthesis.optimise.conic.semi_infinite import HalfPlanes, most_violated
 from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
+ImpliedHalfPlanes = Callable[[Vector], HalfPlanes]
+"""Half-planes that stand out at a size, and by how much it breaks each [length]."""
 EXCHANGES = 40  # of half-planes at most; each adds those that the last size violates
 FEW = 48  # half-planes of which all corners are looked at
 ADDED = 8  # half-planes that join them at a time
@@ -54,7 +56,7 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
 
 def closed_form_size(
     problem: Problem, clear: float = 0.0, *, least: float = 0.0, norm: AffineNorm | None = None,
-    slack: float = 0.0,
+    slack: float = 0.0, implied: ImpliedHalfPlanes | None = None,
 ) -> Vector | None:  # fmt: skip
     """The size of least prime radius on all half-planes; None where they have no common point.
 
@@ -65,6 +67,7 @@ def closed_form_size(
         least: norm of the smallest size that is sought, as far as half-planes say it.
         norm: what is least; None: the prime radius.
         slack: by how much every half-plane is moved out [length].
+        implied: half-planes that free laws imply, in addition to those of given ones.
     """
     radius = problem.machine.follower.radius_norm()
     norm = norm or radius
@@ -74,10 +77,11 @@ def closed_form_size(
         normals = np.vstack([normals, -np.array(radius.matrix)])
         offsets = np.append(offsets, radius.shift[0] - least)
     size = _nearest_size(problem, norm, normals, offsets)
-    for _ in range(EXCHANGES if problem.has_curved_limits else 0):
+    for _ in range(EXCHANGES if problem.has_curved_limits or implied else 0):
         if size is None:
             return None
-        violated = most_violated(problem, size)
+        each = [most_violated(problem, size), *([implied(size)] if implied else [])]
+        violated = HalfPlanes(*map(np.concatenate, zip(*each, strict=True)))
         prime = radius.value(size)
         scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
         more = violated.excess > (OUTSIDE - clear) * scale

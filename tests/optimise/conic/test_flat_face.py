@@ -133,12 +133,13 @@ def test_the_bound_over_all_laws_closes_in_and_is_never_above_a_finer_cam() -> N
     assert reported[1].value > 0.98 * fine.value
 
 
-def test_where_the_size_caps_the_steering_the_bound_speaks_of_splines_only() -> None:
+def test_where_the_size_caps_the_control_too_its_rows_have_densities() -> None:
     scene = problem(question(*SCENES["acceleration"]))
-    found = direct(scene, even(scene, 20))
-    reported = dual_bound(found.model, found.solution)
-    assert reported.valid_for.startswith("splines of degree 3")
-    assert reported.value == pytest.approx(found.value, rel=1e-6)
+    coarse, fine = (direct(scene, even(scene, n)) for n in (24, 96))
+    reported = [dual_bound(each.model, each.solution) for each in (coarse, fine)]
+    assert all(each.valid_for == "all motion laws with a bounded acceleration" for each in reported)
+    assert max(each.value for each in reported) <= fine.value <= coarse.value * (1.0 + 1e-9)
+    assert 0.9 * fine.value < reported[0].value < reported[1].value
 
 
 def test_the_rows_are_linear_so_nothing_is_left_to_ipopt() -> None:

@@ -1,0 +1,239 @@
+"""Half-planes of the size that every motion law keeps, whether its derivatives are capped or not.
+
+Two theorems, of every law that is continuously differentiable:
+
+**How long a move takes.** Pressure angle and velocity limit how fast a follower may be at each
+height: s' ≤ F(s; z), z the size. So a move from a to b takes a least angle
+
+    T(z) = ∫ ds / F(s; z) over all heights between a and b,
+
+and no cam has T(z) > β, the move's angle. For the law passes each height upwards at least once, be
+it one that turns back, and the angles at which it rises come to ∫ s'/F(s) dθ ≥ T (area formula).
+Where F ≤ 0 nothing passes, and T is infinite. Of a return −s rises.
+The integral is bounded from below cell by cell: the mean of 1/F over a cell is no less than 1 over
+the mean of F (Jensen), and that is at most the value in the middle and what F may bend up by. F is
+the least of functions that are linear in z; so 1/F and that sum are convex, and all cams lie on one
+side of every tangent of the sum: a half-plane of the size.
+
+**How it comes to rest.** Under a flat face the radius of curvature reads a s'' + b s ≥ c(z), c
+linear. With ω² = b/a and the weight λ = sin ω(θ − θ0) ≥ 0 over a move of ωβ ≤ π, two integrations
+by parts leave the motion's values at its ends alone:
+
+    a [λ s' − λ' s] = ∫ λ (a s'' + b s) dθ ≥ c(z) ∫ λ dθ,
+
+where s' counts at the far end, at which it is known: a half-plane. Mirrored, at the near one.
+
+Where nothing else binds, the least size on these half-planes is the infimum over all laws: laws
+that run along F, or along the least radius, but for short ramps, come as near to it as one likes,
+and none reaches it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from math import cos, inf, pi, sin, sqrt
+
+import numpy as np
+
+from synthesis.catalogue.constraints import AffineNorm, Vector
+from synthesis.catalogue.motion import PlacedSegment
+from synthesis.numerics.piecewise import Array
+from synthesis.optimise.conic.semi_infinite import HalfPlanes
+from synthesis.optimise.problem.boundary import boundary_states
+from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.recovery.closed_form import ImpliedHalfPlanes, closed_form_size
+
+CELLS = 200
+"""Of the heights of a move. The midpoint rule's error falls with the square of their width."""
+LOOSENING = 1e-9  # relative: far above the rounding of a sum of as many terms
+NEAR = 1e-7  # relative: a duration no longer than that beyond the move's angle counts as the angle
+HALVINGS = 40  # of an interval of sizes
+STEP = 1e-20  # of a derivative along an imaginary step, which is exact to rounding
+
+
+def least_size(problem: Problem, norm: AffineNorm | None = None) -> Vector | None:
+    """The size of the least norm on these half-planes and on those of given laws; None: no size.
+
+    ``norm``: what is least; None: the prime radius. No cam has a smaller one.
+    """
+    # laws that are known, but neither chosen by a search nor smoothed from a table
+    known = (s for s in problem.segments if s.law is not None)
+    given = tuple(s for s in known if s.free is None and s.table is None)
+    alone, slack = replace(problem, segments=given), LOOSENING * problem.length
+    free = half_planes_of_free_laws(problem)
+    return closed_form_size(alone, norm=norm, slack=slack, implied=free)
+
+
+def size_conflict(problem: Problem) -> str:
+    """Why no size fits all laws, whatever the free ones are; empty where one may.
+
+    Every limit on a known motion is a half-plane of the size, or several, and so is the least
+    duration of a move. If these have no common point, or none within a cone of the size, no law
+    mends it: the nearest point to the cone's axis lies outside. They are moved out by more than
+    rounding. Ends of the search alone are no limits: the cones of a size that is open above, and
+    the ranges of an open pivot.
+    """
+    if problem.machine.follower.fixable_dimension() is not None and problem.open_above:
+        return ""
+    which = "the motion, whatever the free laws are," if problem.free else "the given laws"
+    if least_size(problem) is None:
+        return f"proven: no size fits {which} under these limits"
+    for cone in problem.norm_bounds if not problem.open_above else ():
+        rows, columns = np.shape(cone.norm.matrix)
+        if rows > 1 and (rows != columns or np.linalg.matrix_rank(cone.norm.matrix) < rows):
+            continue  # nearest in such a norm is no corner of the polygon
+        nearest = least_size(problem, cone.norm)
+        if nearest is None or cone.norm.value(nearest) > cone.upper + LOOSENING * problem.length:
+            name = cone.source.replace("_", " ")
+            return f"proven: no size fits {which} and {name} together"
+    return ""
+
+
+def half_planes_of_free_laws(problem: Problem) -> ImpliedHalfPlanes:
+    """Those that the free laws of a problem imply, as a function of the size about which they are.
+
+    At their ends too, where velocities are known.
+    """
+    grids = [uniform_grid(segment, 1) for segment in problem.free]
+    states, _ = boundary_states(problem.segments, grids)
+    fixed = list[HalfPlanes]()
+    for segment, state in zip(problem.free, states, strict=True):
+        rate = segment.scale / segment.angle
+        ends = [known[1] * rate if len(known) > 1 else None for known in (state.start, state.end)]
+        for height, speed in zip((segment.s_start, segment.s_end), ends, strict=True):
+            if speed is not None:
+                fixed += _at_state(problem, segment, np.array([height, speed, 0.0, 0.0]))
+        fixed += _at_rest(problem, segment, ends)
+    return partial(_half_planes, problem, fixed)
+
+
+def _half_planes(problem: Problem, fixed: list[HalfPlanes], z: Vector) -> HalfPlanes:
+    """All of them, with what a size exceeds each by."""
+    size = np.array(z)
+    moves = [plane for segment in problem.free for plane in _half_plane(problem, segment, size)]
+    nothing = HalfPlanes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0))
+    normals, offsets, _ = map(np.concatenate, zip(nothing, *fixed, *moves, strict=True))
+    return HalfPlanes(normals, offsets, normals @ size - offsets)
+
+
+def _at_state(problem: Problem, segment: PlacedSegment, s: Array) -> Iterator[HalfPlanes]:
+    """What limits say of the size where motion and velocity are known: (4,) s to s'''."""
+    for row in problem.limit_rows(segment):
+        if any(row.size) and row.interval is None and set(row.orders) <= {0, 1}:
+            yield _scaled(np.array([row.size]), np.array([row.upper - np.dot(row.coefficients, s)]))
+    for curve in problem.curved_limits_on(segment):
+        if curve.order <= 1:
+            for planes in curve.half_planes(s[:, None]):
+                yield _scaled(planes.size.T, planes.upper)
+
+
+def _at_rest(
+    problem: Problem, segment: PlacedSegment, speeds: Sequence[float | None]
+) -> Iterator[HalfPlanes]:
+    """Half-planes of rows c s'' + d s + size · z ≤ upper, c and d negative, over a whole move.
+
+    ``speeds``: at its ends [length/rad], where known.
+    """
+    for row in problem.limit_rows(segment):
+        (d, c), by_size = row.coefficients[:3:2], np.array(row.size)
+        if row.interval is not None or set(row.orders) != {0, 2} or max(c, d) >= 0.0:
+            continue
+        omega = sqrt(d / c)
+        sine, cosine = sin(omega * segment.angle), cos(omega * segment.angle)
+        if omega * segment.angle > pi or not any(row.size):
+            continue
+        mean = (1.0 - cosine) / omega  # of the weight, over the move
+        for far, near, speed in (
+            (segment.s_end, segment.s_start, speeds[1]),
+            (segment.s_start, segment.s_end, None if speeds[0] is None else -speeds[0]),
+        ):
+            if speed is not None:
+                ends = -c * (sine * speed - omega * (cosine * far - near))
+                upper = row.upper * mean + ends
+                loose = LOOSENING * (abs(row.upper) * mean + abs(c) * problem.length)
+                yield _scaled(mean * by_size[None], np.array([upper + loose]))
+
+
+def _half_plane(problem: Problem, segment: PlacedSegment, size: Array) -> Iterator[HalfPlanes]:
+    """What the least duration of a move says about a size; nothing where it is infinite there."""
+    duration, gradient = _least_duration(problem, segment, size)
+    if not segment.angle * (1.0 + NEAR) < duration < inf or not np.any(gradient):
+        return
+    if len(size) > 1:
+        # The tangent: T(z0) + ∇T · (z − z0) ≤ T(z) ≤ β.
+        loose = LOOSENING * (segment.angle + duration + np.abs(gradient) @ np.abs(size))
+        yield _scaled(
+            gradient[None], np.array([segment.angle - duration + gradient @ size + loose])
+        )
+        return
+    # One size: F rises with it and then falls, at every height, so that T falls and then rises. As
+    # long as T > β falls towards one side, all sizes on the other side are excluded; where it rises
+    # again above β, all.
+    down, ends = -np.sign(gradient[0]), problem.sizing.bounds[0]
+    last, near, rising = float(ends[0] if down < 0.0 else ends[1]), float(size[0]), False
+    for _ in range(HALVINGS):
+        middle = 0.5 * (near + last)
+        duration, slope = _least_duration(problem, segment, np.array([middle]))
+        exceeded, falls = duration > segment.angle * (1.0 + LOOSENING), slope[0] * down < 0.0
+        near, last = (middle, last) if exceeded and falls else (near, middle)
+        rising = rising if exceeded and falls else exceeded
+    yield HalfPlanes(np.array([[-down]]), np.array([-down * near]), np.zeros(1))
+    if rising:
+        yield HalfPlanes(np.array([[down]]), np.array([down * near - 1.0]), np.zeros(1))
+
+
+def _least_duration(problem: Problem, segment: PlacedSegment, size: Array) -> tuple[float, Array]:
+    """T from below at a size, and its gradient; infinite where a height cannot be passed."""
+    width, sense = abs(segment.lift) / CELLS, np.sign(segment.lift)
+    edges = np.linspace(segment.s_start, segment.s_end, CELLS + 1)
+    fastest = list(_fastest(problem, segment, 0.5 * (edges[1:] + edges[:-1]), sense, size))
+    if not fastest or not segment.lift:
+        return 0.0, np.zeros(len(size))
+    speeds = np.array([speed + width**2 / 24.0 * bend for speed, _, bend in fastest])
+    slopes = np.array([slope for _, slope, _ in fastest])
+    lowest, cell = np.argmin(speeds, axis=0), np.arange(CELLS)
+    speed, slope = speeds[lowest, cell], slopes[lowest, :, cell]
+    if np.any(speed <= 0.0):
+        return inf, np.zeros(len(size))
+    return float(np.sum(width / speed)), -width * (1.0 / speed**2) @ slope
+
+
+def _fastest(
+    problem: Problem, segment: PlacedSegment, heights: Array, sense: float, size: Array
+) -> Iterator[tuple[Array, Array, float]]:
+    """The largest speed F that each limit allows at heights: (n,), ∂F/∂z (d, n), most ∂²F/∂s²."""
+    for row in problem.limit_rows(segment):
+        own, speed = row.coefficients[:2]
+        if row.interval is not None or not set(row.orders) <= {0, 1} or sense * speed <= 0.0:
+            continue
+        by_size = np.array(row.size or (0.0,) * len(size))
+        left = row.upper - own * heights - by_size @ size
+        slope = np.repeat(-by_size[:, None] / abs(speed), len(heights), axis=1)
+        yield left / abs(speed), slope, 0.0
+    for curve in problem.curved_limits_on(segment):
+        if not curve.speed_curvatures:
+            continue
+        # affine in s': the difference of two values is its factor
+        still, moving = (np.stack([heights, x + 0.0 * heights]) for x in (0.0, 1.0))
+        at_rest = curve.excess(still, tuple(size))
+        factors = [b - a for a, b in zip(at_rest, curve.excess(moving, tuple(size)), strict=True)]
+        changes = [
+            np.imag(curve.excess(still, tuple(size + 1j * STEP * unit))) / STEP
+            for unit in np.eye(len(size))
+        ]
+        each = zip(at_rest, factors, curve.speed_curvatures, strict=True)
+        for k, (value, factor, bend) in enumerate(each):
+            if np.all(sense * factor > 0.0):
+                slope = np.array([one[k] for one in changes])
+                yield -value / np.abs(factor), -slope / np.abs(factor), bend
+
+
+def _scaled(normals: Array, offsets: Array) -> HalfPlanes:
+    """Half-planes with normals of length one; those without a normal are left out."""
+    length = np.linalg.norm(normals, axis=1)
+    known = length > 0.0
+    normals, offsets = normals[known] / length[known, None], offsets[known] / length[known]
+    return HalfPlanes(normals, offsets, np.zeros(len(offsets)))
