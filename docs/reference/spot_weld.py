@@ -89,6 +89,7 @@ def state(cells: int, duration: float, order: int, k: int, start: list[float]) -
 
 
 @cache
+@cache
 def least_peak(objective: str, first: float, last: float, cells: int) -> float:
     """Least peak of the control [in/sᵏ] when the return's two parts take these angles [deg].
 

@@ -31,6 +31,9 @@ from service.wire.errors import ProblemType
 current_owner: ContextVar[str] = ContextVar("current_owner", default="")
 UNMEASURED_S = 0.1  # cost of a work until one was measured: of the order of a usual design [s]
 NEWEST = 0.2  # weight of the last work in the average of costs: about the last ten count
+# Works over which the pace is averaged at which places get free: about as many as wait, so that the
+# past that is looked at is as long as the wait that is told.
+PACED = 64
 # How long a place is kept for who was told to come back [s]: Retry-After has whole seconds, and
 # clients wait a little longer rather than less.
 KEPT_S = 2.0
@@ -48,7 +51,9 @@ class _Flow:
     """The work of one owner: ``tag``, ``mean_s`` of his urgent work [s], what waits and runs.
 
     ``expected``: places that work takes which is being accepted. ``returns``: when those who
-    found no room are to come back, in order.
+    found no room are to come back, in order. ``pace_s``: from one of his places that gets free to
+    the next [s], averaged over ``paced`` of them. ``freed``: when the last one did; None where he
+    had no other since.
     """
 
     tag: float
@@ -58,6 +63,16 @@ class _Flow:
     running: int = 0
     expected: int = 0
     returns: list[float] = field(default_factory=list)
+    pace_s: float = 0.0
+    paced: int = 0
+    freed: float | None = None
+
+    def free(self, now: float) -> None:
+        """One of his places gets free: urgent work of his begins."""
+        if self.freed is not None:
+            self.paced = min(self.paced + 1, PACED)
+            self.pace_s += (now - self.freed - self.pace_s) / self.paced
+        self.freed = now
 
     @property
     def places(self) -> int:
@@ -108,7 +123,12 @@ class FairQueue:
     def is_free(self) -> bool:
         """Whether what comes now begins at once."""
         busy = any(flow.waits for flow in self._flows.values())
-        return self.running < self._slots() and not busy
+        return self._idle > self.waiting and not busy
+
+    @property
+    def _idle(self) -> int:
+        """Slots that nobody has; what is being accepted will take as many of them."""
+        return max(0, self._slots() - self.running)
 
     @asynccontextmanager
     async def turn(self, *, urgent: bool = True) -> AsyncIterator[None]:
@@ -163,6 +183,8 @@ class FairQueue:
                 continue
             self._virtual = flow.tag
             turn = Turn(flow, urgent, flow.mean_s, self._clock())
+            if urgent:
+                flow.free(turn.began)
             flow.tag += turn.cost
             flow.running += 1
             self.running += 1
@@ -198,10 +220,14 @@ class FairQueue:
         if self.is_free:
             return 0
         owners = 1 + sum(1 for each in flows if each is not flow and each.places)
-        free = max(self._most - self.waiting, self._most // owners - flow.places)
+        most = self._most + self._idle
+        free = max(most - self.waiting, most // owners - flow.places)
         # Places of his get free as his work begins: by what it takes, and his share of the slots.
         busy = 1 + sum(1 for each in flows if each is not flow and (each.running or each.waits))
-        place_s = max(SPARE * flow.mean_s * busy / max(1, self._slots()), LEAST_PLACE_S)
+        # Where the machine is busy with what comes before a turn (bodies, the store), or with other
+        # programs, they get free more slowly than that, and as slowly as they did of late.
+        served_s = flow.mean_s * busy / max(1, self._slots())
+        place_s = max(SPARE * max(served_s, flow.pace_s), LEAST_PLACE_S)
         flow.returns = [each for each in flow.returns if each > now - KEPT_S]
         if free > 0 and flow.returns and flow.returns[0] <= now:  # he is taken for one who was told
             del flow.returns[0]
@@ -229,6 +255,8 @@ class FairQueue:
             flow = self._flows[name] = _Flow(self._virtual, self._mean_s)
         elif not flow.waits:
             flow.tag = max(flow.tag, self._virtual)
+        if not flow.places:  # the time without a place says nothing about how soon one gets free
+            flow.freed = None
         return flow
 
     def _forget(self) -> None:

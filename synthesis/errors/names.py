@@ -319,17 +319,33 @@ def _envelope(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
 
 
 def _kind_below(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
-    """The kind of a limit, or of an objective, that ought to stand in a field of this object."""
-    for field, entry in (("limits", (0,)), ("objective", ())):
-        around = (*wrong.path[:-1], field, *entry)
-        members = schemas_at({}, around, wrong.model) if field in fields else []
-        kind = meant_kind(wrong.name, kinds_of(members))
-        if kind is None:
-            continue
-        more = _with_fields(kind, members)
-        inner = f'{{"kind": "{kind}"{", …" if more else ""}}}'
-        return Answer(f'Write it into "{field}": {f"[{inner}]" if entry else inner}{more}.')
+    """The kind of a limit, or of an objective, that ought to stand in a field of this object.
+
+    Or in one of an object around: there the kind of just this name, which no field has.
+    """
+    for size in range(len(wrong.path) - 1, -1, -1):
+        around = wrong.path[:size]
+        for field, entry in (("limits", (0,)), ("objective", ())):
+            if field not in fields_at(wrong.body, around, wrong.model):
+                continue
+            members = schemas_at({}, (*around, field, *entry), wrong.model)
+            given = wrong.name if size == len(wrong.path) - 1 else _only_kind(wrong, members)
+            kind = meant_kind(given, kinds_of(members))
+            if kind is None:
+                continue
+            more = _with_fields(kind, members)
+            inner = f'{{"kind": "{kind}"{", …" if more else ""}}}'
+            return Answer(f'Write it into "{field}": {f"[{inner}]" if entry else inner}{more}.')
     return None
+
+
+def _only_kind(wrong: Wrong, members: Sequence[Schema]) -> str:
+    """The kind that a name says word for word where no field says so; '' for none."""
+    assert wrong.model is not None
+    stems = {stem for stem, _ in readings(wrong.name)}
+    if any(field_unit(name)[0] in stems for name in places(wrong.model)):
+        return ""
+    return next((kind for kind in kinds_of(members) if joined(kind) in stems), "")
 
 
 def _elsewhere(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:

@@ -103,6 +103,28 @@ def test_a_diameter_is_halved_for_a_radius_alone(name: str, remedy: str) -> None
 
 
 @pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        (("follower", "face_width_mm"), '"limits": [{"kind": "face_width", …}]'),
+        (("base", "follower", "face_width_mm"), '"limits": [{"kind": "face_width", …}]'),
+        (("follower", "outer_radius_mm"), '"limits": [{"kind": "outer_radius", …}]'),
+        (("follower", "peak_jerk"), '"objective": {"kind": "peak_jerk", …}'),
+        # What is a field somewhere, and a kind too, is meant as the field.
+        (("follower", "base_radius"), '"base_radius_mm": 40'),
+        (("load", "contact", "face_width_mm"), '"width_mm": 40'),
+    ],
+)
+def test_the_kind_of_a_limit_is_known_from_within_the_follower(
+    path: tuple[str, ...], said: str
+) -> None:
+    body: dict[str, Any] = {path[-1]: 40}
+    for name in reversed(path[:-1]):
+        body = {name: {**body, **({"kind": "translating_flat_face"} if name == "follower" else {})}}
+    model = SweepSpec if path[0] == "base" else DesignSpec
+    assert said in answer_name(path, body, model).remedy
+
+
+@pytest.mark.parametrize(
     ("lift", "said"),
     [
         ({"min": 1, "max": "2 cm"}, {("/program/0/lift_mm/max", "must be a number")}),

@@ -223,7 +223,7 @@ def random_questions(count: int) -> list[tuple[DesignSpec, tuple[Any, ...]]]:
 def test_no_question_with_a_law_is_called_infeasible() -> None:
     """What a linear program of another kind finds possible is not denied; most else is proven."""
     said = {"denied": 0, "proven": 0, "impossible": 0}
-    for spec, numbers in random_questions(6):
+    for spec, numbers in random_questions(6)[1:]:  # of the first like the others, and dearest
         excess, found = excess_by_linear_program(*numbers), synthesise(spec)
         if excess < -2e-3:  # of its own steps: between them limits are exceeded a little
             said["denied"] += found.status == "infeasible"

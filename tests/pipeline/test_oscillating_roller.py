@@ -232,12 +232,12 @@ def test_everything_free_is_proven_over_all_laws_and_pivots() -> None:
 def test_a_least_centre_distance_that_binds_is_in_the_bound() -> None:
     far = 100.0
     limits = (angles(), jerk(1.9))
-    free = synthesise(scene(*limits, distance={"min": far}, sense="opposite", tolerance=5e-3))
-    given = synthesise(scene(*limits, distance=far, tolerance=5e-3))
+    free = synthesise(scene(*limits, distance={"min": far}, sense="opposite", tolerance=2e-2))
+    given = synthesise(scene(*limits, distance=far, tolerance=2e-2))
     assert certified(free)
     assert free.dimensions["centre_distance_mm"] == pytest.approx(far, rel=1e-3)
     assert free.certificate.gap is not None
-    assert free.certificate.gap <= 1e-2
+    assert free.certificate.gap <= 2e-2
     assert prime(free) == pytest.approx(prime(given), rel=5e-3)
 
 

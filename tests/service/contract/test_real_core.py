@@ -269,7 +269,8 @@ def test_the_proofs_of_a_sweep_are_one_archive_that_the_checker_reads(
     client: httpx2.Client, tmp_path: Path
 ) -> None:
     base = examples()["flat-face"]["value"]
-    axis = {"kind": "list", "pointer": "/base_radius_mm", "values": [None, {"max": 5.0}]}
+    caps = [base["limits"][2]["max_mm_per_s3"], 1e5]  # the latter is soon explained
+    axis = {"kind": "list", "pointer": "/limits/2/max_mm_per_s3", "values": caps}
     where = client.post("/v1/sweeps", json={"base": base, "axes": [axis]}).headers["location"]
     assert over(client, where)["state"] == "successful"
     answer = client.get(f"{where}/proofs.zip", params={"item": [1, 0, 1]})

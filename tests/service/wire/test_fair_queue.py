@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+from collections import deque
 from collections.abc import Coroutine
 from typing import Any
 
@@ -100,6 +102,16 @@ def test_a_full_queue_has_room_for_who_has_none_yet(clock: Clock) -> None:
     asyncio.run(run())
 
 
+def test_work_that_is_being_accepted_has_its_place_though_a_slot_is_free(clock: Clock) -> None:
+    queue = FairQueue(lambda: 2, 4, "questions", clock)
+    with contextlib.ExitStack() as accepted:
+        for _ in range(6):
+            accepted.enter_context(queue.room())
+        assert not queue.is_free
+        with pytest.raises(ServiceError, match="6 questions are waiting already, 6 of them yours"):
+            queue.room().__enter__()
+
+
 def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
     """Forty clients of one owner for a queue of four: each asks anew at once when answered."""
 
@@ -142,6 +154,56 @@ def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
         came, room = found
         assert came > 100
         assert room > 0.8 * came
+
+    asyncio.run(run())
+
+
+def test_he_does_so_where_a_work_takes_longer_to_be_accepted_than_to_be_done(clock: Clock) -> None:
+    """A busy machine: 0.3 s until a work is accepted, one after the other, and 0.1 s at work.
+
+    In between there is work of a sweep, which takes as long.
+    """
+
+    async def run() -> None:
+        queue, found = FairQueue(lambda: 1, 4, "questions", clock), [0, 0]
+        due = dict.fromkeys(range(40), clock.now)
+        told: set[int] = set()
+        accepted: deque[tuple[int, Any]] = deque()
+        serving = {asyncio.create_task(queue.acquire(urgent=False)): -1 for _ in range(2)}
+        await asyncio.sleep(0)
+        for step in range(4000):
+            clock.now += 0.1
+            for turn in [each for each in serving if each.done()]:
+                queue.release(turn.result())
+                client = serving.pop(turn)
+                if client < 0:
+                    serving[asyncio.create_task(queue.acquire(urgent=False))] = -1
+                else:
+                    due[client] = clock.now
+            if step % 3 == 0 and accepted:
+                client, room = accepted.popleft()
+                serving[asyncio.create_task(queue.acquire())] = client
+                await asyncio.sleep(0)
+                room.__exit__(None, None, None)
+            await asyncio.sleep(0)
+            for client in [each for each, time in due.items() if time <= clock.now]:
+                found[0] += client in told
+                room = queue.room()
+                try:
+                    room.__enter__()
+                except ServiceError as refused:
+                    told.add(client)
+                    due[client] = clock.now + float(refused.headers["Retry-After"])
+                else:
+                    found[1] += client in told
+                    told.discard(client)
+                    del due[client]
+                    accepted.append((client, room))
+        for turn in serving:
+            turn.cancel()
+        came, room_found = found
+        assert came > 100
+        assert room_found > 0.8 * came
 
     asyncio.run(run())
 
