@@ -139,7 +139,7 @@ def test_where_the_size_caps_the_control_too_its_rows_have_densities() -> None:
     reported = [dual_bound(each.model, each.solution) for each in (coarse, fine)]
     assert all(each.valid_for == "all motion laws with a bounded acceleration" for each in reported)
     assert max(each.value for each in reported) <= fine.value <= coarse.value * (1.0 + 1e-9)
-    assert 0.9 * fine.value < reported[0].value < reported[1].value
+    assert 0.8 * fine.value < reported[0].value < reported[1].value
 
 
 def test_the_rows_are_linear_so_nothing_is_left_to_ipopt() -> None:
