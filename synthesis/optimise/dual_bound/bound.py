@@ -113,9 +113,10 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
     if controls is None:
         controls = weighed_controls(model, mean_square_caps(model, z))
     densities = with_densities_of_control(model, z) if controls is None and not dense else None
-    if densities is not None and law_controls(densities[0]) is not None:
-        ends = boundary_multipliers(model, solution, len(NAMES), z)
-        return dual_bound(densities[0], replace(solution, multipliers=densities[1]), ends)
+    controls = law_controls(densities[0]) if densities is not None else controls
+    if densities is not None and controls is not None:
+        costates, dense = boundary_multipliers(model, solution, controls[0].order, z), True
+        model, z = densities
     if controls is None:
         value = spline_family_bound(model, solution)
         return Bound(in_problem_units(model, value), _family_name(model))
