@@ -80,7 +80,7 @@ def with_densities_of_control(model: ConicModel, z: Array) -> tuple[ConicModel, 
         mass = np.asarray(np.bincount(left, (1.0 - share) * own, len(breaks)), dtype=float)
         mass += np.bincount(left + 1, share * own, len(breaks))
         spans = np.stack([breaks[:-1], breaks[1:]], axis=1)
-        rhs = np.full(len(spans), np.min(block.rhs))
+        rhs = np.full(len(spans), np.max(block.rhs))
         hats: tuple[tuple[HatKind, Array], ...] = tuple(
             zip(("falling", "rising"), distribute_to_intervals(breaks, mass), strict=True)
         )
