@@ -284,6 +284,7 @@ def _tighten_region(
         return region
     pending = frozenset(among)
     slack = (1.0 + SPARE) * task.incumbent.value - task.target
+    last = state.last_program if state.programs else inf  # a quick proof has few iterations
     for number, extra in enumerate((0.0, slack, slack)):
         if state.time_left <= 0.0 or not pending or region.is_empty:
             break
@@ -294,7 +295,9 @@ def _tighten_region(
         problem = with_value_cap(task.problem, node.largest_value + extra)
         model = formulate(problem, grids)
         model = with_rows(model, _size_rows(replace(node, region=region), model.scales))
-        region, pending = tighten_bounds(model, task.controls, region, pending, state.time_left)
+        region, pending = tighten_bounds(
+            model, task.controls, region, pending, state.time_left, last
+        )
     return None if pending == frozenset(among) else region
 
 

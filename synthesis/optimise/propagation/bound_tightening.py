@@ -53,6 +53,7 @@ def tighten_bounds(
     region: ImprovingRegion,
     positions: Collection[int],
     time_limit: float = inf,
+    last_program: float = inf,
 ) -> tuple[ImprovingRegion, frozenset[int]]:
     """The region, tightened under the model's rows and those that the region implies.
 
@@ -61,6 +62,7 @@ def tighten_bounds(
         controls: caps of the free laws' controls, of one order.
         positions: positions of the laws to be bounded.
         time_limit: seconds after which nothing more is bounded.
+        last_program: ``clock.programs_solved()`` at which the same holds of cone programs.
 
     Returns:
         the region, and the laws for which the mesh has no spline under the rows, so that nothing
@@ -72,7 +74,9 @@ def tighten_bounds(
         block for cone in model.cone_blocks for block in cone_tangents(model, cone, region.sizes)
     ]
     infeasible, half_spaces = set[int](), list[HalfSpaces]()
-    parts = {k: _LawSubproblem.of(model, k, controls, tangents, region) for k in positions}
+    parts = {
+        k: _LawSubproblem.of(model, k, controls, tangents, region, last_program) for k in positions
+    }
     # 1. How far the size of a better cam lies in directions all round, by every law.
     directions = directions_around(region.sizes)
     count = len(directions)
@@ -110,6 +114,7 @@ class _LawSubproblem:
         model: their rows, and those of the size alone.
         law: number of the law to be bounded. controls: of all of them.
         implied, denser: rows of curvature at their points, and between these.
+        last_program: ``clock.programs_solved()`` at which no more cone programs are begun.
     """
 
     model: ConicModel
@@ -117,6 +122,7 @@ class _LawSubproblem:
     controls: tuple[Control, ...]
     implied: list[LinearBlock]
     denser: list[tuple[LinearBlock, PointRuns | None]]
+    last_program: float
 
     @classmethod
     def of(
@@ -126,6 +132,7 @@ class _LawSubproblem:
         controls: Sequence[Control],
         more: Sequence[LinearBlock],
         region: ImprovingRegion,
+        last_program: float,
     ) -> _LawSubproblem:
         """Of a model, with more rows of the size, and those that a region implies."""
         positions = coupled_laws(whole, position)
@@ -133,7 +140,8 @@ class _LawSubproblem:
         caps = tuple(controls[k] for k in positions)
         law = positions.index(position)
         rows = own.rows(part, SPREAD)
-        return cls(part, law, caps, [x for x, _, _ in rows], [(y, runs) for _, y, runs in rows])
+        implied, denser = [x for x, _, _ in rows], [(y, runs) for _, y, runs in rows]
+        return cls(part, law, caps, implied, denser, last_program)
 
     def lower_bounds(
         self, quantities: Quantities, region: ImprovingRegion, until: float,
@@ -151,7 +159,7 @@ class _LawSubproblem:
             # every row costs a cone program as much, whether it binds or not
             model = without_size_rows(self.model) if size_is_bounded else self.model
             full = with_rows(model, [*_box_rows(region.sizes, unit), *rows])
-            z = _cone_multipliers(full.program, wanted.objectives(full), until)
+            z = _cone_multipliers(full.program, wanted.objectives(full), until, self.last_program)
         else:
             full = with_rows(self.model, rows)
             z = _linear_multipliers(full, wanted.objectives(full), region.sizes, until)
@@ -182,13 +190,19 @@ def _box_rows(sizes: Sizes, unit: float) -> list[LinearBlock]:
 
 
 def _cone_multipliers(
-    program: ConeProgram, objectives: Sequence[Array], until: float
+    program: ConeProgram, objectives: Sequence[Array], until: float, last_program: float
 ) -> Array | None:
-    """Multipliers (q, m) of a program's rows for each objective; None where one has no minimum."""
-    result = clarabel.minimise_each(program, objectives, until - clock.now())
-    if result[-1].stopped not in USABLE:
+    """Multipliers (q, m) of a program's rows for each objective; None where one has no minimum.
+
+    Where the budget ends, 0 for the rest: they are valid too, and what is known stays.
+    """
+    result = clarabel.minimise_each(program, objectives, until - clock.now(), last_program)
+    if result[-1].stopped is StopReason.OUT_OF_TIME:
+        result.pop()
+    if not result or result[-1].stopped not in USABLE:
         return None
-    return np.stack([each.multipliers for each in result])
+    known = np.stack([each.multipliers for each in result])
+    return np.pad(known, ((0, len(objectives) - len(known)), (0, 0)))
 
 
 def _linear_multipliers(

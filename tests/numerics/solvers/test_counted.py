@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from math import ceil, inf
 
 import numpy as np
+import pytest
 from scipy import sparse
 
 from synthesis.numerics import clock
-from synthesis.numerics.solvers.clarabel import SMALL_PROGRAMS, ConeProgram
+from synthesis.numerics.solvers import clarabel
+from synthesis.numerics.solvers.clarabel import ConeProgram
 from synthesis.numerics.solvers.clarabel import minimise_each as minimise_each_of_cones
 from synthesis.numerics.solvers.clarabel import solve as solve_cone_program
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
+from synthesis.numerics.solvers.statuses import StopReason
+from synthesis.optimise.propagation.bound_tightening import _cone_multipliers
 
 ABOVE = sparse.csc_matrix(-np.eye(2))
 CONE = ConeProgram(
@@ -32,11 +37,36 @@ def test_a_batch_on_one_matrix_counts_as_one() -> None:
     assert counted() == 2
 
 
-def test_small_cone_programs_on_one_matrix_count_by_the_two_dozen() -> None:
-    objectives = [np.array([1.0, 0.1 + k]) for k in range(2 * SMALL_PROGRAMS + 1)]
+OBJECTIVES = [np.array([1.0, 0.1 + k]) for k in range(31)]
+
+
+def test_cone_programs_on_one_matrix_count_by_their_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clarabel, "WORK", 57.0)
     before = clock.programs_solved()
-    assert len(minimise_each_of_cones(CONE, objectives)) == len(objectives)
-    assert clock.programs_solved() - before == 3
+    found = minimise_each_of_cones(CONE, OBJECTIVES)
+    work = sum(each.iterations for each in found) * CONE.matrix.nnz
+    assert len(found) == len(OBJECTIVES)
+    assert clock.programs_solved() - before == ceil(work / 57.0) > 2
+
+
+def test_they_end_with_the_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clarabel, "WORK", 57.0)
+    before = clock.programs_solved()
+    *found, last = minimise_each_of_cones(CONE, OBJECTIVES, last_program=before + 3)
+    assert last.stopped is StopReason.OUT_OF_TIME
+    assert 0 < len(found) < len(OBJECTIVES)
+    assert 3 <= clock.programs_solved() - before <= 4
+
+
+def test_objectives_beyond_the_budget_have_no_multipliers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clarabel, "WORK", 17.0)
+    now = clock.programs_solved()
+    z = _cone_multipliers(CONE, OBJECTIVES, inf, now + 3)
+    assert z is not None
+    assert z.shape == (len(OBJECTIVES), 2)
+    assert np.all(np.any(z[:3], axis=1))
+    assert not np.any(z[-3:])
+    assert _cone_multipliers(CONE, OBJECTIVES, inf, clock.programs_solved()) is None
 
 
 def test_every_thread_counts_its_own() -> None:

@@ -4,6 +4,7 @@ not."""
 from __future__ import annotations
 
 from itertools import pairwise
+from math import inf
 from typing import Any
 
 import pytest
@@ -74,3 +75,19 @@ def test_a_search_that_found_nothing_better_is_not_made_again(monkeypatch: pytes
     monkeypatch.setattr(traced_node, "_improve_incumbent", noted)
     searched("slide, acceleration", ProofBudget(150.0, 1.0))
     assert better == [False]
+
+
+@pytest.mark.parametrize("programs", [0.0, 40.0])
+def test_bounds_of_a_node_end_with_the_budget_of_the_proof(
+    monkeypatch: pytest.MonkeyPatch, programs: float
+):
+    ends, tighten = list[float](), traced_node.tighten_bounds
+
+    def noted(*given: Any) -> Any:
+        ends.append(given[-1])
+        return tighten(*given)
+
+    monkeypatch.setattr(traced_node, "tighten_bounds", noted)
+    state = searched("slide, Hertz pressure", ProofBudget(programs, 1.0))
+    assert ends
+    assert set(ends) == {state.last_program if programs else inf}

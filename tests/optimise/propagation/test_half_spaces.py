@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from math import inf
 from types import SimpleNamespace
 from typing import Any
 
@@ -172,7 +173,7 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
         monkeypatch.setattr(bound_tightening, name, stub)
     model = SimpleNamespace(scales=SimpleNamespace(size=1.0), cone_blocks=())
     controls = (SimpleNamespace(order=3),)
-    law = bound_tightening._LawSubproblem(model, 0, controls, [], [])
+    law = bound_tightening._LawSubproblem(model, 0, controls, [], [], inf)
     region = ImprovingRegion(BOX, {}, HalfSpaces.empty(2))
     quantities = SimpleNamespace(scaled=lambda: (wanted, units))
     lost = values - law.lower_bounds(quantities, region, np.inf) / units
