@@ -120,6 +120,7 @@ def cut_block(
     scale = np.maximum(
         np.max(np.abs(alpha) * TYPICAL[:, None], axis=0), np.max(np.abs(size), axis=0)
     )
+    scale = np.where(scale > 0.0, scale, 1.0)  # of a row of constants alone
     rhs = round_mantissa((cuts.upper - cuts.coefficients[0] * segment.s_start) / scale)
     alpha, size = round_mantissa(alpha / scale), round_mantissa(size / scale)
     laws = np.zeros((len(grid.points), 0 if bare else grid.space.size))

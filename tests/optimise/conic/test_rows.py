@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from synthesis.catalogue.constraints import PointInequalities
 from synthesis.numerics.solvers.clarabel import solve
-from synthesis.optimise.conic.linear_rows import LinearBlock
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate
-from synthesis.optimise.problem.grid import uniform_grid
+from synthesis.optimise.conic.tangent_cuts import cut_block
+from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.scenes import (
+    PLAIN,
     angles,
     dwell,
     even,
@@ -102,3 +105,18 @@ def test_grids_alike_are_one_with_one_set_of_tables() -> None:
     assert first.basis_table(1) is second.basis_table(1)
     np.testing.assert_array_equal(first.basis_table(2), first.space.basis(first.points, 2))
     assert first.with_points(np.array([0.013])).basis_table(0).shape[0] == len(first.points) + 1
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_cut_of_constants_alone_is_its_own_unit() -> None:
+    """Where a limit changes neither with the motion nor with the size, its tangent is a number."""
+    question = problem(scene(PLAIN, jerk(60.0, 71.7)))
+    (segment, *_), points = question.free, np.array([0.2, 0.7])
+    coefficients = np.zeros((4, 2))
+    coefficients[2, 1] = -1.7
+    cuts = PointInequalities(coefficients, np.zeros((2, 2)), np.array([0.31, 0.4]))
+    grid = Grid(uniform_grid(segment, 9).space, points)
+    block = cut_block(cuts, "tangent", 0, segment, grid, Scales(1.0, 1.0), Tightening())
+    assert block.rhs[0] == pytest.approx(0.31)
+    assert np.all(np.isfinite(block.rhs))
+    assert not np.any(block.alpha[:, 0])
