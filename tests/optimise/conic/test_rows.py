@@ -110,7 +110,7 @@ def test_grids_alike_are_one_with_one_set_of_tables() -> None:
 @pytest.mark.filterwarnings("error")
 def test_a_cut_of_constants_alone_is_its_own_unit() -> None:
     """Where a limit changes neither with the motion nor with the size, its tangent is a number."""
-    question = problem(scene(PLAIN, jerk(60.0, 71.7)))
+    question = problem(scene(PLAIN, angles(30.0, 45.0), jerk(60.0, 71.7)))
     (segment, *_), points = question.free, np.array([0.2, 0.7])
     coefficients = np.zeros((4, 2))
     coefficients[2, 1] = -1.7
