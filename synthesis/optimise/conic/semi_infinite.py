@@ -6,6 +6,7 @@ zooming in on each local maximum; the closed form adds them in turn (an exchange
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,12 @@ class HalfPlanes(NamedTuple):
     excess: Array
 
 
+def join(parts: Iterable[HalfPlanes], sizes: int) -> HalfPlanes:
+    """All of several sets, of so many size variables each; there may be none."""
+    nothing = HalfPlanes(np.zeros((0, sizes)), np.zeros(0), np.zeros(0))
+    return HalfPlanes(*map(np.concatenate, zip(nothing, *parts, strict=True)))
+
+
 def most_violated(problem: Problem, z: Vector) -> HalfPlanes:
     """Of every curved limit the half-planes that stand out at a size, on given segments.
 
@@ -39,14 +46,13 @@ def most_violated(problem: Problem, z: Vector) -> HalfPlanes:
     """
     near = -NEAR * max(problem.length, *map(abs, z))
     placed = {s.index: s.placed() for s in problem.segments if s.law is not None}
-    result = [
+    each = (
         local_maxima(curve, placed[segment.index], np.array(z), near)
         for segment in problem.segments
         if segment.law is not None
         for curve in problem.curved_limits_on(segment)
-    ]
-    result.append(HalfPlanes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0)))
-    return HalfPlanes(*map(np.concatenate, zip(*result, strict=True)))
+    )
+    return join(each, len(z))
 
 
 def local_maxima(

@@ -17,7 +17,7 @@ from synthesis.catalogue.constraints import AffineNorm
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.semi_infinite import HalfPlanes, most_violated
+from synthesis.optimise.conic.semi_infinite import HalfPlanes, join, most_violated
 from synthesis.optimise.problem.problem import Problem
 
 Vector = tuple[float, ...]
@@ -81,7 +81,7 @@ def closed_form_size(
         if size is None:
             return None
         each = [most_violated(problem, size), *([implied(size)] if implied else [])]
-        violated = HalfPlanes(*map(np.concatenate, zip(*each, strict=True)))
+        violated = join(each, len(size))
         prime = radius.value(size)
         scale = max(prime, *(abs(value) for value in size), 1e-6 * problem.length)
         more = violated.excess > (OUTSIDE - clear) * scale

@@ -40,7 +40,7 @@ import numpy as np
 from synthesis.catalogue.constraints import AffineNorm, Vector
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
-from synthesis.optimise.conic.semi_infinite import HalfPlanes
+from synthesis.optimise.conic.semi_infinite import HalfPlanes, join
 from synthesis.optimise.problem.boundary import boundary_states
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
@@ -114,9 +114,8 @@ def _half_planes(problem: Problem, fixed: list[HalfPlanes], z: Vector) -> HalfPl
     """All of them, with what a size exceeds each by."""
     size = np.array(z)
     moves = [plane for segment in problem.free for plane in _half_plane(problem, segment, size)]
-    nothing = HalfPlanes(np.zeros((0, len(z))), np.zeros(0), np.zeros(0))
-    normals, offsets, _ = map(np.concatenate, zip(nothing, *fixed, *moves, strict=True))
-    return HalfPlanes(normals, offsets, normals @ size - offsets)
+    every = join([*fixed, *moves], len(z))
+    return every._replace(excess=every.normals @ size - every.offsets)
 
 
 def _at_state(problem: Problem, segment: PlacedSegment, s: Array) -> Iterator[HalfPlanes]:
