@@ -210,6 +210,8 @@ def _with_size_of_any_law(state: SolveState) -> SolveState:
     problem, norm = state.problem, state.problem.objective.norm(state.problem.machine)
     if norm is None or not problem.free or highest_caps(problem):
         return state
+    if state.covers_all_laws and state.is_good_enough:  # nothing is missing
+        return state
     size = least_size(problem)
     if size is None or (state.covers_all_laws and norm.value(size) <= state.lower):
         return state
@@ -252,9 +254,8 @@ def _closed_form(state: SolveState) -> tuple[SolveState, bool]:
 
 def _with_valid_for(state: SolveState) -> SolveState:
     """The state with what its bound covers, and what it leaves out."""
-    state = _with_least_size(
-        _with_base_circle(_with_size_of_any_law(state))
-    )  # that of a family of splines took its place
+    # A bound of a family of splines took the place of these, which hold over all laws.
+    state = _with_least_size(_with_base_circle(_with_size_of_any_law(state)))
     return replace(state, valid_for=state.valid_for + unmodelled_limits(state))
 
 

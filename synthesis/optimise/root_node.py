@@ -153,7 +153,7 @@ class RootNode(Node):
             state = replace(state, grids=self.last_solvable_mesh, margin=0.0)
             grids = halve_intervals(problem, state.grids, violations)
             return self._next(replace(state, grids=grids), last_solvable_mesh=())
-        proof = size_conflict(problem)
+        proof = size_conflict(problem) if self.mesh_number == 1 else ""  # whatever the mesh
         if proof or self.mesh_number > 1 or not state.grids:
             nothing = replace(state, infeasible=bool(proof) or state.relaxed is None)
             return self._finish(replace(nothing, infeasibility_proof=proof))
