@@ -1,6 +1,7 @@
 """Half-planes of the size that every motion law keeps, whether its derivatives are capped or not.
 
-Two theorems, of every law that is continuously differentiable:
+Two theorems, of every law that is continuously differentiable, the second of those with an s'' that
+can be integrated:
 
 **How long a move takes.** Pressure angle and velocity limit how fast a follower may be at each
 height: s' ≤ F(s; z), z the size. So a move from a to b takes a least angle
@@ -12,8 +13,10 @@ it one that turns back, and the angles at which it rises come to ∫ s'/F(s) dθ
 Where F ≤ 0 nothing passes, and T is infinite. Of a return −s rises.
 The integral is bounded from below cell by cell: the mean of 1/F over a cell is no less than 1 over
 the mean of F (Jensen), and that is at most the value in the middle and what F may bend up by. F is
-the least of functions that are linear in z; so 1/F and that sum are convex, and all cams lie on one
-side of every tangent of the sum: a half-plane of the size.
+the least of functions that are linear in z; so 1/F and that sum are convex, and where the sum is
+above β at a size, all cams lie on one side of its tangent there: a half-plane of the size. Under an
+arm whose pivot is given F is a function of s + z that rises, then falls; there
+T' = 1/F(b + z) − 1/F(a + z), so that T falls, then rises, and one end of z is bounded.
 
 **How it comes to rest.** Under a flat face the radius of curvature reads a s'' + b s ≥ c(z), c
 linear. With ω² = b/a and the weight λ = sin ω(θ − θ0) ≥ 0 over a move of ωβ ≤ π, two integrations
@@ -168,20 +171,30 @@ def _half_plane(problem: Problem, segment: PlacedSegment, size: Array) -> Iterat
             gradient[None], np.array([segment.angle - duration + gradient @ size + loose])
         )
         return
-    # One size: F rises with it and then falls, at every height, so that T falls and then rises. As
-    # long as T > β falls towards one side, all sizes on the other side are excluded; where it rises
-    # again above β, all.
-    down, ends = -np.sign(gradient[0]), problem.sizing.bounds[0]
+    # One size: T falls, then rises. As long as T > β falls towards one side, all sizes on the other
+    # side are excluded; where it rises again above β, all: two half-planes without a common point.
+    down, ends = -_sense_of_duration(problem, segment, size), problem.sizing.bounds[0]
+    if not down:
+        return
     last, near, rising = float(ends[0] if down < 0.0 else ends[1]), float(size[0]), False
     for _ in range(HALVINGS):
         middle = 0.5 * (near + last)
-        duration, slope = _least_duration(problem, segment, np.array([middle]))
-        exceeded, falls = duration > segment.angle * (1.0 + LOOSENING), slope[0] * down < 0.0
+        here = np.array([middle])
+        exceeded = _least_duration(problem, segment, here)[0] > segment.angle * (1.0 + LOOSENING)
+        falls = _sense_of_duration(problem, segment, here) * down < 0.0
         near, last = (middle, last) if exceeded and falls else (near, middle)
         rising = rising if exceeded and falls else exceeded
     yield HalfPlanes(np.array([[-down]]), np.array([-down * near]), np.zeros(1))
     if rising:
         yield HalfPlanes(np.array([[down]]), np.array([down * near - 1.0]), np.zeros(1))
+
+
+def _sense_of_duration(problem: Problem, segment: PlacedSegment, size: Array) -> float:
+    """The sign of T' = 1/F(b + z) − 1/F(a + z), of one size; 0 where a speed is not positive."""
+    heights = np.sort([segment.s_start, segment.s_end])
+    found = _fastest(problem, segment, heights, float(np.sign(segment.lift)), size)
+    low, high = np.min([speed for speed, _, _ in found], axis=0)
+    return float(np.sign(low - high)) if min(low, high) > 0.0 else 0.0
 
 
 def _least_duration(problem: Problem, segment: PlacedSegment, size: Array) -> tuple[float, Array]:
