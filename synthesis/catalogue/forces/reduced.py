@@ -196,6 +196,7 @@ class ForceHistory:
     rolling: Mapping[str, Array]
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # contact forces where the follower locks, cusps
 def history(
     follower: Follower,
     load: ReducedLoad,
@@ -227,16 +228,14 @@ def history(
         contact[flank.name] = flank.side * force
         bend, square = flank.trace.curvature_terms(s, size)
         if load.contact is not None and (flank.roller > 0.0 or follower.always_convex):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                found = (
-                    face_pressure_square(load, force, bend / np.sqrt(square))
-                    if follower.always_convex
-                    else pressure_square(load, flank, force, bend / square**1.5)
-                )
+            found = (
+                face_pressure_square(load, force, bend / np.sqrt(square))
+                if follower.always_convex
+                else pressure_square(load, flank, force, bend / square**1.5)
+            )
             pressure[flank.name] = np.sqrt(np.maximum(found, 0.0))
         if flank.roller > 0.0:
-            with np.errstate(invalid="ignore"):  # a cusp, at which the spin has no rate
-                rolling[flank.name] = np.abs(flank.roller_spin(s, size)[0]) * omega
+            rolling[flank.name] = np.abs(flank.roller_spin(s, size)[0]) * omega
     first, (a, b, c, _) = places[0], load.coefficients(omega)
     resisted = load.friction_loss(sense, first.sine, s[0], np.abs) * np.ones_like(angle)
     return ForceHistory(
