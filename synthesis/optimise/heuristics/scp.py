@@ -216,7 +216,7 @@ def _remaining_gain(
         linear = np.sum(cuts.coefficients * samples.s, axis=0) + np.array(target.size) @ cuts.size
         moved = replace(cuts, upper=linear - value - tightened)
         change = _block(full, samples, moved, bare=True).rhs - tangent.block.rhs
-        gain += float(z[at : at + count] @ change)
+        gain += float(z[at : at + count] @ np.nan_to_num(change, posinf=0.0, neginf=0.0))
         at += count
     return gain
 
@@ -242,7 +242,12 @@ def _expressions(problem: Problem, samples: ConstraintSamples) -> Callable[[Arra
     """A limit's expressions at its points as a function of motion (4, k) and size: (rows, k)."""
     segment, limit = problem.segments[samples.position], problem.limits[samples.limit]
     theta = segment.start + segment.angle * samples.x
-    return lambda s, z: np.stack(limit.smooth_constraints(segment, problem.machine, theta, s, z))
+
+    @np.errstate(divide="ignore", invalid="ignore")  # a trace that stands still has no curvature
+    def values(s: Array, z: Vector) -> Array:
+        return np.stack(limit.smooth_constraints(segment, problem.machine, theta, s, z))
+
+    return values
 
 
 def _slopes(
@@ -250,7 +255,8 @@ def _slopes(
 ) -> tuple[Array, Array, Array]:
     """A limit's expressions at its points: values (rows, k), slopes (rows, 4, k), (rows, n, k).
 
-    By central differences: a limit is stated once, for numbers and symbols alike.
+    By central differences: a limit is stated once, for numbers and symbols alike. Where one has no
+    tangent, as the curvature of a trace that stands still, the row asks for nothing: 0 ≤ 1.
     """
     expressions, step = _expressions(problem, samples), STEP * problem.length
     angle, z = problem.segments[samples.position].angle, np.array(size)
@@ -263,4 +269,11 @@ def _slopes(
     steps = step / angle ** np.arange(4)
     motion = [slope(by * row[:, None], same, by) for row, by in zip(np.eye(4), steps, strict=True)]
     sizes = [slope(still, step * row, step) for row in np.eye(len(z))]
-    return expressions(samples.s, size), np.stack(motion, 1), np.stack(sizes, 1)
+    value, by_motion = expressions(samples.s, size), np.stack(motion, 1)
+    by_size = np.stack(sizes, 1)
+    smooth = np.isfinite(value + by_motion.sum(axis=1) + by_size.sum(axis=1))
+    return (
+        np.where(smooth, value, -1.0),
+        np.where(smooth[:, None], by_motion, 0.0),
+        np.where(smooth[:, None], by_size, 0.0),
+    )

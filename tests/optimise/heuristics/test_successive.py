@@ -15,9 +15,10 @@ from synthesis.numerics.solvers.clarabel import solve
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.heuristics.ipopt_search import solve_ipopt
-from synthesis.optimise.heuristics.scp import ScpResult, ScpTarget, solve_scp
+from synthesis.optimise.heuristics.scp import ScpResult, ScpTarget, _slopes, solve_scp
 from synthesis.optimise.problem.grid import SplineLaw, grid_through, uniform_grid
 from synthesis.optimise.recovery.candidate import recover_cam
+from synthesis.optimise.recovery.smooth_limits import constraint_samples
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.arms import body
 from tests.optimise.arms import jerk as jerk_of_arm
@@ -101,3 +102,22 @@ def test_a_law_is_the_same_on_finer_knots(smoothness: int) -> None:
     law = SplineLaw(coarse, rng.normal(size=coarse.size))
     x = np.linspace(0.0, 1.0, 977)
     assert SplineLaw(fine, law.on(fine)).curve()(x) == pytest.approx(law.curve()(x), abs=1e-12)
+
+
+def test_a_limit_without_a_tangent_asks_for_nothing() -> None:
+    """The curvature of a traced point that stands still is 0/0."""
+    question = problem(scene(PLAIN, radius(11.0), roller=9.3))
+    quiet = formulate(
+        replace(question, objective=RmsJerk()), [uniform_grid(each, 14) for each in question.free]
+    )
+    cam = recover_cam(question, *quiet.recover(solve(quiet.program).x))
+    samples = constraint_samples(cam.problem, cam.size, -inf, inf)[0]
+    moving = _slopes(cam.problem, samples, cam.size)
+    at_rest = samples.s.copy()
+    at_rest[:, 0] = -cam.size[-1], 0.0, 0.0, 0.0  # the traced point lies on the axis
+    value, by_motion, by_size = _slopes(cam.problem, replace(samples, s=at_rest), cam.size)
+    assert value[0, 0] == -1.0
+    assert not by_motion[0, :, 0].any()
+    assert not by_size[0, :, 0].any()
+    for still, before in zip((value, by_motion, by_size), moving, strict=True):
+        np.testing.assert_array_equal(still[..., 1:], before[..., 1:])
