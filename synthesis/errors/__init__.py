@@ -10,7 +10,8 @@ CamwrightError
 Wrong input is first found by pydantic, as a list of its errors. ``violations`` makes of them what a
 caller reads: where, which value, which rule, what to write; open it first.
 
-    names, values       what to write instead of a wrong name, and of a wrong value
+    wrong_names, values what to write instead of a wrong name, and of a wrong value
+    names               which field or kind a word stands for
     words.toml          words that people use for fields and kinds, and units
     quantities          units in names and texts; ``schema``: what a body may hold at a place
     places              where rules over several fields point to
