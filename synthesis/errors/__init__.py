@@ -99,14 +99,20 @@ Rounded, with what it brings along, on Linux; `tests/architecture/test_extras.py
 
 
 class ExtraMissing(CamwrightError):
-    """Something optional is asked for that is not installed; ``extra`` names what brings it."""
+    """Something optional is asked for that is not installed; ``extra`` names what brings it.
 
-    def __init__(self, what: str, extra: str) -> None:
+    ``library``: what of the system the installed extra lacks, and how to install it; '' where the
+    extra itself is not there.
+    """
+
+    def __init__(self, what: str, extra: str, library: str = "") -> None:
         super().__init__(
-            f"{what} needs an optional part that is not installed here. "
+            f"{what} needs a library of the system that is not installed here. {library}"
+            if library
+            else f"{what} needs an optional part that is not installed here. "
             f"Install it with: pip install 'camwright[{extra}]' ({EXTRAS[extra]} MB)"
         )
-        self.what, self.extra = what, extra
+        self.what, self.extra, self.library = what, extra, library
 
-    def __reduce__(self) -> tuple[type[ExtraMissing], tuple[str, str]]:
-        return type(self), (self.what, self.extra)
+    def __reduce__(self) -> tuple[type[ExtraMissing], tuple[str, str, str]]:
+        return type(self), (self.what, self.extra, self.library)
