@@ -215,6 +215,9 @@ def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -
         return "Leave it out, or give a list."
     if kinds:
         return f'Write a list of objects: [{{"kind": …}}, …]. The kinds are {", ".join(kinds)}.'
+    parts = next((each["prefixItems"] for each in schemas if "prefixItems" in each), ())
+    if parts:
+        return f"Write {len(parts)} numbers in brackets: [{', '.join('…' for _ in parts)}]."
     return f"Write a list in brackets: […]. {_meaning(schemas)}".strip()
 
 

@@ -99,8 +99,8 @@ def answer_name(path: Loc, body: Any, model: Body) -> Answer:
     if not fields:
         return Answer("Remove it.")
     rules: tuple[Callable[[Wrong, dict[str, Schema]], Answer | None], ...] = (
-        _own_kind, _sentence, _in_place, _end_of_range, _envelope, _kind_beside, _kind_below,
-        _elsewhere,
+        _own_kind, _second_kind, _sentence, _in_place, _end_of_range, _envelope, _kind_beside,
+        _kind_below, _elsewhere,
     )  # fmt: skip
     found = (rule(wrong, fields) for rule in rules)
     return next((each for each in found if each is not None), None) or _misspelt(wrong, fields)
@@ -205,6 +205,21 @@ def _own_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
         return None
     to = (*wrong.path[:-1], "kind")
     return Answer(f'Write "kind": "{kind}"{_with_fields(kind, members)}.', to, kind)
+
+
+def _second_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
+    """Another kind than the object's own, where a list of such objects may stand in its place.
+
+    As ``{"base_radius": 0.5, "jerk": 0.5}``, of which the first is taken for the kind.
+    """
+    place = wrong.path[:-1]
+    members, own = schemas_at({}, place, wrong.model), wrong.around.get("kind")
+    bounds = not BOUNDING.isdisjoint(words_of(wrong.name))  # a limit is meant
+    kind = None if bounds else meant_kind(wrong.name, kinds_of(members))
+    if kind is None or not isinstance(own, str) or not any("items" in each for each in members):
+        return None
+    both = ", ".join(f'{{"kind": "{each}"}}' for each in (own, kind))
+    return Answer(f"Each object has one kind. Write a list, the most important first: [{both}].")
 
 
 def _with_fields(kind: str, members: Sequence[Schema]) -> str:
@@ -325,7 +340,7 @@ def _elsewhere(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
             inside = value_at(wrong.body, path)
             lacks = isinstance(inside, dict) and field not in inside
             kind = "" if isinstance(inside, dict) else _kind_of_field(wrong, path, field)
-            form = f'"{path[-1]}": {{{kind}{what}}}'
+            form = what if isinstance(path[-1], int) else f'"{path[-1]}": {{{kind}{what}}}'
             where = "/".join(str(part) for part in path)
             to = (*path, field) if lacks and not wants else None
             return Answer(f"Write it into {where}: {form}{why}.", to, value)

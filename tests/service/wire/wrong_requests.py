@@ -418,6 +418,35 @@ REQUESTS: dict[str, WrongRequest] = {
     "null for a kind": wrong(
         D, {"/program/0/kind": None}, "/program/0/kind", "one of rise", count=...,
     ),
+    "a time in place of an angle": wrong(
+        D, {"/program/0/angle_deg": Named("time_s", 0.1)}, "/program/0/time_s",
+        'Write "angle_deg": the degrees that the cam turns in that time', count=2,
+    ),
+    "weights of objectives": wrong(
+        D, {"/objective": {"base_radius": 0.5, "jerk": 0.5}}, "/objective/base_radius",
+        'Write "kind": "base_radius"', count=2,
+    ),
+    "a second objective in the first": wrong(
+        D, {"/objective": {"kind": "base_radius", "rms_jerk": 0.5}}, "/objective/rms_jerk",
+        'Write a list, the most important first: [{"kind": "base_radius"}, {"kind": "rms_jerk"}].',
+    ),
+    "a sweep's step": wrong(
+        "sweeps",
+        {"/axes/0": {"kind": "range", "pointer": "/speed_rpm", "start": 1, "stop": 2, "step": 1}},
+        "/axes/0/step", 'Write "count"', count=...,
+    ),
+    "a sweep's pointer with dots": wrong(
+        "sweeps", {"/axes/0/pointer": "limits[0].rise_deg"}, "/axes/0/pointer",
+        "Write /limits/0/rise_deg.",
+    ),
+    "a phase in the cam's spec": wrong(
+        "cam sets", {"/cams/0/spec/phase_deg": 30}, "/cams/0/spec/phase_deg",
+        'Write it into cams/0: "phase_deg": 30.',
+    ),
+    "radii as a measured profile": wrong(
+        "measured", {"/points_mm": [30, 31]}, "/points_mm/0",
+        "Write 2 numbers in brackets: […, …].", count=...,
+    ),
     # Sums.
     "angles of 340°": wrong(
         D, {"/program/3/angle_deg": 60}, "/program", "Add 20°",
