@@ -21,11 +21,11 @@ from urllib.parse import urlsplit
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
 from fastapi.openapi.docs import get_redoc_html
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse
-from starlette.staticfiles import StaticFiles
 
 from service.contract.documentation import OPENAPI_URL, TITLE
 from service.state import Parts
 from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
+from service.wire.assets import Assets
 from service.wire.conditional import not_modified, tag_of
 
 if TYPE_CHECKING:
@@ -226,4 +226,4 @@ def install(app: FastAPI) -> None:
         ("assets/docs", HERE / "assets" / "docs"),
         ("assets/redoc", HERE / "assets" / "redoc"),
     ):
-        app.mount(f"/{path}", StaticFiles(directory=folder), name=path)
+        app.mount(f"/{path}", Assets(directory=folder), name=path)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from service.sweeps.tasks import item_spec
 from service.wire.errors import ProblemType, ServiceError
 from service.wire.validation import validate
 from synthesis.studies.sweeps import SweepSpec
-from synthesis.studies.sweeps.spec import sweep_id
+from synthesis.studies.sweeps.spec import ListAxis, sweep_id
 
 SAMPLED = 8  # items that are validated before a sweep is accepted: the first, the last, and between
 
@@ -53,8 +54,21 @@ def read_sweep(body: bytes, most: int) -> SweepQuestion:
         else:
             return sweep_question(spec)
     assert first is not None
-    violations = [{**each, "pointer": f"/base{each['pointer']}"} for each in first.violations]
+    violations = [
+        {**each, "pointer": _in_sweep(spec, each["pointer"], each["value"])}
+        for each in first.violations
+    ]
     raise ProblemType.INVALID_REQUEST(
         f"None of {len(sample)} items that were tried is valid. With the values of item 0: "
         f"{first.detail}", violations=violations,
     )  # fmt: skip
+
+
+def _in_sweep(spec: SweepSpec, pointer: str, value: Any) -> str:
+    """Where in a sweep a wrong value of an item's spec was written: in an axis, or in the base."""
+    for number, axis in enumerate(spec.axes):
+        if pointer in (axis.pointer, *axis.linked_pointers):
+            listed = axis.values if isinstance(axis, ListAxis) else []
+            inside = f"/values/{listed.index(value)}" if value in listed else ""
+            return f"/axes/{number}{inside}"
+    return f"/base{pointer}"

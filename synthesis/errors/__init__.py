@@ -10,7 +10,8 @@ CamwrightError
 Wrong input is first found by pydantic, as a list of its errors. ``violations`` makes of them what a
 caller reads: where, which value, which rule, what to write; open it first.
 
-    names, values       what to write instead of a wrong name, and of a wrong value
+    wrong_names, values what to write instead of a wrong name, and of a wrong value
+    names               which field or kind a word stands for
     words.toml          words that people use for fields and kinds, and units
     quantities          units in names and texts; ``schema``: what a body may hold at a place
     places              where rules over several fields point to
@@ -98,14 +99,20 @@ Rounded, with what it brings along, on Linux; `tests/architecture/test_extras.py
 
 
 class ExtraMissing(CamwrightError):
-    """Something optional is asked for that is not installed; ``extra`` names what brings it."""
+    """Something optional is asked for that is not installed; ``extra`` names what brings it.
 
-    def __init__(self, what: str, extra: str) -> None:
+    ``library``: what of the system the installed extra lacks, and how to install it; '' where the
+    extra itself is not there.
+    """
+
+    def __init__(self, what: str, extra: str, library: str = "") -> None:
         super().__init__(
-            f"{what} needs an optional part that is not installed here. "
+            f"{what} needs a library of the system that is not installed here. {library}"
+            if library
+            else f"{what} needs an optional part that is not installed here. "
             f"Install it with: pip install 'camwright[{extra}]' ({EXTRAS[extra]} MB)"
         )
-        self.what, self.extra = what, extra
+        self.what, self.extra, self.library = what, extra, library
 
-    def __reduce__(self) -> tuple[type[ExtraMissing], tuple[str, str]]:
-        return type(self), (self.what, self.extra)
+    def __reduce__(self) -> tuple[type[ExtraMissing], tuple[str, str, str]]:
+        return type(self), (self.what, self.extra, self.library)

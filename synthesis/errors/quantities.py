@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
+from unicodedata import normalize
 
 LONGEST_GUESSED = 80  # characters of a wrong name or text that are looked at
 DIGITS = 10  # significant digits of a number that is written for the caller: no rounding noise
@@ -26,10 +27,16 @@ _SPELLED = str.maketrans(
     {**SPELLED, **{sign.upper(): word.capitalize() for sign, word in SPELLED.items()
                    if len(sign.upper()) == 1}}
 )  # fmt: skip
+_ACCENTS = dict.fromkeys(range(0x300, 0x370))  # Unicode's combining marks, left out
 BRITISH = {"center": "centre", "millimeter": "millimetre"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2}(,\d{3})+(?!\d)")  # 1,000: or is it 1.000?
-NUMBER = re.compile(r"\s*(ø|⌀|Ø)?\s*([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I)
+PARTED = re.compile(r"(?<=\d),(?=(\d{3},)*\d{3}\.\d)")  # a comma of 1,000.0: there it is sure
+NUMBER = re.compile(
+    r"\s*(ø|⌀|Ø)?\s*(?:([-+]?\d+)[ -](?=\d+/\d))?"  # the 1 of 1 3/4
+    r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I,
+)  # fmt: skip
+SIGNS = {"hz": "Hz", "n": "N", "kn": "kN", "pa": "Pa", "mpa": "MPa", "gpa": "GPa", "nm": "N m"}
 Unit = tuple[str, float]  # dimension, and factor to the unit of that dimension
 
 
@@ -45,8 +52,12 @@ def tables() -> dict[str, Any]:
 
 
 def words_of(name: str) -> list[str]:
-    """The words of a name in lower case, however they are joined: ``baseCircle_mm``."""
-    found = WORD.findall(name[:LONGEST_GUESSED].translate(_SPELLED))
+    """The words of a name in lower case, however they are joined: ``baseCircle_mm``.
+
+    Letters have no accents there: ``levée`` is ``levee``.
+    """
+    found = WORD.findall(normalize("NFD", name[:LONGEST_GUESSED].translate(_SPELLED))
+                         .translate(_ACCENTS))  # fmt: skip
     return [BRITISH.get(word, word) for word in map(str.lower, found)]
 
 
@@ -87,6 +98,11 @@ def readings(name: str) -> Iterator[tuple[str, str]]:
     yield "".join(words), ""
 
 
+def dimensions(unit: str) -> list[str]:
+    """What a unit may measure; of '', and of a word that is none, nothing."""
+    return [dimension for dimension, _ in _units().get(_unit_key(unit), ())]
+
+
 def change(value: float, unit: str, into: str) -> float | None:
     """A value in another unit; None where one unit cannot be changed into the other."""
     for dimension, factor in _units().get(_unit_key(unit), ()):
@@ -101,12 +117,14 @@ def read_quantity(text: str) -> tuple[float, str, bool] | None:
 
     None where it is neither, or where a comma may part thousands as well as decimals.
     """
-    match = NUMBER.match(text[:LONGEST_GUESSED])
+    text = PARTED.sub("", text[: LONGEST_GUESSED + 1])
+    match = NUMBER.match(text)
     if match is None or len(text) > LONGEST_GUESSED or THOUSANDS.search(text):
         return None
-    sign, number, divisor = match.groups()
+    sign, whole, number, divisor = match.groups()
     try:
         value = float(number.replace(",", ".")) / float(divisor or 1.0)
+        value = math.copysign(abs(float(whole)) + value, float(whole)) if whole else value
     except (ValueError, ZeroDivisionError):
         return None
     unit = text[match.end() :].strip()
@@ -138,7 +156,9 @@ def field_unit(field: str) -> tuple[str, str]:
 def pretty(unit: str) -> str:
     """A unit as it is read: ``m/s²`` of ``m per s 2``."""
     text = unit.replace(" per ", "/").replace(" 2", "²").replace(" 3", "³")
-    return {"hz": "Hz", "n": "N", "mpa": "MPa"}.get(text, text)
+    if any("/" in dimension for dimension in dimensions(unit)):
+        text = re.sub(r" (s[²³]?)$", r"/\1", text)  # of a name as max_m_s3
+    return re.sub(r"[a-z]+", lambda sign: SIGNS.get(sign[0], sign[0]), text)
 
 
 def figure(value: Any) -> str:

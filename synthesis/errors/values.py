@@ -115,12 +115,11 @@ def not_a_number(kind: str, value: Any, path: Path, schemas: Sequence[Schema]) -
     ranges = any("min" in each.get("properties", {}) for each in schemas)
     if ranges and isinstance(value, list) and len(value) == 2:
         return _range(value)
-    if isinstance(value, str) and ranges:
-        return 'Give a number, without quotes and without a unit, or {"min": …, "max": …}.'
-    if isinstance(value, str) and not kind.endswith("parsing"):
+    if isinstance(value, str) and (ranges or not kind.endswith("parsing")):
         unit = pretty(field_unit(field)[1])
         why = f": its unit is {unit}" if unit else ""
-        return f"Give a number, without quotes and without a unit{why}."
+        either = ', or {"min": …, "max": …}' if ranges else ""
+        return f"Give a number, without quotes and without a unit{either}{why}."
     return f"Give a number. {_meaning(schemas)}".strip()
 
 
@@ -178,6 +177,13 @@ def not_an_object(value: Any, schemas: Sequence[Schema], path: Path) -> str:
     ends = any("min" in each.get("properties", {}) for each in schemas)
     if ends and isinstance(value, list) and len(value) == 2:
         return _range(value)
+    word = value[0] if isinstance(value, list) and value else None
+    kind = meant_kind(word, kinds) if isinstance(word, str) else None
+    if kind is not None:
+        member = next(each for each in schemas if kind in kinds_of([each]))
+        names = [name for name in member.get("required", ()) if name != "kind"]
+        inside = "".join(f', "{name}": …' for name in names)
+        return f'Write {{"kind": "{kind}"{inside}}}, with the further fields that it has.'
     if kinds:
         return f'Write an object with its "kind" ({", ".join(kinds)}) and the fields of that kind.'
     names = [name for each in schemas for name in each.get("properties", {})]
@@ -198,7 +204,7 @@ def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -
     if is_entry(value, items):
         return "Put it in brackets: [{…}]."
     if isinstance(value, dict):
-        named = {name: meant_kind(name, kinds) for name in value}
+        named = {name: meant_kind(name.rstrip("0123456789"), kinds) for name in value}
         if value and all(named.values()):
             kind = next(iter(named.values()))
             return f'Write a list of objects, each with its kind: [{{"kind": "{kind}", …}}, …].'
@@ -207,6 +213,11 @@ def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -
         return f'Write [{{"kind": "{kind or kinds[0]}", …}}].'
     if value is None:
         return "Leave it out, or give a list."
+    if kinds:
+        return f'Write a list of objects: [{{"kind": …}}, …]. The kinds are {", ".join(kinds)}.'
+    parts = next((each["prefixItems"] for each in schemas if "prefixItems" in each), ())
+    if parts:
+        return f"Write {len(parts)} numbers in brackets: [{', '.join('…' for _ in parts)}]."
     return f"Write a list in brackets: […]. {_meaning(schemas)}".strip()
 
 

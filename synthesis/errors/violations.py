@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from pydantic_core.core_schema import ErrorType
 
-from synthesis.errors.names import answer_name, meant_kind
+from synthesis.errors.names import meant_kind
 from synthesis.errors.places import PLACES
 from synthesis.errors.schema import Body, Loc, Path, fields_at, kinds_of, schemas_at, value_at
 from synthesis.errors.values import (
@@ -34,6 +34,7 @@ from synthesis.errors.values import (
     out_of_range,
     which_kind,
 )
+from synthesis.errors.wrong_names import answer_name
 
 MAX_LISTED = 50  # violations in one answer
 LONGEST_POINTER = 500  # characters; the names of fields are at most 28 long
@@ -262,7 +263,7 @@ def _describe(error: Any, path: Loc, body: Any, model: Body) -> Finding:
     if kind == "extra_forbidden":
         return _unknown(path, body, model)
     if kind in ("union_tag_invalid", "literal_error"):
-        return _other_word(error, path, kind)
+        return _other_word(error, path, body)
     if kind == "union_tag_not_found":
         return _without_kind(path, body, model, str(ctx["discriminator"]).strip("'"))
     if kind == "finite_number":
@@ -283,14 +284,15 @@ def _describe(error: Any, path: Loc, body: Any, model: Body) -> Finding:
     return _wrong_shape(error, path, body, model)
 
 
-def _other_word(error: Any, path: Loc, kind: str) -> Finding:
+def _other_word(error: Any, path: Loc, body: Any) -> Finding:
     """A word that is not among those that there are."""
     ctx = error.get("ctx") or {}
     listed = str(ctx.get("expected_tags") or ctx["expected"]).replace(" or ", ",")
     allowed = [word.strip(" '") for word in listed.split(",")]
-    given = ctx.get("tag", error.get("input"))
-    if kind == "union_tag_invalid":
+    given = error.get("input")
+    if "discriminator" in ctx:  # of it pydantic tells what stands there as a text, null as "None"
         path = (*path, str(ctx["discriminator"]).strip("'"))
+        given = value_at(body, path)
     remedy, word = which_kind(given, allowed)
     rule = f"must be one of {', '.join(allowed)}"
     if word is not None and len(allowed) > FEW:

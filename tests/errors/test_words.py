@@ -10,7 +10,6 @@ import pytest
 from pydantic import ValidationError
 
 from service.resources.records import RESOURCES
-from synthesis.errors.names import answer_name
 from synthesis.errors.quantities import (
     field_unit,
     in_field,
@@ -21,6 +20,7 @@ from synthesis.errors.quantities import (
 )
 from synthesis.errors.schema import all_names, kinds_of, schemas_in
 from synthesis.errors.violations import find_causes, pointer_to
+from synthesis.errors.wrong_names import answer_name
 from synthesis.exporters.options import form
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.studies.sweeps.spec import SweepSpec
@@ -55,7 +55,8 @@ def test_units_of_fields_are_known() -> None:
     [
         ("baseCircleRadius_mm", "base circle radius mm"), ("Roller-Ø", "roller diameter"),
         ("RPM", "rpm"), ("centerDistance", "centre distance"), ("α_max", "alpha max"),
-        ("max_mm_per_s2", "max mm per s 2"), ("Exzentrizität", "exzentrizitaet"),
+        ("max_mm_per_s2", "max mm per s 2"), ("levée", "levee"),
+        ("Exzentrizität", "exzentrizitaet"),
     ],
 )  # fmt: skip
 def test_names_are_parted_into_words(name: str, words: str) -> None:
@@ -70,6 +71,8 @@ def test_names_are_parted_into_words(name: str, words: str) -> None:
         ("3.5 Hz", "rpm", 210.0), ("20.94 rad/s", "rpm", 200.0), ("200 1/min", "rpm", 200.0),
         ("50 m/s²", "mm per s 2", 50e3), ("5 g", "mm per s 2", 49033.25), ("5 g", "kg", 5e-3),
         ("1 ksi", "mpa", 6.894757), ("10 lbf", "n", 44.48222), ("10 kg", "mm", None),
+        ("1 3/4 in", "mm", 44.45), ("-1-1/2 mm", "mm", -1.5), ("1,045.5", "mm", 1045.5),
+        ("1,000,000.0 mm", "mm", 1e6),
     ],
 )  # fmt: skip
 def test_quantities_are_changed_into_a_fields_unit(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import pickle
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -161,6 +163,14 @@ def test_without_its_extra_it_says_how_to_get_it(unspecial: Design, monkeypatch)
     monkeypatch.setattr(solid_step, "find_spec", lambda name: None)
     with pytest.raises(ExtraMissing, match=r"camwright\[cad\]"):
         STEP.write(unspecial, SolidOptions())
+
+
+def test_without_the_systems_opengl_it_says_so(unspecial: Design, monkeypatch) -> None:
+    """The extra does not bring libGL: the import fails though the extra is there."""
+    monkeypatch.setitem(sys.modules, "synthesis.exporters.solids.body", None)
+    with pytest.raises(ExtraMissing, match=r"library of the system.*apt install libgl1") as told:
+        STEP.write(unspecial, SolidOptions())
+    assert str(pickle.loads(pickle.dumps(told.value))) == str(told.value)
 
 
 @pytest.mark.parametrize("diameter", [6.5, 12.0, 38.0, 229.0])

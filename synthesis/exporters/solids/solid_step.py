@@ -15,7 +15,10 @@ def _solid(design: Design, options: SolidOptions) -> FileContent:
     planned = blank(design, options)
     if find_spec("OCP") is None:
         raise ExtraMissing("A solid", "cad")
-    from synthesis.exporters.solids.body import data_lines, solid
+    try:
+        from synthesis.exporters.solids.body import data_lines, solid
+    except ImportError as error:  # its wheels bring all but OpenGL, which containers may lack
+        raise ExtraMissing("A solid", "cad", f"{error}; on Debian: apt install libgl1") from error
 
     lines = data_lines(solid(planned), text(design.name or f"cam {design.id}"))
     title = f"Cam, flanks within {planned.error:.2g} mm of the true curve"

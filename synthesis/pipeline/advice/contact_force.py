@@ -56,10 +56,11 @@ RULE = Rule(
     "friction locks the guide; note: the follower floats from less than 1.1 times the speed on.",
     reason="A force-closed cam can only push. A follower that has left it returns with an "
     "impact. The note is a spring of less than 1.2 times the inertia that separates them.",
-    source="Norton, Design of Machinery, cam dynamics: follower jump; SEED design guide, Cam "
-    "mechanisms, section 15: spring force 1.2 to 2 times the largest separating force.",
-    checked="SEED opened (co-design.co.uk); of Norton a summary of the chapter and an excerpt of "
-    "his Cam Design and Manufacturing Handbook, ch. 9 (jump, severe impact loads), no book.",
+    source="Statics: a force-closed cam can only push. SEED design guide, Cam mechanisms, section "
+    "15: spring force 1.2 to 2 times the largest separating force.",
+    checked="SEED opened (co-design.co.uk). That the follower then jumps is so in Sankyo's "
+    "glossary of cams and in an excerpt of Norton's Cam Design and Manufacturing Handbook, ch. 9; "
+    "both opened.",
     silenced_by="the limit contact_force, or a range of speeds in the load (the note)",
     find=_find,
 )

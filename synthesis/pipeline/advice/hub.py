@@ -10,7 +10,7 @@ from synthesis.catalogue.hub import HUB_RULE, hub_diameter, keyway_reach, shaft_
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
-SHEAR_MPA: Final = 40.0  # allowed in a shaft with a keyway: 6000 psi of the ASME code
+SHEAR_MPA: Final = 40.0  # in a shaft with a keyway: 0.18 · 0.75 of 300 N/mm², of the ASME code
 # Rothbart gives a hub of cast iron a number, and of one of steel says "slightly less": read as this
 # share. Steel: from 7500 kg/m³ on, between cast iron (7300 at most) and steel (7800 at least).
 STEEL, STEEL_DENSITY = 0.9, 7500.0
@@ -96,13 +96,14 @@ RULE = Rule(
     "than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
-    "of steel slightly less; ASME code for transmission shafting: 6000 psi with a keyway; "
-    "DIN 6885-1: depths of keyways.",
-    checked="The page of 6.4.4 opened. Of the code an excerpt that takes 25 % off for a keyway, as "
-    "6000 psi is 25 % less than 8000; neither number, nor its text. Of DIN 6885-1 its table as two "
-    "catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard parts, bores "
-    "up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke, "
-    "and nine tenths for steel, are this program's, for want of a rule.",
+    "of steel slightly less; ASME code of shafts, in the words of Engineers Edge: shear of 18 % "
+    "of the ultimate strength, 25 % less with a keyway; DIN 6885-1, as Siemens and Berger print "
+    "it: depths of keyways.",
+    checked="The page of 6.4.4 opened, and that of Engineers Edge: at 300 N/mm², a mild steel, "
+    "0.18 · 0.75 · 300 is 40.5 N/mm². The code itself was not. Of DIN 6885-1 its table as two "
+    "catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard parts, "
+    "bores up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke, "
+    'and nine tenths for "slightly less", are this program\'s, for want of a rule.',
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,

@@ -68,10 +68,10 @@ RULE = Rule(
     "caution above 0.98 m/s² (a tenth of the weight), note below.",
     reason="A jump of acceleration is an infinite jerk, that of velocity an impact (0.1 m/s as "
     "after a fall of 0.5 mm). Only at the lowest speeds can a machine take them.",
-    source="Norton, fundamental law of cam design: velocity and acceleration continuous, jerk "
-    "finite over the whole turn.",
-    checked="Quotations of the law opened, one of them from p. 388 of "
-    "Norton's first edition, not the book. The limits are this program's.",
+    source="Norton, fundamental law of cam design, as it is quoted: velocity and acceleration "
+    "continuous, jerk finite over the whole turn.",
+    checked="Quotations opened, one of them from p. 388 of the first edition, not the book. The "
+    "limits are this program's.",
     silenced_by="`continuity` in the spec",
     find=_find,
 )

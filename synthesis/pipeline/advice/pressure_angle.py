@@ -89,13 +89,13 @@ RULE = Rule(
     reason="The share of the force across the motion grows with tan α; it wears the guide, and at "
     "μ = 0.12 with an overhang as long as the guide a slide jams at 70°. On an arm friction acts "
     "at the radius of the pivot's pin: with a tenth of the arm it locks at 89.3°.",
-    source="Norton, Cam Design and Manufacturing Handbook, fig. 7-2: about 30° translating, 35° "
-    "oscillating; textbooks in Chinese (Sun Heng and others): 30 to 38° and 40 to 50°, 70 to 80° "
-    "on returns that a spring drives; Cam Design Handbook (Rothbart, ed., 2004), ch. 6: jamming.",
-    checked="Norton's excerpt in the help of DYNACAM opened, and a course's notes in Chinese with "
-    "the three ranges, not the books. Of ch. 6 the contents and a text made of it, which has the "
-    "angle of jamming: 73° at μ = 0.1, the same formula. 45° and the pin of a tenth of the arm are "
-    "this program's; that at 90° no force moves a follower is in Norton's excerpt.",
+    source="Norton, in the help of his program DYNACAM: about 30° translating, 35° oscillating; a "
+    "course in Chinese: 30 to 38° and 40 to 50°, 70 to 80° on returns that a spring drives. "
+    "Jamming: statics of a guide with friction, docs/forces.md.",
+    checked="Both opened, and a text made of the Cam Design Handbook (Rothbart, ed., 2004), ch. "
+    "6, which has the angle of jamming: 73° at μ = 0.1, the same formula. 45° and the pin of a "
+    "tenth of the arm are this program's; that at 90° no force moves a follower is in Norton's "
+    "excerpt.",
     silenced_by="the limit pressure_angle with rise_deg (rises) or return_deg (returns)",
     find=_find,
 )

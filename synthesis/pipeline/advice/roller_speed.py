@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from synthesis.pipeline.advice.rule import Finding, Rule, number
@@ -30,21 +31,27 @@ def find_speed(diameter: float, rpm: float, field: str) -> Iterator[Finding]:
         yield Finding(
             "caution" if product > TOO_FAST else "note", field,
             f"The roller of {number(diameter)} mm diameter turns on its pin at up to "
-            f"{number(rpm)} rpm: diameter times speed is {number(product)} mm/min, and "
-            f"catalogues end between {number(FAST)} and {number(TOO_FAST)}.",
+            f"{number(rpm)} rpm, so that its surface runs at {number(surface(product))} m/s; above "
+            f"{number(surface(FAST))} it is taken for fast, above {number(surface(TOO_FAST))} for "
+            "too fast.",
             "Compare with the limiting speed of your roller. A larger roller turns more slowly; "
             "a smaller cam or a lower speed helps too.",
         )  # fmt: skip
+
+
+def surface(product: float) -> float:
+    """Speed of a roller's surface [m/s], of its diameter times its speed [mm/min]."""
+    return math.pi * product / 60e3
 
 
 RULE = Rule(
     code="roller_speed",
     thresholds="caution: outer diameter times speed above 250 000 mm/min; note: above 100 000.",
     reason="Grease, seals and cage of a track roller bear a limited speed.",
-    source="Order of magnitude of the limiting speeds in makers' catalogues of stud-type track "
-    "rollers with grease (INA, SKF).",
-    checked="Catalogues of SKF, INA, NTN and McGill were found, their tables could not be opened: "
-    "look up your own roller.",
+    source="Rule of this program: the rolling surface at 5 m/s, and at 13 m/s. Makers' catalogues "
+    "give each roller its limiting speed.",
+    checked="Catalogues of SKF, INA, NTN, Nadella and McGill were found, their tables of speeds "
+    "could not be opened: look up your own roller.",
     silenced_by="nothing: the spec has no field for it",
     find=_find,
 )

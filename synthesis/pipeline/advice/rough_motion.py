@@ -63,9 +63,10 @@ RULE = Rule(
     "10 times where the acceleration is limited.",
     reason="With nothing said of acceleration and jerk the smallest cam has a law that bends as "
     "sharply as it may; forces and vibration grow with both.",
-    source="VDI 2143-1: preferred laws by the kinds of their ends, and their coefficients.",
-    checked="The guideline was not opened; of its kinds of ends Beckhoff's list of laws was. The "
-    "coefficients are computed here; the factors 2 and 4 are this program's.",
+    source="Rule of this program, from a comparison with the named law that is usual for the ends "
+    "of a move (Beckhoff's list of cam laws, by the kinds of ends of VDI 2143).",
+    checked="Beckhoff's list opened; the guideline was not, and nothing is taken from it. The "
+    "coefficients are computed here. The factors 2 and 4 are this program's.",
     silenced_by="the limit jerk; a first objective of acceleration or jerk; the limit acceleration "
     "(its own part)",
     find=_find,

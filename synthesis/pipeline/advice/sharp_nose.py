@@ -63,9 +63,11 @@ RULE = Rule(
     "carry a force, and wears at once. The rule of the field is a pitch radius of at least 2 to 3 "
     "roller radii.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.2: a point is not acceptable "
-    "because of its stress; Norton, Cam Design and Manufacturing Handbook: 2 to 3 roller radii.",
-    checked="The page of 6.4.2 opened; of Norton a lecture with the same numbers, not the book. "
-    "1.25 and 1 % are this program's.",
+    "because of its stress; university lectures: the least radius of the pitch curve 2 to 3 "
+    "roller radii.",
+    checked="The page of 6.4.2 opened, and two lectures with 2 to 3, which seem to follow Norton; "
+    "a course in Chinese asks for a convex profile of 3 to 5 mm instead. 1.25 and 1 % are this "
+    "program's.",
     silenced_by="the limit profile_radius with min_mm above 0, or the limit hertz_pressure",
     find=_find,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -372,7 +373,8 @@ def _locate(document: Any, pointer: str) -> tuple[Any, str | int]:
         LookupError: there is no such field; it says what there is instead, and what to do.
     """
     if not pointer.startswith("/"):
-        raise LookupError("a pointer begins with / and names a field", f"Write /{pointer}")
+        path = re.sub(r"[./\[\]]+", "/", pointer).strip("/")  # as ``limits[0].rise_deg``
+        raise LookupError("a pointer begins with / and names a field", f"Write /{path}")
     holder, at, where, choose = None, document, "", "Name an existing field"
     key: str | int
     for token in pointer.split("/")[1:]:

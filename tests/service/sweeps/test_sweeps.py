@@ -168,6 +168,21 @@ def test_a_sweep_without_one_sensible_item_is_refused(client: httpx2.Client) -> 
     assert "None of 8 items" in problem["detail"]
 
 
+@pytest.mark.parametrize(
+    ("axis", "pointer"),
+    [
+        ({"kind": "list", "values": ["100", "200 rpm"]}, "/axes/0/values/0"),
+        ({"kind": "range", "start": -2, "stop": -1, "count": 2}, "/axes/0"),
+    ],
+)
+def test_a_value_that_no_item_can_take_is_told_where_it_was_written(
+    client: httpx2.Client, axis: dict[str, Any], pointer: str
+) -> None:
+    sweep = {"base": spec(), "axes": [{"pointer": "/speed_rpm", **axis}]}
+    problem = is_problem(client.post("/v1/sweeps", json=sweep), 422, "invalid-request")
+    assert [each["pointer"] for each in problem["errors"]] == [pointer]
+
+
 def test_what_is_too_large_is_refused_before_any_work(client: httpx2.Client) -> None:
     most = client.get("/v1/limits").json()["server"]["max_sweep_items"]
     axes = [

@@ -41,6 +41,13 @@ def test_a_wrong_request_is_told_what_to_write(request_: WrongRequest) -> None:
     assert first["remedy"].endswith((".", "?"))
 
 
+def test_the_value_is_told_as_it_was_sent() -> None:
+    # pydantic's text of a null where a kind belongs is "None"
+    told = refusal("/v1/designs", REQUESTS["null for a kind"].body).violations[0]
+    assert told["pointer"] == "/program/0/kind"
+    assert told["value"] is None
+
+
 def test_there_are_many_and_of_all_resources() -> None:
     assert len(REQUESTS) >= 60
     assert {request.base for request in REQUESTS.values()} == BASES.keys()

@@ -297,6 +297,156 @@ REQUESTS: dict[str, WrongRequest] = {
     "a list of requests": wrong(
         D, {"": lambda body: [body, body]}, "", "/v1/sweeps",
     ),
+    # A field in the wrong object, and a kind in the wrong field.
+    "the closure's kind as a contact": wrong(
+        D, {"/follower/contact": "groove"}, "/follower/contact",
+        'Write "closure": {"kind": "groove"}.',
+    ),
+    "the closure's contact in the follower": wrong(
+        D, {"/follower/contact": "inside"}, "/follower/contact",
+        'into follower/closure: "closure": {"kind": "force", "contact": "inside"}.',
+    ),
+    "a closure as a switch": wrong(
+        D, {"/follower/force_closed": True}, "/follower/force_closed",
+        'Write "closure": {"kind": "force"}.',
+    ),
+    "a closure as an object of its name": wrong(
+        D, {"/follower/rainure": {"rim_mm": 10}}, "/follower/rainure",
+        'Write "closure": {"kind": "groove", …}.',
+    ),
+    "a spring in the follower": wrong(
+        D, {"/follower/spring": {"rate": 5}}, "/follower/spring",
+        'Write it into load: "load": {"spring": …}.',
+    ),
+    "friction as a number in the follower": wrong(
+        D, {"/follower/friction": 0.1}, "/follower/friction",
+        'Write it into load: "load": {"kind": "slide", "friction": {…}}, with "coefficient"',
+    ),
+    "a coefficient of friction at the top": wrong(
+        D, {"/mu": 0.12}, "/mu", '"friction": {"coefficient": 0.12, "overhang_mm": …}',
+    ),
+    "a law at the top": wrong(
+        D, {"/motion_curve": "cycloidal"}, "/motion_curve",
+        'into each entry of program: "law": {"kind": "cycloidal", …}.',
+    ),
+    "the speed in a segment": wrong(
+        D, {"/speed_rpm": GONE, "/program/0/rpm": 200}, "/program/0/rpm",
+        'Write it into the request itself: "speed_rpm": 200.',
+    ),
+    "a bound in a segment": wrong(
+        D, {"/program/0/max_acceleration_mm_per_s2": 5000},
+        "/program/0/max_acceleration_mm_per_s2", '"limits": [{"kind": "acceleration", …}]',
+    ),
+    "a bound in the objective": wrong(
+        D, {"/objective": {"kind": "base_radius", "max_pressure_angle": 30}},
+        "/objective/max_pressure_angle", '"limits": [{"kind": "pressure_angle", …}]',
+    ),
+    "a part of the request in an object": wrong(
+        D, {"/speed_rpm": GONE, "/cam": {"base_radius_mm": 40, "speed_rpm": 200}}, "/cam",
+        'Send what is in "cam" beside the others, without "cam" around it.',
+    ),
+    "a velocity limit for both signs": wrong(
+        D, {"/base_radius_mm": 40, "/limits/0": {"kind": "velocity", "min": -500, "max": 500}},
+        "/limits/0/min", "Remove it: the limit holds for both signs.", count=2,
+    ),
+    "positions of a segment's ends": wrong(
+        D, {"/program/0/start_mm": 0, "/program/0/end_mm": 45}, "/program/0/start_mm",
+        'write "lift_mm"', count=2,
+    ),
+    "angles of a segment's ends": wrong(
+        D, {"/program/1/start_deg": 120, "/program/0/start_deg": 0}, "/program/0/start_deg",
+        'write "angle_deg"', count=2,
+    ),
+    "an end that many fields have": wrong(
+        D, {"/limits/0": {"kind": "outer_radius", "max_mm": 200, "min": 10}}, "/limits/0/min",
+        "Allowed: kind, max_mm.",
+    ),
+    "materials beside the contact": wrong(
+        D, {"/load": {"kind": "slide", "moving_mass_kg": 2, "material": "steel"}},
+        "/load/material", 'write them into "contact"', count=...,
+    ),
+    "gravity in a load": wrong(
+        D, {"/load": {"kind": "slide", "moving_mass_kg": 2, "gravity": 9.81}},
+        "/load/gravity", '"rise_from_vertical_deg"', count=...,
+    ),
+    "an arm's sizes by letters": wrong(
+        D,
+        {"/follower": {"kind": "oscillating_roller", "roller_radius_mm": 16, "arm_mm": 100,
+                       "center": 120, "phi0": 20},
+         "/program/0/lift_mm": Named("lift_deg", 20), "/program/2/lift_mm": Named("lift_deg", 20)},
+        "/follower/center", 'Write "centre_distance_mm": 120.', count=...,
+    ),
+    "French names": wrong(
+        D,
+        {"/speed_rpm": Named("vitesse"), "/program/0/lift_mm": Named("levée"),
+         "/follower/roller_radius_mm": Named("rayon du galet")},
+        "/program/0/levée", 'Write "lift_mm": 45.', count=3,
+    ),
+    "French kinds": wrong(D, {"/program/0/kind": "montée"}, "/program/0/kind", 'Write "rise".'),
+    "Bestehorn-Sinoide": wrong(
+        D, {"/program/0/law": "Bestehorn-Sinoide"}, "/program/0/law", '{"kind": "cycloidal"}',
+    ),
+    "a spring's rate in N/m": wrong(
+        D,
+        {"/load": {"kind": "slide", "moving_mass_kg": 2,
+                   "spring": {"rate_n_per_m": 5000, "preload_n": 100}}},
+        "/load/spring/rate_n_per_m", 'Write "rate_n_per_mm": 5 (5000 N/m).',
+    ),
+    "a jerk in m/s³": wrong(
+        D, {"/base_radius_mm": 40, "/limits/0": {"kind": "jerk", "max_m_s3": 5000}},
+        "/limits/0/max_m_s3", 'Write "max_mm_per_s3": 5000000 (5000 m/s³).',
+    ),
+    "a mixed number of inches": wrong(
+        D, {"/program/0/lift_mm": "1 3/4 in", "/program/2/lift_mm": 44.45},
+        "/program/0/lift_mm", "Write 44.45 (1 3/4 in in mm)",
+    ),
+    "commas between thousands": wrong(
+        D, {"/speed_rpm": "1,200.0"}, "/speed_rpm", "Write 1200, without quotes.",
+    ),
+    "an angle by π": wrong(
+        D, {"/program/0/angle_deg": "2π/3"}, "/program/0/angle_deg", "its unit is deg",
+    ),
+    "a program by names": wrong(
+        D, {"/program": {"rise": {"angle_deg": 180}, "dwell2": {"angle_deg": 180}}}, "/program",
+        '[{"kind": "rise", …}, …]',
+    ),
+    "a segment as a list": wrong(
+        D, {"/program/0": ["rise", 120, 45]}, "/program/0",
+        'Write {"kind": "rise", "angle_deg": …}', count=...,
+    ),
+    "limits as a number": wrong(D, {"/limits": 30}, "/limits", "The kinds are pressure_angle"),
+    "null for a kind": wrong(
+        D, {"/program/0/kind": None}, "/program/0/kind", "one of rise", count=...,
+    ),
+    "a time in place of an angle": wrong(
+        D, {"/program/0/angle_deg": Named("time_s", 0.1)}, "/program/0/time_s",
+        'Write "angle_deg": the degrees that the cam turns in that time', count=2,
+    ),
+    "weights of objectives": wrong(
+        D, {"/objective": {"base_radius": 0.5, "jerk": 0.5}}, "/objective/base_radius",
+        'Write "kind": "base_radius"', count=2,
+    ),
+    "a second objective in the first": wrong(
+        D, {"/objective": {"kind": "base_radius", "rms_jerk": 0.5}}, "/objective/rms_jerk",
+        'Write a list, the most important first: [{"kind": "base_radius"}, {"kind": "rms_jerk"}].',
+    ),
+    "a sweep's step": wrong(
+        "sweeps",
+        {"/axes/0": {"kind": "range", "pointer": "/speed_rpm", "start": 1, "stop": 2, "step": 1}},
+        "/axes/0/step", 'Write "count"', count=...,
+    ),
+    "a sweep's pointer with dots": wrong(
+        "sweeps", {"/axes/0/pointer": "limits[0].rise_deg"}, "/axes/0/pointer",
+        "Write /limits/0/rise_deg.",
+    ),
+    "a phase in the cam's spec": wrong(
+        "cam sets", {"/cams/0/spec/phase_deg": 30}, "/cams/0/spec/phase_deg",
+        'Write it into cams/0: "phase_deg": 30.',
+    ),
+    "radii as a measured profile": wrong(
+        "measured", {"/points_mm": [30, 31]}, "/points_mm/0",
+        "Write 2 numbers in brackets: […, …].", count=...,
+    ),
     # Sums.
     "angles of 340°": wrong(
         D, {"/program/3/angle_deg": 60}, "/program", "Add 20°",
