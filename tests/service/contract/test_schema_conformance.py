@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import json
 import os
-import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from hypothesis import HealthCheck, settings
 from service.openapi import TARGET
 from synthesis.machines.linkages.shaper.spec import LENGTHS
 from tests.service.conftest import Running
+from tests.service.contract.test_openapi import statuses
 from tests.service.specs import spec
 
 if TYPE_CHECKING:  # imported in the functions: collecting tests does without it
@@ -74,6 +74,12 @@ ALIKE = {
 MORE = {like: label for label, like in reversed(ALIKE.items())}
 
 
+def operation_of(label: str) -> dict[str, Any]:
+    """What the contract says of an operation."""
+    method, path = label.split(" ", 1)
+    return json.loads(TARGET.read_text(encoding="utf-8"))["paths"][path][method.lower()]
+
+
 @pytest.fixture(scope="module")
 def operations() -> dict[str, APIOperation]:
     """The operations by label. Made when tests run: to collect them takes the labels only."""
@@ -129,7 +135,7 @@ def test_answers_are_as_documented(
         if case.method == operation.method.upper():  # and not one that is not there
             assert answer.status_code in allowed
 
-    operation, allowed = operations[label], statuses(label)
+    operation, allowed = operations[label], statuses(operation_of(label))
     config = operation.schema.config
     build_operation_test(
         config=config,
@@ -138,19 +144,6 @@ def test_answers_are_as_documented(
         given_kwargs={},
         feedback=FeedbackSources(),
     )()
-
-
-def statuses(label: str) -> set[int]:
-    """Those that an operation documents; a range names its own in its description."""
-    served = json.loads(TARGET.read_text(encoding="utf-8"))
-    method, path = label.split(" ", 1)
-    found = set()
-    for status, response in served["paths"][path][method.lower()]["responses"].items():
-        name = response.get("$ref", "").rpartition("/")[2]
-        said = served["components"]["responses"][name] if name else response
-        named = re.findall(r"^\* (\d{3}):", said["description"], re.MULTILINE)
-        found |= {int(each) for each in (named if status.endswith("XX") else [status])}
-    return found
 
 
 def allows_itself_a_time(case: schemathesis.Case) -> bool:
