@@ -133,6 +133,17 @@ def test_what_there_was_belongs_to_the_local_owner(tmp_path: Path) -> None:
         store.dispose()
 
 
+@pytest.mark.parametrize("fsync", [True, False])
+def test_a_postgresql_that_does_not_wait_for_its_disk_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, fsync: bool
+) -> None:
+    with postgres("camwright", "camwright", fsync=fsync) as port:
+        address = f"camwright:{PASSWORD}@127.0.0.1:{port}/camwright"
+        Store(settings_for(tmp_path, database_url=f"postgresql+psycopg://{address}")).dispose()
+    told = [each.getMessage() for each in caplog.records if each.name == "camwright.store"]
+    assert [each.endswith("PostgreSQL has fsync off") for each in told] == [True] * (not fsync)
+
+
 BEFORE_RELEASE = "CREATE TABLE designs (sequence INTEGER PRIMARY KEY, id VARCHAR(64))"
 LATER = (
     "CREATE TABLE alembic_version (version_num VARCHAR(32))",
