@@ -74,6 +74,7 @@ class Asking:
         self.ports, self._draw, self.work = ports, draw, work
         self.seen, self.over = Seen(), threading.Event()
         self._client = httpx2.Client(timeout=60.0)  # one for all: each reads its certificates
+        self.close = self._client.close
 
     def ask(self, method: str, path: str, **more: Any) -> httpx2.Response:
         """Ask one of the services, until one answers otherwise than that it cannot now."""

@@ -176,6 +176,7 @@ def main() -> int:
         services.wait()
         work = RealWork() if real else FakeWork()
         asking = Asking(services.ports, random.Random(chosen.seed), work)
+        stack.callback(asking.close)
         posting = [
             threading.Thread(daemon=True, target=target, args=arguments)
             for target, arguments in (
