@@ -230,10 +230,9 @@ class FairQueue:
         served_s = flow.mean_s * busy / max(1, self._slots())
         place_s = max(SPARE * max(served_s, flow.pace_s), LEAST_PLACE_S)
         flow.returns = [each for each in flow.returns if each[0] > now - KEPT_S]
-        told = next((each for each in flow.returns if each[1] == name), (math.inf, name))
-        is_due = told[0] <= now
-        if told in flow.returns and (name or is_due):
-            flow.returns.remove(told)
+        told = [each for each in flow.returns if each[1] == name and (name or each[0] <= now)][:1]
+        is_due = bool(told) and told[0][0] <= now
+        flow.returns = [each for each in flow.returns if each not in told]
         # The k-th of those who were told needs k + 1 places: those of today, and those that get
         # free until he comes. Whoever comes unannounced goes before none for whom that is tight.
         dues = [due - now for due, _ in flow.returns]
@@ -243,11 +242,13 @@ class FairQueue:
         )  # fmt: skip
         if free > 0 and not before:
             return 0
-        # His place is the one after theirs, and after those who come before that.
+        # His place is the one after theirs, and after those who come before that; or still his own.
         again_s = math.ceil((1 + before - free) * place_s)
         while before < len(dues) and dues[before] <= again_s:
             before += 1
             again_s = math.ceil((1 + before - free) * place_s)
+        if told and not is_due:
+            again_s = math.ceil(told[0][0] - now)
         if len(flow.returns) < MOST_RETURNS:
             insort(flow.returns, (now + again_s, name))
         return again_s

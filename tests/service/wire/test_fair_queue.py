@@ -134,10 +134,14 @@ def test_a_place_is_kept_for_the_work_that_was_told(clock: Clock) -> None:
         await waits(queue.acquire())  # type: ignore[arg-type]
         told_s = refused_s(queue, "told")
         assert 8.0 < told_s < 12.0
+        assert refused_s(queue, "another") > told_s
+        clock.now += 1.0
+        assert refused_s(queue, "told") == told_s - 1.0
+        clock.now -= 1.0
         clock.now += 2.0
         queue.release(first)
         await asyncio.sleep(0)
-        assert refused_s(queue, "another") + 2.0 > told_s
+        assert refused_s(queue, "one more") > told_s - 2.0
         clock.now += told_s
         assert refused_s(queue, "a third") > 0
         assert refused_s(queue, "told") == 0
