@@ -13,7 +13,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import GZipMiddleware
 
 from service import pages
-from service.contract.documentation import TITLE, describe
+from service.contract.documentation import TITLE, describe, problems
 from service.resources.jobs import Jobs, Questions, questions
 from service.resources.quotas import UsedQuotas
 from service.resources.records import PROOFS, RESOURCES
@@ -97,6 +97,7 @@ def create_app(
         generate_unique_id_function=attrgetter("name"),  # the method of generated clients
         redirect_slashes=False,
         telemetry=telemetry(),
+        responses=problems(),  # of every route that names no others
     )
     for resource in RESOURCES.values():
         app.include_router(resource_routes.router_of(resource))

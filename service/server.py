@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import json
 import logging
 import socket
@@ -147,6 +148,9 @@ class _Server(uvicorn.Server):
         sys.stdout.write("\n".join(lines) + "\nStop with Ctrl-C.\n")
         sys.stdout.flush()
         await contract(self._app)  # so that whoever now opens /docs need not wait for it
+        # What is there by now stays: collections, which hold everybody up, need not go through it.
+        gc.collect()
+        gc.freeze()
 
 
 async def self_check(parts: State) -> str:

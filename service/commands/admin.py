@@ -1,4 +1,4 @@
-"""`camwright admin`: back a database up, restore it, verify it, prune it; services may run on."""
+"""`camwright admin`: back a database up, restore, verify, prune it, or take its tables back."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ DatabaseUrl = Annotated[
         help="The database; left out, that of CAMWRIGHT_DATABASE_URL, or sqlite:///camwright.db.",
     ),
 ]
-ADMIN = """The database: backed up, restored, verified and pruned.
+ADMIN = """The database: backed up, restored, verified, pruned, taken back to an earlier release.
 
-Services may run on meanwhile; what is restored into is empty. The database is that of
-CAMWRIGHT_DATABASE_URL or --database-url, as of `camwright serve`.
+Services may run on meanwhile, but for the last; what is restored into is empty. The database is
+that of CAMWRIGHT_DATABASE_URL or --database-url, as of `camwright serve`.
 
   camwright admin backup kept.db
   camwright admin restore kept.db --database-url postgresql+psycopg://user:secret@db/cams
   camwright admin verify --database-url sqlite:///kept.db
   camwright admin prune --older-than-days 365 --dry-run
+  camwright admin downgrade 0004
 
 Exit codes: 0 done; 1 a setting makes no sense; 2 the database or the file cannot be used; 3 the
 database is damaged."""
@@ -165,3 +166,27 @@ def prune(
     finally:
         store.dispose()
     say(f"{'Would delete' if dry_run else 'Deleted'}: {_told(counts) or 'nothing'}.")
+
+
+@app.command()
+def downgrade(
+    revision: Annotated[
+        str, typer.Argument(help="That the earlier release names where it refuses the database.")
+    ],
+    database_url: DatabaseUrl = None,
+) -> None:
+    """Take the tables back to those of an earlier release, with what they hold of what is kept.
+
+    Stop the services before, and make a backup: what an earlier release knows nothing of, such as
+    keys and owners, is dropped. A later release brings the tables forward when it starts.
+    """
+    from service.storage.migrations import HEAD, REVISIONS, migrate
+
+    if revision not in REVISIONS:
+        stop(f"There is no revision {revision}: there are {', '.join(REVISIONS)}.")
+    store = _open_store(_settings(database_url))
+    try:
+        migrate(store.engine, revision)
+    finally:
+        store.dispose()
+    say(f"The tables are of revision {revision}; this release's are of {HEAD}.")

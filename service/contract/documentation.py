@@ -46,6 +46,9 @@ SEVERAL = {
     500: "Internal error",
     503: "Temporarily unavailable: try again",
 }
+# What any request may be answered with: by the connection, the guard before all routes, the store.
+# The document's description says what they mean.
+ANY_REQUEST = (400, 401, 408, 421, 429, 431, 500, 503)
 OPENAPI_URL = "/openapi.json"
 REFERENCE = "#/components/schemas/"
 # Models that no handler's signature names.
@@ -56,24 +59,19 @@ UNNAMED: tuple[type[BaseModel], ...] = (
 
 
 def problems(*statuses: int, late: bool = True) -> dict[int | str, Json]:
-    """Responses that are problem documents, by reference; several of a class as its range.
+    """Every problem that an operation may answer with, as its ``default`` response.
 
     Args:
+        statuses: those beside ``ANY_REQUEST``.
         late: whether 504 brings the best design by then along, and so stands by itself.
     """
     titles = {kind.status: kind.title for kind in ProblemType} | SEVERAL
-    responses: dict[int | str, Json] = {}
     alone = {504} & set(statuses) if late else set()
-    for first in (4, 5):
-        those = [each for each in statuses if each // 100 == first and each not in alone]
-        if len(those) == 1:
-            responses[those[0]] = _problem(Problem, f"{titles[those[0]]}.")
-        elif those:
-            lines = "\n".join(f"* {status}: {titles[status]}." for status in those)
-            responses[f"{first}XX"] = _problem(Problem, lines)
-    for status in alone:
-        responses[status] = _problem(LateProblem, f"{titles[status]}.")
-    return responses
+    own = sorted({*statuses} - alone)
+    lines = "".join(f"* {status}: {titles[status]}.\n" for status in own)
+    lines += f"* {', '.join(map(str, ANY_REQUEST))}: as of any request."
+    responses: dict[int | str, Json] = {"default": _problem(Problem, lines)}
+    return responses | {each: _problem(LateProblem, f"{titles[each]}.") for each in alone}
 
 
 def _problem(model: type[BaseModel], description: str) -> Json:
@@ -89,19 +87,18 @@ def etag_response(**more: Any) -> dict[int | str, Json]:
     }
 
 
-def file_response(content: Json, may_fail: bool = True) -> dict[int | str, Json]:
+def file_response(content: Json, may_lack: bool = True) -> dict[int | str, Json]:
     """A file with a tag, of which parts can be requested by Range, and what may go wrong.
 
     What HTTP makes of tags and ranges, 304 and 206, is told once, by the headers of all files.
 
     Args:
-        may_fail: whether a worker makes it or an optional part, so that making it may fail.
+        may_lack: whether it takes an optional part.
     """
     headers = {"ETag": FILE_TAG, "Accept-Ranges": FILE_PARTS}
     return {
         200: {"description": "The file.", "headers": headers, "content": content},
-        **problems(404, 409, 416, 422, 429),
-        **(problems(500, 501, 503, 504, late=False) if may_fail else {}),
+        **problems(404, 409, 416, 422, 504, *((501,) if may_lack else ()), late=False),
     }
 
 
@@ -163,13 +160,8 @@ def describe(app: FastAPI) -> Json:
 def _tidy(document: Json) -> None:
     """Remove what FastAPI adds and the service does not do."""
     schemas = document["components"]["schemas"]
-    # FastAPI's own form of 422: the service answers with problem documents.
-    for unused in ("HTTPValidationError", "ValidationError"):
-        schemas.pop(unused, None)
     operations = [each for methods in document["paths"].values() for each in methods.values()]
     for responses in (operation["responses"] for operation in operations):
-        if "application/json" in responses.get("422", {}).get("content", {}):
-            del responses["422"]
         for response in responses.values():
             for content in response.get("content", {}).values():
                 if content.pop("itemSchema", None):  # a word of OpenAPI 3.2: text in 3.1

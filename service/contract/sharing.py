@@ -20,12 +20,14 @@ BESIDE = {"description", "default"}
 COMPOSITE = {"anyOf", "oneOf", "items", "additionalProperties"}
 # Types that are written out at several places, each by one of them.
 NAMED = {
+    "AnswerId": "Design.id",
     "Allowance": "BaseRadius.allowance",
     "BalancePointer": "RangeAxis.balance_pointer",
     "CrownRadius": "GloboidalIndexer.crown_radius_mm",
     "Cursor": "DesignPage.next",
     "Dimension": "OscillatingRoller.centre_distance_mm",
     "DwellOn": "GloboidalIndexer.dwell_on",
+    "EngineVersion": "Design.engine_version",
     "Follower": "DesignSpec.follower",
     "Inflection": "Scca.inflection",
     "JsonObject": "Entry.json_schema",
@@ -42,6 +44,7 @@ NAMED = {
     "Pointer": "RangeAxis.pointer",
     "Rim": "Groove.rim_mm",
     "Segment": "DesignSpec.program.items",
+    "Rotation": "DesignSpec.rotation",
     "RollerDistance": "CylindricalOscillating.roller_distance_mm",
     "RollerWidth": "CylindricalOscillating.roller_width_mm",
     "SegmentAngle": "Rise.angle_deg",
@@ -253,6 +256,8 @@ def _shorten_parameter(parameter: Json) -> None:
 def _name_of(status: str, response: Json) -> str:
     """What a response is called where several operations have it."""
     contents: Json = response.get("content", {})
+    if status == "default":
+        return "Problems"
     if status >= "400" or not contents:
         return status
     media_type, content = next(iter(contents.items()))
@@ -269,12 +274,14 @@ def _move(places: list[Place], kind: str) -> Json:
     """
     texts = [json.dumps((name, holder[key]), sort_keys=True) for holder, key, name in places]
     often, names, parts = Counter(texts), dict[str, str](), Json()
-    for (holder, key, name), text in zip(places, texts, strict=True):
-        if often[text] == 1:
-            continue
-        if text not in names:
+    first = {text: place for place, text in reversed(list(zip(places, texts, strict=True)))}
+    for text, count in often.most_common():  # what occurs most has the shortest name
+        if count > 1:
+            holder, key, name = first[text]
             same = sum(each.partition("_no_")[0] == name for each in parts)
             names[text] = f"{name}_no_{same + 1}" if same else name
             parts[names[text]] = holder[key]
-        holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
-    return parts
+    for (holder, key, _), text in zip(places, texts, strict=True):
+        if text in names:
+            holder[key] = {"$ref": f"#/components/{kind}/{names[text]}"}
+    return dict(sorted(parts.items()))

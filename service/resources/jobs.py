@@ -147,7 +147,7 @@ class Jobs:
 
         One that is in the queue already takes no other.
         """
-        with contextlib.nullcontext() if id in self._attempts else self.engine.queue.room():
+        with contextlib.nullcontext() if id in self._attempts else self.engine.queue.room(id):
             yield
 
     async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:

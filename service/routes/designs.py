@@ -31,7 +31,7 @@ router = APIRouter()
     "/v1/designs/{design_id}/sensitivities",
     tags=["designs"],
     response_model=Sensitivities,
-    responses={**etag_response(), **problems(404, 409, 500, 503, 504)},
+    responses={**etag_response(), **problems(404, 409, 504)},
     summary="What each limit costs",
 )
 async def get_design_sensitivities(
@@ -63,7 +63,7 @@ async def _sensitivities(parts: State, row: AnswerRow) -> bytes:
     "/v1/designs/{design_id}/confirmation",
     tags=["designs"],
     response_model=Confirmation,
-    responses={200: etag_response()[200], **problems(404, 409, 429, 500, 501, 503, 504)},
+    responses={200: etag_response()[200], **problems(404, 409, 501, 504)},
     summary="A design's certificate to 25 digits",
 )
 async def get_confirmation(request: Request, design_id: str, parts: Parts) -> Response:
@@ -139,5 +139,5 @@ add_file_route(
     DESIGNS,
     ResourceFile(PICTURES[REPORT], write_design, REPORT),
     _get_report,
-    may_fail=True,
+    may_lack=True,
 )

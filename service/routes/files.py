@@ -36,7 +36,6 @@ PAGE_POLICY = (
     "frame-ancestors 'self'; sandbox allow-scripts"
 )
 POLICIES = {SVG: PICTURE_POLICY, PNG: PICTURE_POLICY, "text/html": PAGE_POLICY}
-WORKER_STATUSES = (429, 500, 501, 503, 504)  # of what may go wrong where a worker makes the file
 BROKEN_LIMITS = (*WITHOUT_CAM, "violated")
 Handler = Callable[..., Awaitable[Any]]
 
@@ -60,9 +59,9 @@ def add_file(router: APIRouter, resource: Resource, file: ResourceFile) -> None:
 
 
 def add_file_route(
-    router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_fail: bool
+    router: APIRouter, resource: Resource, file: ResourceFile, handler: Handler, may_lack: bool
 ) -> None:
-    """Add the route of a file with a handler, which may or may not fail at making it."""
+    """Add the route of a file with a handler; ``may_lack``: whether it takes an optional part."""
     media_type = file.format.media_type.partition(";")[0]
     router.add_api_route(
         f"{resource.path}/{{{resource.id_name}}}/{file.path}",
@@ -72,7 +71,7 @@ def add_file_route(
         summary=file.format.title,
         description=file.format.purpose,
         response_class=Response,
-        responses=file_response(content_of(media_type), may_fail),
+        responses=file_response(content_of(media_type), may_lack),
     )
 
 

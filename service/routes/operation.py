@@ -77,7 +77,7 @@ async def get_readyz(parts: Parts, response: Response) -> Ready:
 @router.get(
     "/metrics",
     response_class=Response,
-    responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}},
+    responses={200: {"content": {"text/plain": {"schema": {"type": "string"}}}}, **problems(403)},
     summary="For Prometheus",
 )
 async def get_metrics(parts: Parts) -> Response:

@@ -92,7 +92,7 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         responses={
             200: etag_response()[200],
             **UNDER_WAY,
-            **problems(400, 409, 413, 415, 422, 429, 500, 503, 504),
+            **problems(409, 413, 415, 422, 504),
         },
     )  # fmt: skip
 
@@ -153,7 +153,7 @@ def _add_get(router: APIRouter, resource: Resource) -> None:
         f"{resource.path}/{{{resource.id_name}}}", handler, methods=["GET"], tags=[resource.tag],
         name=f"get_{_snake(resource.noun)}", summary=article(resource.noun).capitalize(),
         description=text, response_model=resource.answer,
-        responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 500, 503, 504)},
+        responses={**etag_response(), **UNDER_WAY, **problems(404, 422, 504)},
     )  # fmt: skip
 
 

@@ -17,15 +17,7 @@ from service.contract.documentation import (
     problems,
     spec_body,
 )
-from service.routes.files import (
-    PNG,
-    SVG,
-    WORKER_STATUSES,
-    content_of,
-    download_headers,
-    make_beside,
-    make_in_worker,
-)
+from service.routes.files import PNG, SVG, content_of, download_headers, make_beside, make_in_worker
 from service.routes.resource_routes import Cursor, Key, check_key, newest, position_of
 from service.state import Parts, State, hold_stream
 from service.storage.tables import ItemRow, SweepRow
@@ -76,7 +68,7 @@ After = Annotated[int, Depends(_last_event)]
     responses={
         202: {"description": "Running, or finished already: see `state`.",
               "headers": UNDER_WAY_HEADERS},
-        **problems(400, 413, 415, 422, 429, 503),
+        **problems(413, 415, 422),
     },
     openapi_extra=spec_body("sweeps", "SweepSpec"),
     summary="Start a sweep",
@@ -127,7 +119,7 @@ async def get_sweep(row: RequestedSweep, parts: Parts) -> Response:
             "and is kept as `discard=false` asks."
         },
         204: {"description": "It was finished: deleted with all its items."},
-        **problems(404),
+        **problems(404, 422),
     },
     summary="Stop or delete a sweep",
 )
@@ -152,7 +144,7 @@ async def delete_sweep(
     "/{sweep_id}/events",
     response_class=EventSourceResponse,
     dependencies=[Depends(hold_stream)],
-    responses={**problems(404, 422, 429)},
+    responses=problems(404, 422),
     summary="Watch a sweep",
 )
 async def watch_sweep(
@@ -220,9 +212,9 @@ def _add_table(
     write: Callable[[views.Columns, views.Pages], AsyncIterator[bytes]],
     title: str,
     text: str,
-    may_fail: bool = False,
+    may_lack: bool = False,
 ) -> None:
-    """Add the route of a table, which may or may not fail at writing it."""
+    """Add the route of a table; ``may_lack``: whether it takes an optional part."""
 
     async def handler(request: Request, sweep: RequestedSweep, parts: Parts) -> Response:
         def body() -> AsyncIterator[bytes]:
@@ -242,7 +234,7 @@ def _add_table(
     router.add_api_route(
         f"/{{sweep_id}}/items.{extension}", handler, name=f"get_sweep_items_{extension}",
         summary=title, description=text, response_class=StreamingResponse,
-        responses=file_response(content_of(media_type), may_fail),
+        responses=file_response(content_of(media_type), may_lack),
     )  # fmt: skip
 
 
@@ -254,7 +246,7 @@ _add_table(
 _add_table(
     "parquet", "application/vnd.apache.parquet", views.parquet_table, "Finished items as Parquet",
     "The same table for data frames; axes of numbers and quantities are doubles.",
-    may_fail=True,
+    may_lack=True,
 )  # fmt: skip
 
 
@@ -310,7 +302,7 @@ async def get_sweep_pareto(
     response_class=Response,
     responses={
         **etag_response(description="The file.", content=content_of(SVG)),
-        **problems(404, 422),
+        **problems(404, 422, 504, late=False),
     },
     summary="The Pareto front as a drawing",
 )
@@ -338,7 +330,7 @@ async def get_sweep_pareto_svg(
     response_class=Response,
     responses={
         **etag_response(description="The file.", content=content_of(PNG)),
-        **problems(404, 422, *WORKER_STATUSES),
+        **problems(404, 422, 501, 504, late=False),
     },
     summary="The Pareto front as pixels",
 )

@@ -31,6 +31,8 @@ log = logging.getLogger("camwright.store")
 THREADS = 8  # and connections to PostgreSQL: requests wait for the workers, not for the store
 DAMAGED_S = 60.0  # that health tells of a damaged page: probes and alarms come more often
 PROBE_S = 1.0  # that a look at the database is good for: anyone may ask, and each look is a write
+# Settings of PostgreSQL; with any of them off a loss of power takes what was acknowledged with it.
+LASTING = ("fsync", "full_page_writes", "synchronous_commit")
 T = TypeVar("T")
 Row = TypeVar("Row", bound=StoredRow)
 Lookup = Callable[[Session, str, str | None], AnswerRow | None]
@@ -62,6 +64,17 @@ def relax(session: Session) -> None:
     session.connection().exec_driver_sql(how)
 
 
+def _tell_what_does_not_last(engine: Engine) -> None:
+    """Warn of a PostgreSQL that does not wait for its disk; SQLite is told to at every checkout."""
+    with engine.connect() as connection:
+        values = {name: connection.exec_driver_sql(f"show {name}").scalar() for name in LASTING}
+    if off := [name for name, value in values.items() if value == "off"]:
+        log.warning(
+            "what is acknowledged may be lost with the power: PostgreSQL has %s off",
+            " and ".join(off),
+        )
+
+
 class Store:
     """Every method is one transaction in a thread of its own: the event loop never waits."""
 
@@ -84,6 +97,8 @@ class Store:
         self._probing, self._probed, self._works = asyncio.Lock(), -math.inf, False
         self._damaged = -math.inf  # when it was last found damaged
         migrate(self._engine)
+        if url.get_backend_name() == "postgresql":
+            _tell_what_does_not_last(self._engine)
 
     @property
     def engine(self) -> Engine:

@@ -34,9 +34,9 @@ NEWEST = 0.2  # weight of the last work in the average of costs: about the last 
 # Works over which the pace is averaged at which places get free: about as many as wait, so that the
 # past that is looked at is as long as the wait that is told.
 PACED = 64
-# How long a place is kept for who was told to come back [s]: Retry-After has whole seconds, and
-# clients wait a little longer rather than less.
-KEPT_S = 2.0
+# How long a place is kept for what was told to come back [s]: clients wait a little longer rather
+# than less, and a busy machine takes seconds to read what they send. No slot is kept for anybody.
+KEPT_S = 10.0
 MOST_RETURNS = 1024  # places that are kept of one owner: as many as there may be connections
 # Times as long as measured that places are taken for to get free: so a fifth of them is left for
 # whoever comes unannounced, and work that takes longer makes nobody come in vain.
@@ -50,10 +50,10 @@ SUBSCRIBER = 64  # bits of an IPv6 address that name a network (RFC 6177: each s
 class _Flow:
     """The work of one owner: ``tag``, ``mean_s`` of his urgent work [s], what waits and runs.
 
-    ``expected``: places that work takes which is being accepted. ``returns``: when those who
-    found no room are to come back, in order. ``pace_s``: from one of his places that gets free to
-    the next [s], averaged over ``paced`` of them. ``freed``: when the last one did; None where he
-    had no other since.
+    ``expected``: places that work takes which is being accepted. ``returns``: when what found no
+    room is to come back, and its name, in order. ``pace_s``: from one of his places that gets free
+    to the next [s], averaged over ``paced`` of them. ``freed``: when the last one did; None where
+    he had no other since.
     """
 
     tag: float
@@ -62,7 +62,7 @@ class _Flow:
     rest: deque[asyncio.Future[Turn]] = field(default_factory=deque)
     running: int = 0
     expected: int = 0
-    returns: list[float] = field(default_factory=list)
+    returns: list[tuple[float, str]] = field(default_factory=list)
     pace_s: float = 0.0
     paced: int = 0
     freed: float | None = None
@@ -143,7 +143,7 @@ class FairQueue:
         """Wait for a turn, which has to be released; ``limited``: if there is ``room`` to wait."""
         flow = self._flow()
         if limited:
-            self._check_room(flow)
+            self._check_room(flow, "")
         place: asyncio.Future[Turn] = asyncio.get_running_loop().create_future()
         line = flow.urgent if urgent else flow.rest
         line.append(place)
@@ -191,22 +191,23 @@ class FairQueue:
             place.set_result(turn)
 
     @contextmanager
-    def room(self) -> Iterator[None]:
+    def room(self, name: str = "") -> Iterator[None]:
         """A place in the queue, until the work that is being accepted takes it itself.
 
         ServiceError where there is none for whoever asks: the queue is full, and he has as many
-        places as there are for each of those who have some.
+        places as there are for each of those who have some. By ``name`` the work is known again
+        when it comes back; without one, whatever has none is taken for it.
         """
         flow = self._flow()
-        self._check_room(flow)
+        self._check_room(flow, name)
         flow.expected += 1
         try:
             yield
         finally:
             flow.expected -= 1
 
-    def _check_room(self, flow: _Flow) -> None:
-        again_s = self._until_room(flow)
+    def _check_room(self, flow: _Flow, name: str) -> None:
+        again_s = self._until_room(flow, name)
         if again_s:
             raise ProblemType.BUSY(
                 f"{self.waiting} {self._what} are waiting already, {flow.places} of them yours. By "
@@ -214,7 +215,7 @@ class FairQueue:
                 {"Retry-After": str(again_s)},
             )
 
-    def _until_room(self, flow: _Flow) -> int:
+    def _until_room(self, flow: _Flow, name: str) -> int:
         """After how many seconds there is room for one more work of an owner; 0: there is now."""
         flows, now = self._flows.values(), self._clock()
         if self.is_free:
@@ -228,19 +229,28 @@ class FairQueue:
         # programs, they get free more slowly than that, and as slowly as they did of late.
         served_s = flow.mean_s * busy / max(1, self._slots())
         place_s = max(SPARE * max(served_s, flow.pace_s), LEAST_PLACE_S)
-        flow.returns = [each for each in flow.returns if each > now - KEPT_S]
-        if free > 0 and flow.returns and flow.returns[0] <= now:  # he is taken for one who was told
-            del flow.returns[0]
-        # Others find room where some is left for everyone who was told, by the time that they come:
-        # free are the places of today without this one, and those that get free until then.
-        # Otherwise their place is the one after those.
-        elif any(free - 1 + (each - now) / place_s < k + 1 for k, each in enumerate(flow.returns)):
-            free = min(free, len(flow.returns)) - len(flow.returns)
-        if free > 0:
+        flow.returns = [each for each in flow.returns if each[0] > now - KEPT_S]
+        told = [each for each in flow.returns if each[1] == name and (name or each[0] <= now)][:1]
+        is_due = bool(told) and told[0][0] <= now
+        flow.returns = [each for each in flow.returns if each not in told]
+        # The k-th of those who were told needs k + 1 places: those of today, and those that get
+        # free until he comes. Whoever comes unannounced goes before none for whom that is tight.
+        dues = [due - now for due, _ in flow.returns]
+        before = 0 if is_due else max(
+            (k + 1 for k, due in enumerate(dues) if free + max(0.0, due) / place_s < k + 2),
+            default=0,
+        )  # fmt: skip
+        if free > 0 and not before:
             return 0
-        again_s = math.ceil((1 - free) * place_s)
+        # His place is the one after theirs, and after those who come before that; or still his own.
+        again_s = math.ceil((1 + before - free) * place_s)
+        while before < len(dues) and dues[before] <= again_s:
+            before += 1
+            again_s = math.ceil((1 + before - free) * place_s)
+        if told and not is_due:
+            again_s = math.ceil(told[0][0] - now)
         if len(flow.returns) < MOST_RETURNS:
-            insort(flow.returns, now + again_s)
+            insort(flow.returns, (now + again_s, name))
         return again_s
 
     def _flow(self) -> _Flow:
@@ -265,7 +275,7 @@ class FairQueue:
         self._flows = {
             name: flow for name, flow in self._flows.items()
             if flow.running or flow.waits or flow.expected
-            or (flow.returns and flow.returns[-1] > now)
+            or (flow.returns and flow.returns[-1][0] > now)
             or (flow.tag > self._virtual and self.running)
         }  # fmt: skip
 

@@ -6,6 +6,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from service.client import Client
 from service.contract.examples import SELF_CHECK, examples
 from service.settings import Settings
 from tests.lazy import LazyModule
-from tests.service.killing import ROOT, Process, answering
+from tests.service.killing import ROOT, Process, answering, free_port
 from tests.service.postgres import PASSWORD, postgres
 from tests.service.sweeps.test_kills import until
 from tests.service.topology import (
@@ -195,3 +197,48 @@ def test_what_a_running_service_needs_is_in_the_image() -> None:
     for folder in ("synthesis", "service", "openapi"):
         assert re.search(rf"^COPY {folder} ", DOCKERFILE, re.M)
         assert (ROOT / folder).is_dir()
+
+
+def test_our_images_are_built_here_and_may_do_little() -> None:
+    ours = [each for name, each in SERVICES.items() if name != "database"]
+    assert len(ours) == 3
+    for each in ours:
+        assert each["build"]["context"] == "."
+        assert each["read_only"] is True
+        assert each["cap_drop"] == ["ALL"]
+        assert each["security_opt"] == ["no-new-privileges:true"]
+    assert re.findall(r"^USER (\w+)$", DOCKERFILE, re.M) == ["camwright"]
+    # What lies below is named by the operator, by digest if he likes, and nowhere else.
+    assert set(re.findall(r"^FROM (\S+)", DOCKERFILE, re.M)) == {"${PYTHON_IMAGE}"}
+    assert SERVICES["database"]["image"].startswith("${POSTGRES_IMAGE:-")
+
+
+def test_it_works_where_it_may_write_nothing_but_its_data(tmp_path: Path) -> None:
+    """As in a container that is read-only and has no capabilities: a mount namespace of its own."""
+    data, port = tmp_path / "data", free_port()
+    data.mkdir()
+    alone = ["unshare", "--mount", "sh", "-c"]
+    if subprocess.run([*alone, "mount --make-rprivate /"], check=False).returncode:
+        pytest.skip("this account may not mount")
+    script = (
+        f"mount --make-rprivate / && mount --bind {data} {data} && mount -o remount,ro,bind / "
+        f"&& ! touch {ROOT}/written && exec setpriv --no-new-privs --bounding-set=-all "
+        f"--inh-caps=-all {sys.executable} -m service"
+    )
+    environment = {
+        "PATH": os.environ["PATH"], "PYTHONPATH": str(ROOT), "HOME": str(data), "TMPDIR": str(data),
+        "CAMWRIGHT_PORT": str(port), "CAMWRIGHT_DATABASE_URL": f"sqlite:///{data}/camwright.db",
+    }  # fmt: skip
+    running = subprocess.Popen([*alone, script], cwd=ROOT, env=environment)
+    try:
+        with httpx2.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
+            answering(client)
+            assert client.get("/readyz").json()["store"] is True
+            designed = client.post("/v1/designs", json=examples()[SELF_CHECK]["value"])
+            assert designed.status_code == 200
+            for file in ("profile.dxf", "profile.png", "datasheet.pdf", "solid.step"):
+                made = client.get(f"{designed.headers['content-location']}/{file}")
+                assert made.status_code == 200, file
+    finally:
+        running.terminate()
+        running.wait()

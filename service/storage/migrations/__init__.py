@@ -21,8 +21,11 @@ class ForeignDatabase(Exception):
     """The database holds tables that this version cannot work with."""
 
 
-def migrate(engine: Engine) -> None:
+def migrate(engine: Engine, revision: str = HEAD) -> None:
     """Bring a database, empty or of an earlier release, to the tables of this one.
+
+    Args:
+        revision: an earlier one: back to the tables of that, of a database that is not empty.
 
     Raises:
         ForeignDatabase: its tables are of no release that this one knows.
@@ -46,12 +49,13 @@ def migrate(engine: Engine) -> None:
             connection.execute(text("insert into alembic_version values (:head)"), {"head": HEAD})
             return
         current = connection.scalar(text("select version_num from alembic_version"))
-        if current == HEAD:
+        if current == revision:
             return
         if current not in REVISIONS:
             raise ForeignDatabase(
                 "it was written by a later version of Camwright (its tables are of revision "
-                f"{current}). Start that version, or name another database"
+                f"{current}, this version's of {HEAD}). Start that version, or have it run "
+                f"`camwright admin downgrade {HEAD}`, or name another database"
             )
         # Imported here: few starts need it, and it takes a tenth of the time of all imports.
         from alembic import command
@@ -59,4 +63,4 @@ def migrate(engine: Engine) -> None:
 
         config = Config(attributes={"connection": connection})
         config.set_main_option("script_location", "service.storage:migrations")
-        command.upgrade(config, "head")
+        (command.upgrade if revision > current else command.downgrade)(config, revision)

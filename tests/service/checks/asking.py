@@ -73,13 +73,15 @@ class Asking:
     def __init__(self, ports: list[int], draw: random.Random, work: FakeWork | RealWork) -> None:
         self.ports, self._draw, self.work = ports, draw, work
         self.seen, self.over = Seen(), threading.Event()
+        self._client = httpx2.Client(timeout=60.0)  # one for all: each reads its certificates
+        self.close = self._client.close
 
     def ask(self, method: str, path: str, **more: Any) -> httpx2.Response:
         """Ask one of the services, until one answers otherwise than that it cannot now."""
         while True:
             try:
                 url = f"http://127.0.0.1:{self._draw.choice(self.ports)}{path}"
-                answer = httpx2.request(method, url, timeout=60.0, **more)
+                answer = self._client.request(method, url, **more)
             except httpx2.TransportError as error:
                 self.seen.statuses[type(error).__name__] += 1
             else:

@@ -55,6 +55,7 @@ def main() -> int:
         stack.callback(first.stop)
         answering(clients[0])
         asking = Asking(ports[:1], random.Random(1), FakeWork())
+        stack.callback(asking.close)
         posting = [
             threading.Thread(target=asking.post_sweeps, args=(chosen["sweeps"], chosen["items"])),
             threading.Thread(target=asking.post_designs, args=(chosen["singles"], chosen["over"])),

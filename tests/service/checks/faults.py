@@ -7,10 +7,11 @@ core is the fake one, so that the faults and not the solving take the time; `--c
 real one. Faults: kill -9 of a service, of a worker, of the process that workers are forked from, of
 the scheduler, of a worker of its, and of PostgreSQL; its connections ended; the store away for
 10 s; a full disk (where this account may mount a tmpfs); a service that stands still for longer
-than its lease; a connection cut in the middle of an answer. Everything is started again, as Docker
-and systemd do. At the end every acknowledged question must have its answer and every sweep each
-item once, as its owner sees them over HTTP: lost, doubled, stuck, failed and wrong are printed, and
-the exit code is 1 where one of them is not 0.
+than its lease; a connection cut in the middle of an answer; with `--clock` (which needs a C
+compiler) the clock of all of them set forward by an hour, or back again. Everything is started
+again, as Docker and systemd do. At the end every acknowledged question must have its answer and
+every sweep each item once, as its owner sees them over HTTP: lost, doubled, stuck, failed and wrong
+are printed, and the exit code is 1 where one of them is not 0.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ import httpx2
 from benchmarks import processes
 from service.workers.scheduler import make_certificate
 from tests.service.checks.asking import Asking, FakeWork, RealWork, judge
+from tests.service.checks.clock import Clock
 from tests.service.checks.stores import Fault, Store, opened
 from tests.service.fake_core import LOG
 from tests.service.killing import Process, answering, children, free_port, service
@@ -155,12 +157,14 @@ def main() -> int:
     for name, default in (("faults", 100), ("singles", 500), ("sweeps", 5), ("items", 200),
                           ("seed", 1), ("services", 2)):  # fmt: skip
         parser.add_argument(f"--{name}", type=int, default=default)
+    parser.add_argument("--clock", action="store_true", help="set the clock too")
     parser.add_argument("--only", default="", help="faults whose name holds this")
     chosen = parser.parse_args()
     draw, folder = random.Random(chosen.seed), Path(tempfile.mkdtemp(prefix="faults-"))
     real = chosen.core == "real"
     with ExitStack() as stack:
         stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        clock = {"clock set": Clock(folder).set_by_an_hour} if chosen.clock else {}
         store = stack.enter_context(opened(chosen.store))
         services = Services(folder, store, draw, real, chosen.services)
         for each in services.all:
@@ -172,6 +176,7 @@ def main() -> int:
         services.wait()
         work = RealWork() if real else FakeWork()
         asking = Asking(services.ports, random.Random(chosen.seed), work)
+        stack.callback(asking.close)
         posting = [
             threading.Thread(daemon=True, target=target, args=arguments)
             for target, arguments in (
@@ -185,7 +190,7 @@ def main() -> int:
         done, started, order = Counter[str](), time.monotonic(), list[str]()
         for _ in range(chosen.faults):
             time.sleep(draw.uniform(*BETWEEN_S))
-            faults = {**services.faults(asking), **store.faults()}
+            faults = {**services.faults(asking), **store.faults(), **clock}
             # Each kind in turn, in a new random order for every round.
             order = order or [each for each in draw.sample(sorted(faults), len(faults))
                               if chosen.only in each]  # fmt: skip

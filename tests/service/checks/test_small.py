@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +15,7 @@ import pytest
 from service.cli import app
 from tests.service import load
 from tests.service.checks import backups, faults, web
+from tests.service.checks.clock import HOUR_S, Clock
 from tests.service.conftest import Running, settings_for
 from tests.service.specs import spec
 
@@ -50,6 +54,25 @@ def test_a_fault(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[
     said = capsys.readouterr().out
     assert "{'kill -9 of a worker': 1}" in said
     assert "lost 0, doubled 0, stuck 0, failed 0, wrong 0, leases left 0" in said
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_a_clock_that_is_set(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that are started under it have it; no other notices."""
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    set_clock = Clock(tmp_path).set_by_an_hour
+    ask = [sys.executable, "-S", "-c", "import time; print(time.time(), time.monotonic())"]
+
+    def ahead() -> tuple[float, float]:
+        said = subprocess.run(ask, env=os.environ, capture_output=True, text=True, check=True)
+        now, steady = map(float, said.stdout.split())
+        return round((now - time.time()) / HOUR_S, 1), round((steady - time.monotonic()) / HOUR_S)
+
+    assert ahead() == (0.0, 0.0)
+    set_clock()
+    assert ahead() == (1.0, 0.0)
+    set_clock()
+    assert ahead() == (0.0, 0.0)
 
 
 def test_a_scan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

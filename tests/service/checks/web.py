@@ -264,14 +264,11 @@ class Runs:
         return os.system, (f"touch {self._file}",)
 
 
-def strangers(scan: Scan, family: list[int], folder: Path) -> None:
-    """Every port on which a process of these listens is the service's own, and runs nothing."""
-    listening = ports(family)
-    scan.check("listens on one port alone", listening == {scan.port}, f"{sorted(listening)}")
-    file = folder / "ran"
+def messages(file: Path) -> dict[str, bytes]:
+    """What a stranger may send to a port; some would write a file."""
     pickled = pickle.dumps(Runs(file))
     call = pickle.dumps((os.system, (f"touch {file}",)))
-    messages = {
+    return {
         "garbage": os.urandom(4096), "nothing": b"", "NUL": bytes(4096), "pickle": pickled,
         "a call of multiprocessing": len(call).to_bytes(4, "big") + call,
         "a message of Dask": b"".join(n.to_bytes(8, "little") for n in (1, len(pickled))) + pickled,
@@ -281,8 +278,15 @@ def strangers(scan: Scan, family: list[int], folder: Path) -> None:
         "a pickle as a body": b"POST /v1/designs HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
         b"application/octet-stream\r\nContent-Length: %d\r\n\r\n" % len(pickled) + pickled,
     }  # fmt: skip
+
+
+def strangers(scan: Scan, family: list[int], folder: Path) -> None:
+    """Every port on which a process of these listens is the service's own, and runs nothing."""
+    listening = ports(family)
+    scan.check("listens on one port alone", listening == {scan.port}, f"{sorted(listening)}")
+    file = folder / "ran"
     for port in listening:
-        for name, message in messages.items():
+        for name, message in messages(file).items():
             answer = said(port, message)
             good = not answer or re.match(rb"HTTP/1.1 4", answer)
             scan.check(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import json
 import os
-import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from hypothesis import HealthCheck, settings
 from service.openapi import TARGET
 from synthesis.machines.linkages.shaper.spec import LENGTHS
 from tests.service.conftest import Running
+from tests.service.contract.test_openapi import statuses
 from tests.service.specs import spec
 
 if TYPE_CHECKING:  # imported in the functions: collecting tests does without it
@@ -64,6 +64,9 @@ def document() -> dict[str, Any]:
 
 
 STRIDE, EXAMPLES = 31, 2
+THOROUGH = os.environ.get("HYPOTHESIS_PROFILE") == "thorough"
+# Cases that chance makes: of the first of those operations that are alike, and of the others.
+CASES = (40, 10) if THOROUGH else (2, 1)
 # What an operation has in common with others: its list of parameters, or else its path.
 ALIKE = {
     f"{method.upper()} {path}": f"{method} {each.get('parameters') if method != 'post' else path}"
@@ -72,6 +75,12 @@ ALIKE = {
 }
 # The first of those that are alike is sent more cases that chance has made than the others.
 MORE = {like: label for label, like in reversed(ALIKE.items())}
+
+
+def operation_of(label: str) -> dict[str, Any]:
+    """What the contract says of an operation."""
+    method, path = label.split(" ", 1)
+    return json.loads(TARGET.read_text(encoding="utf-8"))["paths"][path][method.lower()]
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +103,7 @@ def operations() -> dict[str, APIOperation]:
         wrong types. HYPOTHESIS_PROFILE=thorough sends them all.
         """
         kind = coverage_scenario(case)
-        if kind is None or os.environ.get("HYPOTHESIS_PROFILE") == "thorough":
+        if kind is None or THOROUGH:
             return True
         like = ALIKE[case.operation.label]
         number = seen[like, kind.value]
@@ -119,7 +128,7 @@ def test_answers_are_as_documented(
     no_fault = CHECKS.get_by_names(["not_a_server_error"])
 
     @settings(
-        max_examples=2 if MORE[ALIKE[label]] == label else 1, deadline=None, derandomize=True,
+        max_examples=CASES[MORE[ALIKE[label]] != label], deadline=None, derandomize=True,
         database=None, suppress_health_check=list(HealthCheck),
     )  # fmt: skip
     def send(case: schemathesis.Case) -> None:
@@ -129,7 +138,7 @@ def test_answers_are_as_documented(
         if case.method == operation.method.upper():  # and not one that is not there
             assert answer.status_code in allowed
 
-    operation, allowed = operations[label], statuses(label)
+    operation, allowed = operations[label], statuses(operation_of(label))
     config = operation.schema.config
     build_operation_test(
         config=config,
@@ -138,19 +147,6 @@ def test_answers_are_as_documented(
         given_kwargs={},
         feedback=FeedbackSources(),
     )()
-
-
-def statuses(label: str) -> set[int]:
-    """Those that an operation documents; a range names its own in its description."""
-    served = json.loads(TARGET.read_text(encoding="utf-8"))
-    method, path = label.split(" ", 1)
-    found = set()
-    for status, response in served["paths"][path][method.lower()]["responses"].items():
-        name = response.get("$ref", "").rpartition("/")[2]
-        said = served["components"]["responses"][name] if name else response
-        named = re.findall(r"^\* (\d{3}):", said["description"], re.MULTILINE)
-        found |= {int(each) for each in (named if status.endswith("XX") else [status])}
-    return found
 
 
 def allows_itself_a_time(case: schemathesis.Case) -> bool:

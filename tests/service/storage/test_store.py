@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from alembic import command
 from alembic.autogenerate import compare_metadata
-from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy.orm import Session
 
@@ -81,10 +79,10 @@ def test_a_database_of_any_earlier_schema_keeps_what_is_in_it(tmp_path: Path, ba
             session.add_all(some_rows())
         assert len(REVISIONS) > 4
         for earlier in REVISIONS[-2::-1]:
-            with engine.begin() as connection:
-                config = Config(attributes={"connection": connection})
-                config.set_main_option("script_location", "service.storage:migrations")
-                command.downgrade(config, earlier)
+            migrate(engine, earlier)
+            with engine.connect() as connection:
+                context = MigrationContext.configure(connection)
+                assert context.get_current_revision() == earlier
             migrate(engine)
             with Session(engine) as session:
                 context = MigrationContext.configure(session.connection())
@@ -131,6 +129,17 @@ def test_what_there_was_belongs_to_the_local_owner(tmp_path: Path) -> None:
         asyncio.run(work())
     finally:
         store.dispose()
+
+
+@pytest.mark.parametrize("fsync", [True, False])
+def test_a_postgresql_that_does_not_wait_for_its_disk_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, fsync: bool
+) -> None:
+    with postgres("camwright", "camwright", fsync=fsync) as port:
+        address = f"camwright:{PASSWORD}@127.0.0.1:{port}/camwright"
+        Store(settings_for(tmp_path, database_url=f"postgresql+psycopg://{address}")).dispose()
+    told = [each.getMessage() for each in caplog.records if each.name == "camwright.store"]
+    assert [each.endswith("PostgreSQL has fsync off") for each in told] == [True] * (not fsync)
 
 
 BEFORE_RELEASE = "CREATE TABLE designs (sequence INTEGER PRIMARY KEY, id VARCHAR(64))"

@@ -18,6 +18,7 @@ from typer.testing import CliRunner, Result
 from service.cli import app
 from service.storage import upkeep
 from service.storage.answers import Answers
+from service.storage.migrations import HEAD
 from service.storage.store import Store
 from service.sweeps.store import SweepStore
 from service.sweeps.tasks import ItemAnswer
@@ -179,3 +180,18 @@ def test_a_database_that_is_not_there_is_not_made(tmp_path: Path) -> None:
         in run("verify", "--database-url", f"sqlite:///{tmp_path}/none.db", code=2).output
     )
     assert not (tmp_path / "none.db").exists()
+
+
+def test_the_tables_go_back_to_an_earlier_release_and_forth_again(used: str) -> None:
+    """Answers and sweeps stay; what is no revision changes nothing."""
+    kept = {table: len(rows(used, table)) for table in ("answers", "sweeps", "sweep_items")}
+    refused = run("downgrade", "4", "--database-url", used, code=2)
+    assert "there are 0001, 0002" in refused.output
+    assert rows(used, "alembic_version") == [(HEAD,)]
+    run("downgrade", "0003", "--database-url", used)
+    assert rows(used, "alembic_version") == [("0003",)]
+    with pytest.raises(sqlite3.OperationalError, match="no such table"):
+        rows(used, "holdings")
+    assert {table: len(rows(used, table)) for table in kept} == kept
+    assert "Everything is as it was kept" in run("verify", "--database-url", used).output
+    assert rows(used, "alembic_version") == [(HEAD,)]

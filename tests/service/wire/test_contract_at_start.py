@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from typing import Any
 from unittest.mock import MagicMock
 
@@ -56,5 +57,10 @@ def test_it_is_made_after_the_greeting(
         assert made == [app]
 
     monkeypatch.setattr(server, "self_check", checked)
-    asyncio.run(started())
+    frozen = gc.get_freeze_count()
+    try:
+        asyncio.run(started())
+        assert gc.get_freeze_count() > frozen  # no later collection goes through it
+    finally:
+        gc.unfreeze()
     assert "http://127.0.0.1:8000/docs" in capsys.readouterr().out

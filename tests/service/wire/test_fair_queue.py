@@ -112,6 +112,57 @@ def test_work_that_is_being_accepted_has_its_place_though_a_slot_is_free(clock: 
             queue.room().__enter__()
 
 
+def refused_s(queue: FairQueue, name: str) -> float:
+    """For how long this work is sent away [s]; 0: there is room."""
+    try:
+        queue.room(name).__enter__()
+    except ServiceError as refused:
+        return float(refused.headers["Retry-After"])
+    return 0.0
+
+
+def test_a_place_is_kept_for_the_work_that_was_told(clock: Clock) -> None:
+    """Whoever else comes when it is due, or before, does not get it."""
+
+    async def run() -> None:
+        queue = FairQueue(lambda: 1, 1, "questions", clock)
+        for _ in range(40):  # works of 8 s
+            turn = await queue.acquire()
+            clock.now += 8.0
+            queue.release(turn)
+        first = await queue.acquire()
+        await waits(queue.acquire())  # type: ignore[arg-type]
+        told_s = refused_s(queue, "told")
+        assert 8.0 < told_s < 12.0
+        assert refused_s(queue, "another") > told_s
+        clock.now += 1.0
+        assert refused_s(queue, "told") == told_s - 1.0
+        clock.now -= 1.0
+        clock.now += 2.0
+        queue.release(first)
+        await asyncio.sleep(0)
+        assert refused_s(queue, "one more") > told_s - 2.0
+        clock.now += told_s
+        assert refused_s(queue, "a third") > 0
+        assert refused_s(queue, "told") == 0
+
+    asyncio.run(run())
+
+
+def test_who_was_told_too_soon_goes_before_those_who_were_told_later(clock: Clock) -> None:
+    async def run() -> None:
+        queue = FairQueue(lambda: 1, 1, "questions", clock)
+        await queue.acquire()
+        await waits(queue.acquire())  # type: ignore[arg-type]
+        first = refused_s(queue, "first")
+        clock.now += 0.9 * first
+        later = [refused_s(queue, f"later {n}") for n in range(20)]
+        clock.now += 0.1 * first
+        assert refused_s(queue, "first") <= 1.0 < later[-1]
+
+    asyncio.run(run())
+
+
 def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
     """Forty clients of one owner for a queue of four: each asks anew at once when answered."""
 
@@ -126,7 +177,7 @@ def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
                 if time > clock.now:
                     continue
                 try:
-                    with queue.room():
+                    with queue.room(str(client)):
                         pass
                 except ServiceError as refused:
                     found[0] += told[client]
@@ -153,7 +204,7 @@ def test_who_comes_back_when_he_was_told_finds_room(clock: Clock) -> None:
             task.cancel()
         came, room = found
         assert came > 100
-        assert room > 0.8 * came
+        assert room > 0.9 * came
 
     asyncio.run(run())
 
@@ -188,7 +239,7 @@ def test_he_does_so_where_a_work_takes_longer_to_be_accepted_than_to_be_done(clo
             await asyncio.sleep(0)
             for client in [each for each, time in due.items() if time <= clock.now]:
                 found[0] += client in told
-                room = queue.room()
+                room = queue.room(str(client))
                 try:
                     room.__enter__()
                 except ServiceError as refused:
@@ -203,7 +254,7 @@ def test_he_does_so_where_a_work_takes_longer_to_be_accepted_than_to_be_done(clo
             turn.cancel()
         came, room_found = found
         assert came > 100
-        assert room_found > 0.8 * came
+        assert room_found > 0.9 * came
 
     asyncio.run(run())
 
