@@ -195,6 +195,13 @@ class Segment:
         scale = self.lift / self.degrees**k
         return sorted(scale * bound for bound in given(self.law, k, x))
 
+    def speed(self, end):
+        """The velocity at its start (end 0) or its end (1), where what it meets there tells."""
+        beside = self.after if end else self.before
+        turns = self.forward and beside.forward and self.lift * beside.lift < 0
+        demand(turns or not beside.free, "the velocity there is not known")
+        return [ZERO, ZERO] if turns else beside.given(1, ONE - end)
+
     def depth(self, jerk):
         """How far below 0 it may go; None where nothing is known of that.
 
@@ -296,13 +303,20 @@ class Question:
             demand(abs(self.tilt) < 90, "it is no face")
         cosines = circle(self.tilt)[1] if self.tilt else (ONE, ONE)
         self.cosine, self.lean = enclosed(cosines), enclosed(1 / x for x in cosines[::-1])
-        if not self.arm:  # a face as a roller of radius 0 without an offset, s0 the base radius
+        if not self.swung:  # a face as a roller of radius 0 without an offset, s0 the base radius
             self.offsets = [ZERO, ZERO] if self.face else range_of(follower["offset_mm"])
         # of an arm lengths count in its own length, so that e and s0 are angles nearly
-        self.unit, self.arms = C, [ONE, ONE]
+        self.unit, self.arms, self.wide, self.top = C, [ONE, ONE], ZERO, None
+        if self.swung:
+            self.unit, self.distances = (ONE, ONE), range_of(follower["centre_distance_mm"])
         if self.arm:
-            self.unit, self.arms = (ONE, ONE), range_of(follower["arm_mm"])
-            self.distances = range_of(follower["centre_distance_mm"])
+            self.arms = range_of(follower["arm_mm"])
+        elif self.swung and self.distances[1] is None:
+            self.arms = [None, None]  # nothing limits the size
+        elif self.swung:  # in mm: p = 1 + sense e is positive, and so is the base radius, s0
+            self.offsets = sorted(self.sense * (p - 1) for p in (ZERO, self.distances[1]))
+            # no e is farther from 0, no base radius larger
+            self.wide, self.top = self.distances[1] + 1, max(self.distances[1] - self.away, ZERO)
         self.radii = [r if r is None else self.prime(r) for r in range_of(body["base_radius_mm"])]
         others = {*SQUARES, *(() if self.conjugate and not self.arm else ("counter_base_radius",)),
                   *(("cutter_radius",) if self.face else ("face_width",))}
@@ -349,7 +363,7 @@ class Question:
 
     def highest(self, aim=None):
         """The largest s0, of a face Rb/cos tilt, of an arm over its length; None where open."""
-        radius = self.radii[1] if aim is None else min(aim, self.radii[1])
+        radius = min((x for x in (aim, self.radii[1], self.top) if x is not None), default=None)
         if radius is None or self.arms[0] is None:
             return None
         demand(self.arms[0] > 0, "an arm without a length")
@@ -393,7 +407,8 @@ class Question:
         """A row that differs from place to place, as one of g."""
         place = segment.index, x, id(limit), side, touch
         if place not in self.bent:
-            row = (self.swing_row(segment, limit, x, side, touch) if self.arm else
+            row = (self.face_row(segment, limit, x, side) if self.face else
+                   self.swing_row(segment, limit, x, side, touch) if self.arm else
                    self.bend_row(segment, limit, x, side))
             self.bent[place] = scaled(segment, row)
         return self.bent[place]
@@ -448,6 +463,21 @@ class Question:
             self.waves[low, high] = [(line, *waves(line)) for line in lines]
         return self.waves[low, high]
 
+    def face_row(self, segment, limit, x, side):
+        """What a limit on a face that swings asks of its size where the motion is known.
+
+        What it leaves to spare is affine in p and the base radius; neither is negative.
+        """
+        found = None if segment.free else self.row_of_path(segment, limit, side)
+        demand(found, f"it says nothing of program/{segment.index}")
+        s, v, a = (enclosed(segment.given(k, x)) for k in range(3))
+        piece = Piece(segment, ZERO, ONE, [s + segment.level, v, a])
+        sizes = [(UNITY * p, UNITY * (r + self.away)) for p, r in ((0, 0), (1, 0), (0, 1))]
+        rest, *more = (piece.on_arm(1, self.sense, ZERO, *size, self.away)[0].spare(found)
+                       for size in sizes)
+        rest, p, r = (Fraction(b[0][1], UNIT) for b in (rest, *(b - rest for b in more)))
+        return [ZERO] * 4, [-p * self.sense, -r], rest + p
+
     def swing_row(self, segment, limit, x, side, touch):
         """A row that the pressure angle of an arm implies where the size is in its box.
 
@@ -486,36 +516,39 @@ class Question:
         return None if distance is None else max(distance / self.arms[side < 0], ZERO)
 
     def empty(self, radius):
-        """Whether no size of an arm is in the box of e and s0, by squares alone."""
-        k, (e, f), (r, t) = self.sense, self.offsets, self.heights
+        """Whether no size of what swings is in the box of e and s0, by squares alone."""
+        k, (e, f), (r, t) = self.sense, self.offsets, (q + self.away for q in self.heights)
         low, high = self.pivot(-1), self.pivot(1)
 
         def least(x, y):
             return max(x, -y, ZERO) ** 2
 
         p, q = sorted((1 + k * e, 1 + k * f))
-        return least(e, f) + least(r, t) > radius**2 or (
+        beyond = least(e, f) + least(r, t) > radius**2 if self.arm else self.heights[0] > radius
+        return beyond or (
             high is not None and least(p, q) + least(r, t) > high**2) or (
             low is not None and max(p * p, q * q) + max(r * r, t * t) < low**2)
 
     def distance_row(self, side):
-        """What the distance of an arm's pivot from the axis asks of e and s0 in their box.
+        """What the distance of a pivot from the axis asks of e and s0 in their box.
 
         At most: a tangent of the circle; at least: (p - p1)(p - p2) <= 0 on [p1, p2].
         """
         distance, k = self.pivot(side), self.sense
         if None in (distance, *self.offsets, *self.heights):
             return None
-        (p, q), (r, t) = (1 + k * e for e in self.offsets), self.heights
+        (p, q), (r, t) = (1 + k * e for e in self.offsets), (x + self.away for x in self.heights)
+        m = (p + q) / 2, (r + t) / 2
+        rest = m[0] + m[1] * self.away
         if side > 0:
-            m = (p + q) / 2, (r + t) / 2
-            return [ZERO] * 4, [k * m[0], m[1]], root(m[0] ** 2 + m[1] ** 2) * distance - m[0]
-        return [ZERO] * 4, [-k * (p + q), -(r + t)], (p + q) - distance**2 - p * q - r * t
+            return [ZERO] * 4, [k * m[0], m[1]], root(m[0] ** 2 + m[1] ** 2) * distance - rest
+        return [ZERO] * 4, [-2 * k * m[0], -2 * m[1]], 2 * rest - distance**2 - p * q - r * t
 
     def bends(self, limit):
         """Whether the rows of a limit differ from place to place."""
-        return not self.face and limit["kind"] in (
-            ("pressure_angle",) if self.arm else ("profile_radius", "cutter_radius"))
+        of_face = ("pressure_angle", "profile_radius", "face_width") if self.swung else ()
+        of_roller = ("pressure_angle",) if self.arm else ("profile_radius", "cutter_radius")
+        return limit["kind"] in (of_face if self.face else of_roller)
 
     def row_of_motion(self, segment, limit, side):
         """What a limit asks of one derivative, factor s^(k) <= most: k, factor, most; or None."""
@@ -553,7 +586,7 @@ class Question:
         """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
         none, found = [ZERO] * 2, self.row_of_motion(segment, limit, side)
         if limit["kind"] == "distance":
-            return self.distance_row(side) if self.arm else None
+            return self.distance_row(side) if self.swung else None
         if found:
             order, factor, most = found
             return [factor * ONE if i == order else ZERO for i in range(4)], none, most
@@ -810,10 +843,14 @@ class Piece:
                 w, high = part.turn + 1, part.x
                 part.x, part.e, part.slope, part.both = high - away, UNITY * 0, along, w
                 part.bend = high * (part.turn * 2 + 1) * w + along * a - w * w * w * away - part.x
-                for each in (w, along, part.x):  # else there is no contact on its own side
-                    part.show(lambda b: min(b) > 0, each)
             found.append(part)
         return found
+
+    def spare(self, row):
+        """What a row of its path leaves to spare."""
+        steep, along, bent, most = row
+        most = most * (self.both * self.both * self.both if bent else self.both)
+        return most - steep * self.x - (self.slope - self.e) * along - self.bend * bent
 
     def square(self, order):
         """The integral of (s^(order))^2: the mean of the coefficients."""
@@ -906,6 +943,9 @@ class Cam:
         held_by, self.size = Piece.on_arm if question.swung else Piece.on_slide, size[:2]
         self.paths = [[part for each in self.pieces for part in held_by(each, *path)]
                       for path in paths]
+        for piece in self.paths[0] if question.swung and question.face else ():
+            for each in (piece.both, piece.slope, piece.x):  # else no contact on its own side
+                piece.show(lambda b: min(b) > 0, each)
 
     def join(self, order, limit=UNKNOWN):
         """Refuse jumps of derivatives up to an order; None: up to those that the question asks for.
@@ -958,10 +998,7 @@ class Cam:
                     order, factor, most = found
                     spare = most + JUMP * limit.get("scale", 0) - piece.s[order] * factor
                 else:
-                    steep, along, bent, most = found
-                    most = most * (piece.both * piece.both * piece.both if bent else piece.both)
-                    spare = most - steep * piece.x - (piece.slope - piece.e) * along - (
-                        piece.bend * bent)
+                    spare = piece.spare(found)
                 if (first, last) != (0, 1):
                     first, last = max(first, ZERO), min(last, ONE)
                     spare, _ = split(spare, last)
@@ -1087,23 +1124,21 @@ def half_plane(question, proof, aim=None):
         constant, squares[name] = constant - factor * room, (k, factor)
         if k == order:
             price, most = price + factor, room if most is None else min(room, most)
-    demand(caps or price or not any(s.free for s in question.program),
-           f"nothing limits the {kind} of every law")
 
     def add(segment, row, x, y, low, high):
         """A row times a multiplier at x, or a density that is linear from there to y."""
         nonlocal constant, sizes
         alpha, size, rhs = row
         spend("coefficients", 8)
-        demand(not (segment.free and any(alpha[order:])),
-               "a row is of the derivative that is limited itself")
+        top = order + (x < y)  # the derivative that is limited itself is known almost everywhere
+        demand(not (segment.free and any(alpha[top:])), "a row is of too high a derivative")
         mass, kernels = low, [(x, 0, low)]
         if x < y:
             demand(segment.free, "a density on a segment that is not free")
             steep, mass = (high - low) / (y - x), (low + high) / 2 * (y - x)
             kernels = [(y, 1, high), (y, 2, -steep), (x, 1, -low), (x, 2, steep)]
         for at, n, weight in kernels if segment.free else ():
-            for k in range(order):
+            for k in range(top):
                 kernels_of[segment.index][at][order - 1 - k + n] += weight * alpha[k]
         if not segment.free:
             constant += mass * sum(min(f * bound for bound in given(segment.law, k, x))
@@ -1159,6 +1194,13 @@ def half_plane(question, proof, aim=None):
                     constant -= (y - x) * (low * low + low * high + high * high) / (
                         12 * factor * d)
                 add(segment, row, x, y, low, high)
+        for name, bound in (("duration", duration), ("rest", rest)):
+            if part.get(name) is not None:  # what every law keeps, whatever limits it
+                factor = get(part[name], "factor")
+                demand(factor >= 0, "a factor is negative")
+                more, size = bound(question, segment, part[name])
+                constant += factor * more
+                sizes = [p + factor * q for p, q in zip(sizes, size)]
         # 6.2 End conditions are equalities, with multipliers of either sign.
         for k, nu in enumerate(ends):
             psi[ONE][order - 1 - k] += nu
@@ -1168,6 +1210,8 @@ def half_plane(question, proof, aim=None):
         if segment.free:
             h, d = segment.lift, segment.degrees
             bound = None if cap is None else cap * d**order / abs(h)
+            demand(caps or price or not any(map(any, kernels_of[segment.index].values())),
+                   f"nothing limits the {kind} of every law")
             area, shares = remainder(
                 kernels_of[segment.index], bound, price * segment.square(order))
             constant -= area
@@ -1190,6 +1234,46 @@ def half_plane(question, proof, aim=None):
             start = 1 + total if order == 2 else k + 2 + (2 * k - 1) * total
             constant -= abs(share * right.lift) / right.degrees**k * start
     return constant, sizes
+
+def duration(question, segment, body):
+    """What the least duration of a move says of the size: constant + size . z <= 0.
+
+    It passes every height upwards, no faster than a row allows, F: the integral of 1/F over all
+    heights is d at most. F is affine in s and z, and 1/F >= 2 q - q^2 F for every q.
+    """
+    constant, sizes, cells = -segment.degrees, [ZERO] * 2, []
+    for group in get(body, "rows", list):
+        limit, side = question.limits.get(get(group, "limit", str), UNKNOWN), get(group, "side")
+        row = question.row(segment, limit, side)
+        good = row and side in (1, -1) and "from" not in limit and row[0][1] * segment.lift > 0
+        demand(good, f"it does not limit how fast program/{segment.index} is")
+        (steep, along, *_), size, most = row
+        for low, high, q in map(numbers, get(group, "cells", list)):
+            spend("coefficients", 8)
+            cells.append((low, high))
+            width, middle = abs(segment.lift) * (high - low), segment.level + (
+                segment.lift * (low + high) / 2)
+            share = width * q * q / abs(along)
+            constant += 2 * width * q - share * (most - steep * middle)
+            sizes = [x + share * y for x, y in zip(sizes, size)]
+    edges = [ZERO, *(x for cell in sorted(cells) for x in cell), ONE]
+    demand(edges == sorted(edges), "heights overlap, or lie beyond the move")
+    return constant, sizes
+
+def rest(question, segment, body):
+    """How a move comes to rest under a flat face: its radius times sin(angle from an end).
+
+    Two integrations by parts leave s and s' at both ends; s' counts at the other end alone.
+    """
+    limit, end = question.limits.get(get(body, "limit", str), UNKNOWN), whole(body, "end", 0, 1)
+    good = question.face and not question.swung and limit["kind"] == "profile_radius"
+    demand(good and segment.free and segment.degrees <= 180, "it is no radius under a face")
+    (sine, cosine), way = map(enclosed, circle(segment.degrees)), 1 if end else -1
+    near, far = [segment.level, segment.level + segment.lift][::way]
+    speed = enclosed(segment.speed(end)) * PER_RADIAN * way
+    ((low, _),) = (1 - cosine) * question.lean * get(limit, "min_mm") - (
+        sine * speed) + cosine * far - near
+    return Fraction(low, UNIT), [ZERO, -Fraction((1 - cosine)[0][1], UNIT)]
 
 def remainder(kernels, cap, weight):
     """An upper bound of -(psi w + weight w^2), summed, and what acts on derivatives at the start.
@@ -1251,11 +1335,11 @@ def reach(question, p, q):
     """The most that -(p, q) . z comes to, by Cauchy and Schwarz for some parts of it."""
     radius = question.highest()
     demand(radius is not None or p == q == 0, "nothing limits the size from above")
-    radius, up, most = radius or ZERO, -q, []
+    up, most, bottom = -q, [], question.heights[0]
+    heights = [bottom, min(radius or ZERO, question.heights[1] or radius or ZERO)]
+    radius = (radius or ZERO) + question.wide
     ends = [f(radius * sign, radius * sign if e is None else e)
             for e, f, sign in zip(question.offsets, (max, min), (-1, 1))]
-    bottom = question.heights[0]
-    heights = [bottom, min(radius, question.heights[1] or radius)]
 
     def leg(x):  # the other side of a right triangle
         return root(radius * radius - x * x) if x * x < radius * radius else ONE
@@ -1281,13 +1365,14 @@ def exclude(question, body):
     small, radius = question.radii
     if small is not None and radius is not None and small > radius:
         return
-    demand(not question.face or not {"rounds", "cases"} & {*body}, "rounds of a flat face")
+    demand(not question.face or not ({"rounds", "cases"} & {*body}) or (
+        question.swung and "rounds" not in body), "rounds of a flat face")
     most = question.highest()
     if question.heights[1] is None:
         question.heights[1] = most
     if question.arm and question.offsets[0] is None and most is not None:
         question.offsets = [-most, most]
-    if question.arm and most is not None and question.empty(question.highest(question.aim)):
+    if question.swung and most is not None and question.empty(question.highest(question.aim)):
         return
     for found in body.get("rounds", ()):  # bounds that follow from those of the rounds before
         narrow(question, [bound_of(question, step) for step in found])
@@ -1360,6 +1445,8 @@ def excluded(asked, place, claim, body):
         kept = f" with {kept}, as this one," if held else ""
         article = "an" if aim in SQUARES else "a"
         text = f"no cam of this question{kept} has {article} {aim} below {decimal(value)}"
+        if aim == "base_radius" and value <= (range_of(asked["base_radius_mm"])[0] or 0):
+            return text  # no smaller one is asked for
     exclude(question, claim)
     return text
 

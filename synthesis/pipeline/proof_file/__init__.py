@@ -6,7 +6,8 @@ it; it shares nothing with this room, and a claim is called proven here only if 
 
 Open ``claims.py`` first; ``multipliers.py`` writes those of a cone program for the checker.
 ``rounds.py`` writes witnesses of bounds that curvature raises, ``arms.py`` those of an arm's size,
-by the linear programs of ``program.py``.
+by the linear programs of ``program.py``; ``sizes.py`` what every law keeps of a slide's size, and
+``swinging_faces.py`` the size of a swinging face under given laws.
 """
 
 from __future__ import annotations

@@ -7,11 +7,10 @@ checker derives; linear programs over laws and sizes find multipliers for them.
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from math import hypot, tan
 from typing import Any
@@ -20,6 +19,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from synthesis.numerics.piecewise import Array
+from synthesis.pipeline.proof_file.boxes import Leaf, search
 from synthesis.pipeline.proof_file.checker import as_bytes, checker
 from synthesis.pipeline.proof_file.laws import ORDER, Json, Row
 from synthesis.pipeline.proof_file.program import DEGREE, Program
@@ -38,22 +38,6 @@ CLOSE = 1e-4  # of the target: what is left to gain
 FIGURES = 3  # decimals of a swing [deg] where a plane touches
 LOST = 2e-4  # of the target: what an interval may lose to a ψ that changes its sign
 NOTHING: Json = {"order": 3, "segments": []}
-
-
-@dataclass(order=True)
-class Leaf:
-    """A box of the tree: what its multipliers exclude, and where it stands in the file.
-
-    Attributes:
-        value: prime radius below which it has no cam [mm]. number: of the leaf.
-        question: with the box. body: its part of the file, to be filled.
-    """
-
-    value: float
-    number: int
-    question: Any = field(compare=False)
-    body: Json = field(compare=False)
-    program: Program | None = field(compare=False, default=None)
 
 
 def in_boxes(asked: bytes, laws: Sequence[Json | None], target: float) -> tuple[float, Json] | None:
@@ -93,16 +77,10 @@ def in_boxes(asked: bytes, laws: Sequence[Json | None], target: float) -> tuple[
     if steps:
         root.body["rounds"] = [[step for step, _ in steps]]
         judge.narrow(question, [bound for _, bound in steps])
-    _fill(root, knots, swing)
     # 2. The box that has the smallest cams is halved, until nothing is to be gained.
-    leaves = [root]
-    enough = float(question.radii[1]) * (1.0 - CLOSE)
-    while len(leaves) < LEAVES[bool(free)] and leaves[0].value < enough:
-        leaf = heapq.heappop(leaves)
-        for part in _halves(leaf, 2 * len(leaves) + leaf.number):
-            _fill(part, knots, swing)
-            heapq.heappush(leaves, part)
-    return leaves[0].value - float(question.gap), root.body
+    enough, leaves = float(question.radii[1]) * (1.0 - CLOSE), LEAVES[bool(free)]
+    value = search(root, partial(_fill, knots=knots, swing=swing), enough, leaves)
+    return value - float(question.gap), root.body
 
 
 def _swings(program: Program) -> Iterator[tuple[Json, Any]]:
@@ -181,32 +159,6 @@ def _touches(
         return x, program.motion(segment, x, 0)[1]
     x = np.linspace(0.0, 1.0, 4 * PLACES + 1).round(9)
     return x, swing(segment.index, x).round(FIGURES)
-
-
-def _halves(leaf: Leaf, number: int) -> list[Leaf]:
-    """The two parts of a leaf, across its widest side."""
-    question = leaf.question
-    ends = {"offset": question.offsets, "s0": question.heights}
-    widths = {name: float(high - low) for name, (low, high) in ends.items()}
-    low, high = question.arms
-    widths["arm"] = float(high / low - 1) * float(question.highest())
-    name = max(widths, key=lambda each: widths[each])
-    low, high = {**ends, "arm": question.arms}[name]
-    value = float(f"{float(low + high) / 2:.6g}")
-    cases = list[Json]([{}, {}])
-    leaf.body.pop("multipliers", None)
-    leaf.body.update({"of": name, "value": value, "cases": cases})
-    parts = []
-    for k, case in enumerate(cases):
-        part = copy(question)
-        part.offsets, part.heights = question.offsets[:], question.heights[:]
-        part.arms, part.bent = question.arms[:], {}
-        part.known = {place: bounds[:] for place, bounds in question.known.items()}
-        {"offset": part.offsets, "s0": part.heights, "arm": part.arms}[name][1 - k] = Fraction(
-            repr(value)
-        )
-        parts.append(Leaf(0.0, number + k + 1, part, case))
-    return parts
 
 
 def _swing_rows(program: Program, touches: dict[int, tuple[Array, Array]]) -> Iterator[Row]:

@@ -42,13 +42,15 @@ from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Goal, prepare
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.arms import in_boxes
-from synthesis.pipeline.proof_file.checker import as_bytes, not_covered, objections, places
+from synthesis.pipeline.proof_file.checker import as_bytes, checker, not_covered, objections, places
 from synthesis.pipeline.proof_file.multipliers import (
     broken_by_given_law,
     multipliers,
     peak_of_given_laws,
 )
 from synthesis.pipeline.proof_file.rounds import in_rounds
+from synthesis.pipeline.proof_file.sizes import in_sizes
+from synthesis.pipeline.proof_file.swinging_faces import in_boxes_of_face
 from synthesis.spec.design_spec import DesignSpec
 from synthesis.units import DEGREE
 
@@ -141,6 +143,7 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
     spec = design.spec
     if place == INFEASIBLE:  # whatever the objective
         plain = spec.model_copy(update={"objective": BaseRadius()})
+        yield from (found for found, _ in _of_sizes(spec, None))
         yield from ({"multipliers": each} for each, _ in _witnesses(plain, infeasible=True))
         return
     rank = int(place.removeprefix("objective/"))
@@ -156,16 +159,18 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
         if of_angle or len(held) < rank:
             return
         witnesses = [({**kept, **found}, bound) for found, bound in _rounds(design, 0.0)]
-        witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
     elif not of_angle and len(held) == rank:
         witnesses = [({**kept, "multipliers": found}, b) for found, b in _witnesses(spec, held)]
-        if isinstance(aim, BaseRadius):  # no cam is smaller than asked for
-            witnesses.append(({**kept, "multipliers": NOTHING}, spec.requested_radii()[0]))
+        if isinstance(aim, BaseRadius):
+            witnesses += [({**kept, **found}, b) for found, b in _of_sizes(spec, answer)]
     best = max((bound for _, bound in witnesses), default=0.0)
     if not of_arm and place == OBJECTIVE and answer and best < answer * (1.0 - CLOSE):
         witnesses = [*_rounds(design, best), *witnesses]
     # The highest value first: a witness that loses more may still prove more than another one.
     tries = list[tuple[float, Json]]()
+    smallest = max(spec.requested_radii()[0], 0.0)
+    if isinstance(aim, BaseRadius) and len(held) == rank and (smallest or not answer):
+        tries.append((smallest, {**kept, "multipliers": NOTHING}))  # none is asked for below it
     for loss in LOSSES:
         if place == OBJECTIVE and of_angle and answer:
             least = _rounded_down(answer * (1.0 - 0.5 * loss))
@@ -173,13 +178,28 @@ def _attempts(place: str, design: Design) -> Iterator[Json]:
                 ({"multipliers": found}, value) for found, value in _witnesses_of_angle(spec, least)
             ]
         tries += [
-            (_rounded_down(bound * (1.0 - loss)), found) for found, bound in witnesses if bound > 0
+            (_rounded_down(bound * (1.0 - loss)), found)
+            for found, bound in witnesses
+            if 0.0 < bound < inf
         ]
     for value, found in sorted(tries, key=lambda each: -each[0]):
         less = answer is not None and value < answer * (1.0 - CLOSE)
         over = f" over {known.bound_valid_for}" if known.bound_valid_for else ""
         note = {"note": f"the answer's own bound{over}, {answer}, is not covered"} if less else {}
         yield {"at_least": value, **note, **found}
+
+
+def _of_sizes(spec: DesignSpec, answer: float | None) -> Iterator[tuple[Json, float]]:
+    """Witnesses of a base radius, or that there is no cam, from what is known of sizes alone."""
+    if spec.free_parameters.parameters:
+        return
+    asked = as_bytes(_question(spec))
+    found = in_sizes(asked)
+    if found is not None:
+        yield {"multipliers": found[1]}, found[0]
+    boxes = in_boxes_of_face(asked, answer)
+    if boxes is not None:
+        yield boxes[1], boxes[0]
 
 
 def _proven(design: Design, rank: int) -> Proof:
@@ -289,7 +309,7 @@ def _witnesses(
     """
     if spec.free_parameters.parameters:
         return  # a bound over all numbers has other multipliers
-    attempt = prepare(first_question(_of_main_cam(spec)), Goal(inf), list[Effort]())
+    attempt = prepare(first_question(_known(spec)), Goal(inf), list[Effort]())
     units, scaled = attempt.question.units, attempt.question.scaled
     length, machine, caps = units.length, scaled.machine(), list[ObjectiveCap]()
     for objective, value in zip(spec.objectives(), held, strict=False):
@@ -297,6 +317,9 @@ def _witnesses(
         caps.append(ObjectiveCap(objective, objective.from_wire(own, machine)))
     aim = spec.objectives()[len(held)]
     problem = attempt.problem(aim, tuple(caps), Goal(inf).smallest)
+    if isinstance(spec.follower, PivotedFollower):  # its lifts are in degrees there
+        moving = next(s for s in problem.segments if s.lift)
+        length = abs(getattr(spec.program[moving.index], "lift_deg", 0.0) / moving.lift) or length
     tried = [problem] + [
         replace(problem, objective_caps=tuple(replace(c, value=c.value * more) for c in caps))
         for more in (LOOSER if caps else ())
@@ -337,15 +360,16 @@ def _without_cam(problem: Problem, spec: DesignSpec, length: float) -> Iterator[
     yield from [] if excess is None else multipliers(*excess[:2], spec, length)
 
 
-def _of_main_cam(spec: DesignSpec) -> DesignSpec:
-    """The question without what it asks of a counter cam: the checker has no rows of that one."""
-    follower = spec.follower
+def _known(spec: DesignSpec) -> DesignSpec:
+    """The question without what the checker has no rows of: other limits, and a counter cam."""
+    follower, judge = spec.follower, checker()
+    known = judge.ORDERS if isinstance(follower, PivotedFollower) else judge.MEET
+    kept = [each for each in spec.limits if each.kind in known]
     rollers = (TranslatingRoller, OscillatingRoller)
-    if not isinstance(follower, rollers) or not follower.closure.counter_paths:
-        return spec
-    alone = follower.model_copy(update={"closure": Force()})
-    kept = [limit for limit in spec.limits if not isinstance(limit, CounterBaseRadius)]
-    return spec.model_copy(update={"follower": alone, "limits": kept})
+    if isinstance(follower, rollers) and follower.closure.counter_paths:
+        follower = follower.model_copy(update={"closure": Force()})
+        kept = [limit for limit in kept if not isinstance(limit, CounterBaseRadius)]
+    return spec.model_copy(update={"follower": follower, "limits": kept})
 
 
 def _solved(model: ConicModel) -> tuple[ConicModel, ConeSolution, Bound] | None:

@@ -36,7 +36,7 @@ from synthesis.optimise.conic.control import (
 )
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.arcs import density_terms
+from synthesis.optimise.dual_bound.arcs import density_terms, with_densities_of_control
 from synthesis.optimise.dual_bound.bound import add_costates
 from synthesis.optimise.dual_bound.costates import (
     best_costates,
@@ -62,6 +62,7 @@ GIVEN = 3  # order that a file states where no law is free, so that it plays no 
 DIGITS = 8  # of a multiplier: what is lost is of the second order, as each row binds where it is
 SQUARE_FIGURES = 12  # of the multiplier of a mean square
 PLACES = 9  # decimals of a point on a law, likewise
+HATS = ("falling", "rising")  # kinds of blocks whose multipliers are masses of hats on spans
 SOURCES = {"face_left": "face_width", "face_right": "face_width"}  # a row's, if not its limit's
 
 
@@ -95,8 +96,12 @@ def multipliers(
     """
     z = nonnegative_multipliers(model, solution)
     controls, model = _controls(model, z)
-    if model.problem.free and not controls:
-        return []
+    at_points = model, z
+    if model.problem.free and not controls:  # where a limit on s'' and the size caps s'' as well
+        model, z = with_densities_of_control(model, z) or at_points
+        controls = law_controls(model) or []
+        if not controls:
+            return []
     order = controls[0].order if controls else GIVEN
     squares, tangents = _squares(model, solution, controls, length)
     rows, found = list(row_functionals(model, order, z)), list[dict[str, Any]]()
@@ -116,7 +121,7 @@ def multipliers(
             groups += _groups(one, points, densities, model, spec, length)
         for each, mass in fixed_size_rows(model, z):
             lagrangian.add_rows(each, mass)
-        costates = _costates(lagrangian, controls, model, solution, z)
+        costates = _costates(lagrangian, controls, solution, *at_points)
         psi = lagrangian.psi()
         ends = {s.index: nu for s, nu in zip(model.problem.free, costates[0], strict=True)}
         found.insert(0, _as_stated(order, groups, ends, squares))
@@ -151,8 +156,8 @@ def _controls(model: ConicModel, z: Array) -> tuple[list[Control], ConicModel]:
 def _costates(
     lagrangian: Lagrangian,
     controls: Sequence[Control],
-    model: ConicModel,
     solution: ConeSolution,
+    model: ConicModel,
     z: Array,
 ) -> Array:
     """Add the end conditions, with the best multipliers of these: (1, laws, m)."""
@@ -292,6 +297,11 @@ def _groups(
         x = np.full_like(x, _share_at(segment, place))
     table = np.stack([x, points[nonzero] * factor], axis=1)
     spread = np.concatenate([np.zeros((0, 4)), *(_linear(*each) for each in densities)])
+    if block.kind in HATS:  # a density alone, of a derivative that is limited itself
+        assert block.spans is not None
+        height = 2.0 * points[nonzero] / np.ptp(block.spans[nonzero], axis=1)
+        spread, table = np.zeros((len(height), 4)), table[:0]
+        spread[:, :2], spread[:, 2 + HATS.index(block.kind)] = block.spans[nonzero], height
     spread[:, 2:] *= factor
     # of equalities multipliers may have either sign: those of each side
     for way in (1, -1) if block.origin.row.equality else (1,):

@@ -97,7 +97,7 @@ class Program:
         if segment.free:
             matrix, constant = self.by_index[segment.index].rows(x, order, self.width)
             return factor * matrix, factor * constant + level
-        g = [_given(segment.law, order, each) for each in x.tolist()]
+        g = [given_law(segment.law, order, each) for each in x.tolist()]
         return np.zeros((len(x), self.width)), factor * np.array(g) + level
 
     def place(self, index: int, x: Array) -> Array:
@@ -329,7 +329,7 @@ class Program:
 
 
 @cache
-def _given(law: str, order: int, x: float) -> float:
+def given_law(law: str, order: int, x: float) -> float:
     """A derivative of a named law at a place."""
     place = Fraction(x).limit_denominator(10**9)
     return float(sum(map(float, checker().given(law, order, place)))) / 2.0
