@@ -22,14 +22,14 @@ def prove_roughly(
 ) -> SolveState:
     """The state with cam and bound of a rougher question, where the budget of its proof has ended.
 
-    Between the tolerances of the list a finer one may still come to less, and so may a time that is
-    given: of that only the rest is left. Where a dimension is searched, its values are problems for
-    themselves.
+    Between the tolerances of the list a finer one may still come to less; and where a time is given
+    in place of a number of programs, whose rest is others'. Where a dimension is searched, its
+    values are problems for themselves.
     """
     problem = state.problem
     rough = next((gap for gap in TOLERANCES if gap > state.tolerance), inf)
     wide = inf > state.gap_between(state.incumbent, state.lower) > rough
-    has_ended = proof.programs > 0.0 and not state.thorough and state.time_left > 0.0
+    has_ended = 0.0 < proof.programs < inf and not state.thorough and state.time_left > 0.0
     searched = problem.machine.follower.fixable_dimension() is not None
     if not (wide and has_ended and problem.free) or searched or state.suffices:
         return state

@@ -10,7 +10,7 @@ from synthesis.optimise import driver
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state import QUICK, ProofBudget, SolveState
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
 from synthesis.optimise.strategy.rough_proof import prove_roughly
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
@@ -55,7 +55,18 @@ def test_a_finer_tolerance_has_no_wider_gap(
 
 
 @pytest.mark.parametrize(
-    "case", ["quick", "goes on", "no time", "near", "rough", "sufficient", "laws given", "searched"]
+    "case",
+    [
+        "quick",
+        "in time",
+        "goes on",
+        "no time",
+        "near",
+        "rough",
+        "sufficient",
+        "laws given",
+        "searched",
+    ],
 )
 def test_nothing_is_tried_where_it_would_say_nothing(
     fine: SolveState, case: str, monkeypatch: pytest.MonkeyPatch
@@ -78,7 +89,8 @@ def test_nothing_is_tried_where_it_would_say_nothing(
     if case == "searched":
         kind = type(fine.problem.machine.follower)
         monkeypatch.setattr(kind, "fixable_dimension", lambda _: object())
-    assert prove_roughly(state, QUICK if case == "quick" else SHORT, never) is state
+    proof = {"quick": QUICK, "in time": THOROUGH}.get(case, SHORT)
+    assert prove_roughly(state, proof, never) is state
 
 
 def test_a_bound_over_a_family_of_splines_is_left_where_it_is(fine: SolveState) -> None:
