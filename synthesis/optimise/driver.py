@@ -54,6 +54,7 @@ from synthesis.optimise.state import (
 )
 from synthesis.optimise.strategy.idle_caps import for_problem
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
+from synthesis.optimise.strategy.rough_proof import prove_roughly
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 
 ROUNDING = 1e-12
@@ -149,8 +150,8 @@ def optimise(
         if not children:
             break
         tree = tree.with_children(node, children)
-    state = _with_valid_for(tree.next_node.conclude(state, tree))
-    state = for_problem(state, problem)
+    state = for_problem(tree.next_node.conclude(state, tree), problem)
+    state = _with_valid_for(prove_roughly(state, proof, optimise))
     return state.with_exit(_exit(state, tree))
 
 

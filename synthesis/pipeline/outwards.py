@@ -17,7 +17,7 @@ STEPS = 8  # of the secant outwards
 STRIPS, BEYOND_STRIP = 3, 1.5
 """Steps outwards, and the factor of each, where a trial finds neither a cam nor an excess."""
 FALLING = 0.9  # of the excess before: where less is gained the number does not help in proportion
-SLOW = 0.1  # of the excess before: where more is left the secant may not end
+AHEAD = 2.0  # of the way so far: where the secant's zero lies farther ahead it may not end
 OBJECTIVE_OF: dict[str, Objective] = {"acceleration": PeakAcceleration(), "jerk": PeakJerk()}
 """What makes the quantity of a limit small, by the limit's name."""
 
@@ -54,12 +54,13 @@ def _step_outwards(boundary: Boundary) -> bool:
             continue
         if trial.excess is None or trial.excess > FALLING * excess:
             return False
-        # Trials become dearer as limits are relaxed: does anything suffice at all?
-        slow = boundary.number.farthest is None and trial.excess > SLOW * excess
-        if slow and not boundary.oracle.without([boundary.number]).certified:
-            return False
         fall = (excess - trial.excess) / abs(value - before)
-        way += (trial.excess + COARSE) / fall
+        ahead = (trial.excess + COARSE) / fall
+        # Trials become dearer as limits are relaxed: does anything suffice at all?
+        far = boundary.number.farthest is None and ahead > AHEAD * way
+        if far and not boundary.oracle.without([boundary.number]).certified:
+            return False
+        way += ahead
         before, excess = value, trial.excess
     return False
 

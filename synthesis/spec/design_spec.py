@@ -112,7 +112,7 @@ class DesignSpec(FiniteModel):
         description="quick: where curvature binds, the bound is that of the question without it. "
         "thorough: a far smaller gap, for half a second to some ten seconds more; where nothing "
         "fits, values that suffice and values that are impossible come nearer to each other. "
-        "auto: quick and, while the gap is above the tolerance, thorough for some three seconds, "
+        "auto: quick and, while the gap is above the tolerance, thorough for three to six seconds, "
         "counted in programs solved so that machines agree; with `time_budget_s`, for half of "
         "that time. Default in the base of a sweep: quick.",
     )

@@ -27,8 +27,10 @@ from typing import Any
 
 import numpy as np
 
+from synthesis import DesignSpec
 from synthesis.design.design import Relaxation
 from synthesis.numerics import clock
+from synthesis.pipeline.relaxable import relaxable_numbers, without
 from tests.hard.families import FAMILIES, Spec, random_scene
 from tests.hard.own_numbers import solved
 
@@ -43,6 +45,7 @@ NEARER = 1e-3  # relative: towards the request, where a value below ``at_least``
 TWINS = {
     "jerk": ("peak_jerk", "max_{}_per_s3"), "acceleration": ("peak_acceleration", "max_{}_per_s2"),
 }  # fmt: skip
+ANY_CAM = {"kind": "peak_acceleration"}  # an objective that has a best cam whatever is limited
 CONVEX = (
     "slide, centred", "slide, offset", "slide, laws given", "slide, laws given, centred",
     "slide, one law given", "slide, acceleration", "slide, velocity", "slide, window", "face, ",
@@ -70,7 +73,7 @@ class Outcome:
         sufficient: of every value needed, whether it was. distances: of ``at_least`` and
             ``needed``, as shares of the value and of the way from the request; None where one of
             them is not known. changes: of every change of the program, whether it sufficed.
-        necessary: of every member, whether there is a cam without it.
+        necessary: of every member, whether the others alone have a cam.
     """
 
     question: Question
@@ -150,16 +153,13 @@ def ask(question: Question, proof: str = "auto") -> Outcome:
         outcome.changes.append(_has_cam(changed))
         if not outcome.changes[-1]:
             outcome.complaints.append(f"the change of {name} does not suffice")
-    for member in dict.fromkeys(each.limit for each in conflict.relaxations):
-        fields = [each.field for each in conflict.relaxations if each.limit == member]
-        without = question.body
-        for one in sorted(fields, reverse=True):
-            without = put(without, one, None)
-        shown = _has_cam(without)
+    named = {each.limit for each in conflict.relaxations}
+    for member, others in without_each(question.body, named):
+        shown = _has_cam(others)
         outcome.necessary.append(shown)
-        named = member.replace("_", " ")
-        if not shown and not any(each.startswith(named) for each in conflict.unconfirmed):
-            outcome.complaints.append(f"without {member} no cam either")
+        words = member.replace("_", " ")
+        if not shown and not any(each.startswith(words) for each in conflict.unconfirmed):
+            outcome.complaints.append(f"the other members alone, without {member}: no cam either")
     return outcome
 
 
@@ -184,36 +184,35 @@ def _try_values(outcome: Outcome, each: Relaxation) -> None:
     outcome.distances.append(distance)
 
 
+def without_each(body: Spec, members: set[str]) -> Iterator[tuple[str, Spec]]:
+    """For each member of a conflict: the question with the other members alone.
+
+    A conflict is irreducible if its members have no cam together, but have one without any single
+    one. Numbers that are no members are left out too: with them there may be another conflict, so
+    that no cam is found without a member of this one. What is made small is changed: without a
+    limit there may be cams, but no smallest one.
+    """
+    spec = DesignSpec.model_validate(body)
+    for member in sorted(members):
+        left_out = [one for one in relaxable_numbers(spec) if one.limit not in members - {member}]
+        others = without(spec, left_out).model_dump(mode="json", exclude_none=True)
+        yield member, {**others, "objective": ANY_CAM}
+
+
 def _has_cam(body: Spec) -> bool:
     _, design, _ = solved({**body, "proof": "quick"})
     return design is not None and design.certificate.certified
 
 
-def put(body: Spec, path: str, value: float | None) -> Spec:
-    """The spec with another value at a path; None: without it, and without what then says nothing.
-
-    A value for a number that is given leaves a range between both.
-    """
+def put(body: Spec, path: str, value: float) -> Spec:
+    """The spec with another value at a path; of a number that is given, a range between both."""
     changed = deepcopy(body)
     *parents, last = path.split("/")
     at: Any = changed
-    trail = []
     for step in parents:
-        trail.append((at, step))
         at = at[int(step)] if isinstance(at, list) else at[step]
-    if value is None:
-        at.pop(last, None)
-        holder, step = trail[-1] if trail else (changed, "")
-        if isinstance(holder, list) and set(at) <= {"kind"}:
-            del holder[int(step)]
-        elif trail and not at:
-            del holder[step]
-    elif (
-        parents[:1] not in (["limits"], ["program"])
-        and last != "speed_rpm"
-        and last not in ("min", "max")
-        and last in at
-    ):
+    given = parents[:1] not in (["limits"], ["program"]) and last in at
+    if given and last not in ("min", "max", "speed_rpm"):
         at[last] = {"min": min(at[last], value), "max": max(at[last], value)}
     else:
         at[last] = value

@@ -197,7 +197,8 @@ def _aim(body: Spec) -> str:
 
 
 def answered(body: Spec) -> tuple[Answer, Any]:
-    status, design, seconds = solved(body)
+    # Without a time a proof ends after a number of programs: the same for both of a pair.
+    status, design, seconds = solved({**body, "time_budget_s": None})
     if design is None:
         return Answer(status, None, None, None, seconds), None
     proof = design.certificate

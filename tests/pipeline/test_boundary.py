@@ -11,7 +11,7 @@ import pytest
 from synthesis import synthesise
 from synthesis.catalogue.fields import Range
 from synthesis.design.design import Conflict
-from synthesis.pipeline import boundary, conflict
+from synthesis.pipeline import boundary, conflict, outwards
 from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
@@ -260,3 +260,36 @@ def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:
         assert members.numbers == kept
         assert members.trial.proof == original.proof
         assert not members.unconfirmed
+
+
+@pytest.mark.parametrize(("floor", "asked", "most"), [(0.0, 0, 8), (0.12, 1, 2)])
+def test_whether_anything_suffices_is_asked_where_the_secant_ends_far_away(
+    floor: float, asked: int, most: int
+) -> None:
+    """Two questions: the excess falls to 0, at first by half a step; and it falls to a floor."""
+    tried, without = list[float](), list[Any]()
+
+    def trial_at(value: float) -> Any:
+        missing = floor + (0.2 - floor) * (1000.0 / value) ** 3 - (0.0 if floor else 0.04)
+        fits = missing <= 0.0
+        return SimpleNamespace(
+            certified=fits, excess=missing, bound_excess=None, smallest=None, proof="", on_time=True
+        )
+
+    def relaxed_to(_number: Any, value: float, *_: Any, **_more: Any) -> Any:
+        tried.append(float(value))
+        return trial_at(value)
+
+    def left_out(numbers: Any) -> Any:
+        without.append(numbers)
+        return SimpleNamespace(certified=False)
+
+    oracle = SimpleNamespace(
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        relaxed=relaxed_to, is_valid=lambda *_: True, without=left_out,
+    )  # fmt: skip
+    number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
+    known = Boundary(cast(Oracle, oracle), number, trial_at(1000.0))
+    assert outwards._step_outwards(known) is not bool(floor)
+    assert len(without) == asked
+    assert len(tried) <= most

@@ -38,10 +38,11 @@ def search_without_idle_caps(state: SolveState, optimise: Optimise) -> SolveStat
             known = state.covers_all_laws and found.covers_all_laws
             better = found.raise_bound(state.lower, state.valid_for) if known else found
             stages = (*state.stages, *better.with_exit("").stages)  # it goes on
+            # The proof has the programs that it has where these caps are not asked at all.
             return replace(
-                better, stages=stages, programs=state.programs, last_program=state.last_program,
+                better, stages=stages, programs=state.programs,
                 proof_deadline=state.proof_deadline,
-            )  # fmt: skip
+            ).with_proof_begun()  # fmt: skip
     return local_search(replace(state, margin=0.0).with_proof_begun())
 
 

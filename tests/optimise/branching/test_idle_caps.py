@@ -7,6 +7,7 @@ from math import inf
 
 import pytest
 
+from synthesis.numerics import clock
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.derivative_caps import without_lower_caps
@@ -57,6 +58,14 @@ def test_a_search_is_without_the_caps_that_its_cam_keeps(
     assert home.problem is question
     assert home.incumbent is not None
     assert kinds(home.incumbent.problem) == kinds(question)
+
+
+def test_the_search_takes_none_of_the_proof_s_programs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So the proof has as many as that of the question without these caps."""
+    question = problem(scene(PLAIN, *LIMITS, *IDLE))
+    state = replace(begun(question, monkeypatch), programs=2.0).with_proof_begun()
+    found = search_without_idle_caps(state, optimise)
+    assert found.last_program == clock.programs_solved() + 2.0 > state.last_program
 
 
 def test_a_quick_proof_searches_with_all_caps_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
