@@ -18,6 +18,7 @@ from scipy.stats import beta
 
 from synthesis import DesignSpec, synthesise
 from synthesis.numerics.piecewise import Array
+from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.relaxation import any_law
 from synthesis.optimise.relaxation.any_law import (
@@ -357,6 +358,10 @@ def test_a_face_that_swings_under_too_small_a_maximum(sense: str) -> None:
     design = synthesise(small.model_copy(update={"objective": None, "time_budget_s": 4.0}))
     assert design.status == "infeasible"
     assert "no size fits" in design.conflict.evidence
+    # no search is made for it: not a single program
+    state = optimise(problem(small), 1e-3)
+    assert "no size fits" in state.infeasibility_proof
+    assert not state.stages
     wider = swinging_face(3.7, sense, base_radius_mm={"max": 1.01 * needed})
     assert not size_conflict(problem(wider))
 
