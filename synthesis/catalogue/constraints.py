@@ -264,6 +264,15 @@ class NonconvexConstraint(ABC):
         where nothing is known before the size is fixed.
         """
 
+    def half_planes_over_move(
+        self, angle: float, start: Array, end: Array
+    ) -> tuple[PointInequalities, ...]:
+        """The sizes that some law over an angle [rad] may allow, from one state to another.
+
+        start, end: s and s', NaN where s' is not known. () where nothing is known of all laws.
+        """
+        return ()
+
     def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None
     ) -> tuple[PointInequalities, ...]:

@@ -42,7 +42,7 @@ from synthesis.optimise.recovery.candidate import (
     weighs_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.relaxation.any_law import least_size
+from synthesis.optimise.relaxation.any_law import least_size, size_conflict
 from synthesis.optimise.root_node import RootNode
 from synthesis.optimise.state import (
     DEFAULT_TIGHTENING,
@@ -188,8 +188,9 @@ def _presolve(state: SolveState) -> tuple[SolveState, bool]:
         the state, and whether the closed form has given the answer.
     """
     problem = state.problem
-    if problem.base_circle_conflict:
-        proof = problem.base_circle_conflict
+    # where no cone program knows the limits, a local search would end before this is asked
+    omitted = problem.omits_curved_rows
+    if proof := problem.base_circle_conflict or (size_conflict(problem) if omitted else ""):
         return replace(state, infeasible=True, infeasibility_proof=proof), True
     return _closed_form(_with_base_circle(state))
 

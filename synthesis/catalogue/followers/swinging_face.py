@@ -34,7 +34,10 @@ MIN_SQUARE = 1e-6  # added to a normal's squared length, which may vanish at sin
 LEAST_SQUARE = 1e-14  # added to the square of a distance over its least: smooth at 0 too
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
+ROUNDING = 1e-12  # of the lengths in a half-plane: a thousand times what its terms are rounded by
 CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
+
+Planes = tuple[PointInequalities, ...]
 
 
 @dataclass(frozen=True)
@@ -84,16 +87,50 @@ class SwingingFaceConstraint(NonconvexConstraint):
         unit = ((p * p + q * q) * (a * a + b * b + MIN_SQUARE)) ** 0.5
         return ((a * (p * cos - q * sin) + b * (p * sin + q * cos) - c) / unit,)
 
-    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
-        a, b, c = self._terms(s)
-        swing, still = s[0] / self.reference, np.zeros_like(s)
-        cos, sin = np.cos(swing), np.sin(swing)
-        # ψ = ψ0 + φ turned back by φ: the limit reads a d cosψ0 + b d sinψ0 ≤ C, linear in z.
+    def half_planes(self, s: Array) -> Planes:
+        return self._half_planes(s[0] / self.reference, *self._terms(s))
+
+    def half_planes_over_move(self, angle: float, start: Array, end: Array) -> Planes:
+        """Of the profile radius: what a move leaves of the size, whatever its law.
+
+        Seen from the cam the face's normal turns by w = 1 + σφ' > 0 per radian: over a move by
+        B = β + σ Δφ, whatever the law. In that angle χ the radius is h + h'' ≥ ρ, h = d sinψ − f,
+        as under a face on a slide. With the weight sin χ ≥ 0, B ≤ π, two integrations by parts
+        leave the ends alone, of which the far one has a known h' = d cosψ φ'/w:
+
+            d sinψ_near − cos B d sinψ_far + sin B h'_far ≥ (ρ + f) (1 − cos B),
+
+        linear in d cosψ0 and d sinψ0. Mirrored, h' changes its sign and the ends their places.
+        """
+        turn = angle + self.sigma * float(end[0] - start[0]) / self.reference
+        if not self.bend or turn > math.pi:
+            return ()
+        planes, cosine, sine = list[PointInequalities](), math.cos(turn), math.sin(turn)
+        for far, near, sense in ((end, start, 1.0), (start, end, -1.0)):
+            rate = far[1] / self.reference
+            fast = 1.0 + self.sigma * rate
+            if not fast > 0.0:
+                continue  # s' is not known there
+            # −h_near is a half-plane of ψ_near; the far end turned by what lies between them
+            between = (far[0] - near[0]) / self.reference
+            beside, ahead = cosine, -sense * sine * rate / fast
+            a = ahead * math.cos(between) + beside * math.sin(between)
+            b = beside * math.cos(between) - ahead * math.sin(between) - 1.0
+            c = self.cubed * (1.0 - cosine)
+            c += ROUNDING * (abs(c) + self.reference)
+            terms = (np.full(1, each) for each in (near[0] / self.reference, a, b, c))
+            planes += self._half_planes(*terms)
+        return tuple(planes)
+
+    def _half_planes(self, swing: Array, a: Array, b: Array, c: Array) -> Planes:
+        """a d cosψ + b d sinψ ≤ c at swings φ = ψ − ψ0, (n,) each, as half-planes of the size."""
+        still, cos, sin = np.zeros((4, len(swing))), np.cos(swing), np.sin(swing)
+        # ψ = ψ0 + φ turned back by φ: the limit reads a d cosψ0 + b d sinψ0 ≤ c, linear in z.
         a, b = a * cos + b * sin, b * cos - a * sin
         if self.distance is None:
             return (PointInequalities(still, np.stack([a, b]), c - b * self.offset),)
         least, most = self._interval(np.hypot(a, b) * self.distance, np.arctan2(b, a), c)
-        one, lowest, highest = np.ones((1, s.shape[1])), self._base(least), self._base(most)
+        one, lowest, highest = np.ones((1, len(swing))), self._base(least), self._base(most)
         return PointInequalities(still, -one, -lowest), PointInequalities(still, one, highest)
 
     def _interval(self, reach: Array, turn: Array, c: Array) -> tuple[Array, Array]:
@@ -125,9 +162,7 @@ class SwingingFaceConstraint(NonconvexConstraint):
         distance = float(self.distance or 0.0)
         return np.asarray(distance * (np.sin(inside) + angle - inside) - self.offset)
 
-    def linear_relaxation(
-        self, box: MotionSizeBox, about: tuple[Array, Vector] | None
-    ) -> tuple[PointInequalities, ...]:
+    def linear_relaxation(self, box: MotionSizeBox, about: tuple[Array, Vector] | None) -> Planes:
         """A plane below the limit's left side less its right one, divided by d cosψ if it bends."""
         unit, one = self.reference, np.ones_like(box.s_min)
         sizes = np.array(box.sizes).T[:, :, None] * one
@@ -186,7 +221,7 @@ class LeastPivotDistance(NonconvexConstraint):
         centred = AffineNorm(((1.0, 0.0), (0.0, 1.0)), (0.0, self.offset))
         return (NormBounds(centred, math.inf, self.source, self.least),)
 
-    def half_planes(self, s: Array) -> tuple[PointInequalities, ...]:
+    def half_planes(self, s: Array) -> Planes:
         count = s.shape[1]
         size = np.stack([np.zeros(count), -np.ones(count)])
         return (PointInequalities(np.zeros_like(s), size, np.full(count, FAR * self.least)),)

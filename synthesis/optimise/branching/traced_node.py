@@ -13,75 +13,58 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf
 from typing import Self
 
 import numpy as np
 
 from synthesis.numerics import clock
-from synthesis.numerics.solvers.clarabel import solve
-from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node, Tree, halve, is_traced
-from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
+from synthesis.optimise.branching.traced_relaxation import (
+    GAIN,
+    TracedBox,
+    coarse_mesh,
+    rows_of_size,
+    solve_relaxation,
+)
 from synthesis.optimise.conic.program import formulate, with_rows
-from synthesis.optimise.conic.tangent_cuts import TangentPoint
-from synthesis.optimise.dual_bound.batch import MultiplierDensity
-from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
-from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.heuristics.local_search import improve_from
-from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
-from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violations
 from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state import SolveState, Stage
 
-INTERVALS = 20  # of the first mesh of every node
 SAMPLES = 200  # points of a segment at which limits are looked at
 SPARE = 1e-9  # relative slack of a value that is held, against rounding
 FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
 """Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
+SIZE_KEPT = 0.8  # of the widest size: what bounds of the size must leave less of for new rows
+ANEW = 0.3  # of the widest size at which laws were bounded: a part as narrow has theirs anew
 WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
-MESHES, MORE_MESHES = 6, 10
-"""Of one relaxation, each finer than the one before, at most; and where its splines hold no better
-cam any more: then nothing but knots keeps the bound low."""
-VERY_COSTLY = 8.0  # of the mean loss of intervals: halving one takes away seven eighths, as a rule
-EARLY_MESHES = 2
-"""Of these, up to the first whose knots are kept for the node, and refined for small losses."""
-MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
-"""Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
-which take longer."""
-SPREAD = 28  # points between two rows over which their multipliers are distributed
-GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 CAM_HALVINGS = 2
 """Of the intervals of a bound's mesh, for a cam: what knots cost it falls to a tenth of a percent
 of the size."""
 MOST_CUT = 300  # knots of all laws: more are near enough, and cone programs on twice as many slow
 FEW_NODES = 3  # at most, where the budget of a proof is spent and the gap is wide
 WIDE = 0.05  # relative gap that is wide
+SEARCHED = 0.25  # of the gap at which a better cam was sought: at which one is sought again
 VALUE_SPLIT = 0.4  # of the widest size: values of a node farther apart than that are divided first
 
 
 @dataclass(frozen=True, eq=False)
-class TracedNode(Node):
-    """A box of sizes and a range of values.
+class TracedNode(TracedBox):
+    """A box of sizes and a range of values, as a node of the tree.
 
     Attributes:
-        region: what every better cam of the node satisfies.
-        grids: few knots, where the bound asks for them.
-        relaxation: the cam of the last one solved, its mesh, and the bound that it gave.
-        least, most: range of the values of its cams, as far as they belong to no other node.
+        laws_bounded_at: the widest size of the part in which its laws were bounded.
+        searched_at: the gap at which a better cam was sought; 0 where that found none.
     """
 
-    task: BoundTask
-    region: ImprovingRegion
-    grids: tuple[Grid, ...] = ()
-    relaxation: tuple[Candidate, tuple[Grid, ...], Bound] | None = None
-    least: float = -inf
-    most: float = inf
+    laws_bounded_at: float = inf
+    searched_at: float = inf
 
     @classmethod
     def root(cls, state: SolveState) -> Self | None:
@@ -121,20 +104,15 @@ class TracedNode(Node):
     def is_pruned(self, state: SolveState) -> bool:
         return self.lower >= self.task.target
 
-    @property
-    def largest_value(self) -> float:
-        """The largest value of cams in the node that would be better than the incumbent."""
-        return min(self.most, self.task.target)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether it holds no such cam."""
-        return self.lower >= self.largest_value
-
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_first:
-            return state, tighten(inside, replace(self, upper_half=False), ITERATIONS)._processed()
+            node = replace(self, upper_half=False)
+            if any(control.cap == inf for control in self.task.controls):
+                inside, node = _process_sparingly(inside, node)
+            else:
+                node = tighten(inside, node, ITERATIONS)
+            return replace(inside, deadline=state.deadline), node._processed()
         node, gained = solve_relaxation(inside, self), True
         for iterations in (FIRST_ITERATIONS, ITERATIONS):
             node = tighten(inside, node, iterations)
@@ -144,6 +122,7 @@ class TracedNode(Node):
                 before = inside.incumbent
                 inside, node = _improve_incumbent(inside, node)
                 gained = inside.incumbent is not before
+        node = replace(node, laws_bounded_at=node.region.widest_size)
         return replace(inside, deadline=state.deadline), node._processed()
 
     def _processed(self) -> TracedNode:
@@ -225,7 +204,49 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     assert best is not None
     if best.value >= node.task.incumbent.value:
         return state, node
-    return state, replace(node, task=BoundTask.of(state, best, node.task.deadline) or node.task)
+    return state, replace(node, task=_task_about(state, node.task))
+
+
+def _process_sparingly(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:
+    """A part of the domain under a cap on a mean square, where each bound is a cone program.
+
+    A relaxation takes a few of them, bounds of all laws hundreds. These follow the sizes, but
+    slowly: so they are sought anew, on few knots, where the sizes have become much narrower. Under
+    such a cap the root's rows are loose, and knots for a better cam are known in small parts alone.
+    """
+    if state.incumbent is not node.task.incumbent:  # found in another part: its target is lower
+        node = replace(node, task=_task_about(state, node.task))
+    node = _tighten_sparingly(state, node)
+    missing = 1.0 - node.lower / node.largest_value
+    if not node.is_empty and missing < min(WIDE, SEARCHED * node.searched_at) and state.thorough:
+        before = state.incumbent
+        state, node = _improve_incumbent(state, node)
+        found = state.incumbent is not before
+        node = replace(node, searched_at=missing if found else 0.0)
+    return state, node
+
+
+def _tighten_sparingly(state: SolveState, node: TracedNode) -> TracedNode:
+    """Its relaxation, then again with tighter sizes, and with tighter laws where that pays."""
+    node = solve_relaxation(state, node)
+    if not node.is_empty and node.grids and state.time_left > 0.0:
+        every, before = range(len(node.task.problem.free)), node.region.widest_size
+        region = _tighten_region(state, node, every, laws=False) or node.region
+        if region.is_empty:
+            return replace(node, lower=node.largest_value)
+        node = replace(node, region=region)
+        if region.widest_size < SIZE_KEPT * before:
+            node = solve_relaxation(state, node)
+    if not node.is_empty and node.region.widest_size <= ANEW * node.laws_bounded_at:
+        node = replace(node, laws_bounded_at=node.region.widest_size, grids=coarse_mesh(node))
+        node = tighten(state, node, 1)
+    return node
+
+
+def _task_about(state: SolveState, task: BoundTask) -> BoundTask:
+    """The task with the state's incumbent."""
+    best = state.incumbent
+    return (best and BoundTask.of(state, best, task.deadline)) or task
 
 
 def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:
@@ -270,7 +291,7 @@ def _violating_laws(node: TracedNode) -> tuple[int, ...]:
 
 
 def _tighten_region(
-    state: SolveState, node: TracedNode, among: Collection[int]
+    state: SolveState, node: TracedNode, among: Collection[int], *, laws: bool = True
 ) -> ImprovingRegion | None:
     """The region with tighter bounds of the laws ``among``; None where no law could be bounded.
 
@@ -284,6 +305,7 @@ def _tighten_region(
         return region
     pending = frozenset(among)
     slack = (1.0 + SPARE) * task.incumbent.value - task.target
+    is_size = task.problem.objective.norm(task.problem.machine) is not None
     last = state.last_program if state.programs else inf  # a quick proof has few iterations
     for number, extra in enumerate((0.0, slack, slack)):
         if state.time_left <= 0.0 or not pending or region.is_empty:
@@ -294,101 +316,11 @@ def _tighten_region(
             grids = tuple(new.knots_only if k in pending else old for k, (old, new) in both)
         problem = with_value_cap(task.problem, node.largest_value + extra)
         model = formulate(problem, grids)
-        model = with_rows(model, _size_rows(replace(node, region=region), model.scales))
-        region, pending = tighten_bounds(
-            model, task.controls, region, pending, state.time_left, last
+        model = with_rows(model, rows_of_size(replace(node, region=region), model.scales))
+        # a cap on a size ends the region too: it is widened as much, and bounds of both hold
+        wider = region.widened(extra) if is_size else region
+        tighter, pending = tighten_bounds(
+            model, task.controls, wider, pending, state.time_left, last, laws=laws
         )
+        region = tighter.within(region)
     return None if pending == frozenset(among) else region
-
-
-def _size_rows(node: TracedNode, scales: Scales) -> list[LinearBlock]:
-    """Rows on the size alone that all better cams of a node satisfy."""
-    problem, sizes = node.task.problem, node.region.sizes
-    rows = list(size_rows.fixed_motion_rows(problem, sizes, scales))
-    rows += size_rows.least_norm_rows(problem, sizes, scales)
-    norm = problem.objective.norm(problem.machine)
-    if norm is not None and isfinite(node.least):
-        rows += size_rows.outside_ball_rows(norm, node.least, sizes, scales)
-    return rows
-
-
-def solve_relaxation(
-    state: SolveState, node: TracedNode, *, every_mesh: bool = False
-) -> TracedNode:
-    """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound.
-
-    ``every_mesh``: refine even where rows leave more to gain than knots.
-    """
-    task, sizes = node.task, node.region.sizes
-    # A cam grows in its last size variable: with that left open above there is a cam to every row.
-    grown = (sizes[-1][0], task.problem.sizing.bounds[-1][1])
-    inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
-    problem = replace(task.problem, sizing=inside)
-    grids = _coarse_mesh(node)
-    for number in range(MORE_MESHES):
-        # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
-        grids = tuple(grid.knots_only for grid in grids)
-        bare = formulate(problem, grids)
-        given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
-        given += size_rows.least_norm_rows(problem, sizes, bare.scales)
-        implied = node.region.rows(bare, SPREAD, sparing=True)
-        model = with_rows(bare, [*given, *(block for block, _, _ in implied)])
-        solution = solve(model.program, state.time_left)
-        # 2. Its multipliers, distributed over points between the knots: the implied rows hold
-        #    there too, and a smoother multiplier gives a better bound over all laws.
-        between = [(denser, runs) for _, denser, runs in implied]
-        density = MultiplierDensity.of(model, between, SPREAD, task.order)
-        ends = boundary_multipliers(model, solution, task.order)
-        distributed = [
-            replace(solution, multipliers=masses)
-            for masses in density.distribute_single(solution.multipliers, ends)
-        ]
-        if solution.stopped is StopReason.INFEASIBLE:
-            for each in distributed:
-                node = node.with_bound(infeasibility_bound(density.model, each, ends))
-            if node.is_empty or state.time_left <= 0.0 or number + 1 >= MESHES:
-                break
-            grids = halve_intervals(problem, grids)
-            continue
-        if solution.stopped not in USABLE:
-            return node
-        bounds = [dual_bound(density.model, each, ends) for each in distributed]
-        bound = max(bounds, key=lambda each: each.value)
-        if not bound.switching:
-            return node
-        # 3. The solution is where the next rows are tangent.
-        laws, size = model.recover(solution.x)
-        cam = recover_cam(problem, laws, size, keep_hint=True)
-        reference = TangentPoint(tuple(law.curve() for law in laws), size)
-        binding = node.region.binding or frozenset()
-        if implied:  # without any rows the solution shows nothing
-            binding |= BindingLimits.on([cam]).pairs
-        region = replace(node.region, reference=reference, binding=binding)
-        node = replace(node.with_bound(bound), region=region)
-        if number <= EARLY_MESHES:
-            node = replace(node, grids=grids)
-        node = replace(node, relaxation=(cam, grids, bound))
-        # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
-        if node.is_empty or state.time_left <= 0.0:
-            break
-        missing, lost = node.largest_value - cam.value, cam.value - bound.value
-        fine = lost < (MESH_LOSS if number < EARLY_MESHES else LATE_MESH_LOSS) * missing
-        if missing > 0.0 and fine and not every_mesh:
-            break
-        finest = any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids)
-        if number + 1 >= MESHES and (missing > 0.0 or finest):
-            break
-        grids = refine_mesh(problem, grids, cam, bound, very_costly=VERY_COSTLY)
-    return node
-
-
-def _coarse_mesh(node: TracedNode) -> tuple[Grid, ...]:
-    """Few knots, some of them where rows begin and end."""
-    chosen = []
-    for position, segment in enumerate(node.task.problem.free):
-        hulls = (hull for (law, _), hull in node.region.point_bounds.items() if law == position)
-        ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
-        breaks = uniform_grid(segment, INTERVALS).space.breaks
-        needed = segment.free.knots if segment.free else ()
-        chosen.append(grid_through(segment, merge_knots(breaks, ends, needed)))
-    return tuple(chosen)

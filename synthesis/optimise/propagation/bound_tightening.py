@@ -54,6 +54,8 @@ def tighten_bounds(
     positions: Collection[int],
     time_limit: float = inf,
     last_program: float = inf,
+    *,
+    laws: bool = True,
 ) -> tuple[ImprovingRegion, frozenset[int]]:
     """The region, tightened under the model's rows and those that the region implies.
 
@@ -95,7 +97,7 @@ def tighten_bounds(
         region = _intersect_half_spaces(region, directions, half_spaces)
     # 3. The traced point at the nodes of every law.
     for k in sorted({k for k, _ in region.point_bounds} & set(positions) - infeasible):
-        if region.is_empty:
+        if region.is_empty or not laws:
             break
         quantities, constants = _point_quantities(region, k, parts[k].law, parts[k].model)
         values = parts[k].lower_bounds(quantities, region, until, size_is_bounded=True)

@@ -69,6 +69,29 @@ class ImprovingRegion:
         """How far the point's bounds are apart, on average [length]."""
         return float(np.mean([bounds.width for bounds in self.point_bounds.values()] or [0.0]))
 
+    @property
+    def widest_size(self) -> float:
+        """The widest range of a size in which cams do not grow."""
+        return max(high - low for low, high in (self.sizes[:-1] or self.sizes))
+
+    def widened(self, by: float) -> ImprovingRegion:
+        """With sizes that are open by so much more to every side [length], its laws as they are."""
+        if not by:
+            return self
+        sizes = tuple((a - by, b + by) if a < b else (a, b) for a, b in self.sizes)
+        planes = self.half_spaces
+        # a step of ``by`` in every size lowers normal · z by its sum of absolute values
+        offsets = planes.offsets - by * np.sum(np.abs(planes.normals), axis=1)
+        return replace(self.restrict(sizes), half_spaces=replace(planes, offsets=offsets))
+
+    def within(self, other: ImprovingRegion) -> ImprovingRegion:
+        """With its sizes in those of another, which hold as well; itself where they lie there."""
+        both = zip(self.sizes, other.sizes, strict=True)
+        sizes = tuple((max(a, c), min(b, d)) for (a, b), (c, d) in both)
+        if sizes == tuple(self.sizes):
+            return self
+        return replace(self.restrict(sizes), half_spaces=other.half_spaces)
+
     def restrict(self, sizes: Sizes) -> ImprovingRegion:
         """The part of it in a box of sizes."""
         point_bounds = {

@@ -25,6 +25,9 @@ by parts leave the motion's values at its ends alone:
     a [λ s' − λ' s] = ∫ λ (a s'' + b s) dθ ≥ c(z) ∫ λ dθ,
 
 where s' counts at the far end, at which it is known: a half-plane. Mirrored, at the near one.
+Under a face that swings the profile's support function h takes the place of s, and the angle of its
+normal on the cam that of θ, which comes to β + σ Δφ over a move, whatever the law: a half-plane of
+d cos ψ0 and d sin ψ0 (``catalogue/followers/swinging_face.py``).
 
 Where nothing else binds, the least size on these half-planes is the infimum over all laws: laws
 that run along F, or along the least radius, but for short ramps, come as near to it as one likes,
@@ -52,7 +55,7 @@ from synthesis.optimise.recovery.closed_form import ImpliedHalfPlanes, closed_fo
 CELLS = 200
 """Of the heights of a move. The midpoint rule's error falls with the square of their width."""
 LOOSENING = 1e-9  # relative: far above the rounding of a sum of as many terms
-NEAR = 1e-7  # relative: a duration no longer than that beyond the move's angle counts as the angle
+LONGER = 1e-7  # relative: a duration no longer than that beyond the move's angle is as long
 HALVINGS = 40  # of an interval of sizes
 STEP = 1e-20  # of a derivative along an imaginary step, which is exact to rounding
 
@@ -135,10 +138,19 @@ def _at_state(problem: Problem, segment: PlacedSegment, s: Array) -> Iterator[Ha
 def _at_rest(
     problem: Problem, segment: PlacedSegment, speeds: Sequence[float | None]
 ) -> Iterator[HalfPlanes]:
-    """Half-planes of rows c s'' + d s + size · z ≤ upper, c and d negative, over a whole move.
+    """Half-planes that a radius of curvature under a flat face leaves over a whole move.
 
-    ``speeds``: at its ends [length/rad], where known.
+    Of rows c s'' + d s + size · z ≤ upper, c and d negative; of faces that swing by a theorem of
+    their own. ``speeds``: at its ends [length/rad], where known.
     """
+    start, end = (
+        np.array([height, np.nan if speed is None else speed])
+        for height, speed in zip((segment.s_start, segment.s_end), speeds, strict=True)
+    )
+    for curve in problem.curved_limits_on(segment):
+        for planes in curve.half_planes_over_move(segment.angle, start, end):
+            slack = LOOSENING * (np.abs(planes.upper) + problem.length)
+            yield _scaled(planes.size.T, planes.upper + slack)
     for row in problem.limit_rows(segment):
         (d, c), by_size = row.coefficients[:3:2], np.array(row.size)
         if row.interval is not None or set(row.orders) != {0, 2} or max(c, d) >= 0.0:
@@ -147,22 +159,22 @@ def _at_rest(
         sine, cosine = sin(omega * segment.angle), cos(omega * segment.angle)
         if omega * segment.angle > pi or not any(row.size):
             continue
-        mean = (1.0 - cosine) / omega  # of the weight, over the move
+        integral = (1.0 - cosine) / omega  # of the weight, over the move
         for far, near, speed in (
             (segment.s_end, segment.s_start, speeds[1]),
             (segment.s_start, segment.s_end, None if speeds[0] is None else -speeds[0]),
         ):
             if speed is not None:
-                ends = -c * (sine * speed - omega * (cosine * far - near))
-                upper = row.upper * mean + ends
-                loose = LOOSENING * (abs(row.upper) * mean + abs(c) * problem.length)
-                yield _scaled(mean * by_size[None], np.array([upper + loose]))
+                terms = -c * (sine * speed - omega * (cosine * far - near))  # of the ends
+                upper = row.upper * integral + terms
+                loose = LOOSENING * (abs(row.upper) * integral + abs(c) * problem.length)
+                yield _scaled(integral * by_size[None], np.array([upper + loose]))
 
 
 def _half_plane(problem: Problem, segment: PlacedSegment, size: Array) -> Iterator[HalfPlanes]:
     """What the least duration of a move says about a size; nothing where it is infinite there."""
     duration, gradient = _least_duration(problem, segment, size)
-    if not segment.angle * (1.0 + NEAR) < duration < inf or not np.any(gradient):
+    if not segment.angle * (1.0 + LONGER) < duration < inf or not np.any(gradient):
         return
     if len(size) > 1:
         # The tangent: T(z0) + ∇T · (z − z0) ≤ T(z) ≤ β.
@@ -173,20 +185,20 @@ def _half_plane(problem: Problem, segment: PlacedSegment, size: Array) -> Iterat
         return
     # One size: T falls, then rises. As long as T > β falls towards one side, all sizes on the other
     # side are excluded; where it rises again above β, all: two half-planes without a common point.
-    down, ends = -_sense_of_duration(problem, segment, size), problem.sizing.bounds[0]
-    if not down:
+    side, (low, high) = -_sense_of_duration(problem, segment, size), problem.sizing.bounds[0]
+    if not side:
         return
-    last, near, rising = float(ends[0] if down < 0.0 else ends[1]), float(size[0]), False
+    excluded, unknown, rises = float(size[0]), low if side < 0.0 else high, False
     for _ in range(HALVINGS):
-        middle = 0.5 * (near + last)
+        middle = 0.5 * (excluded + unknown)
         here = np.array([middle])
-        exceeded = _least_duration(problem, segment, here)[0] > segment.angle * (1.0 + LOOSENING)
-        falls = _sense_of_duration(problem, segment, here) * down < 0.0
-        near, last = (middle, last) if exceeded and falls else (near, middle)
-        rising = rising if exceeded and falls else exceeded
-    yield HalfPlanes(np.array([[-down]]), np.array([-down * near]), np.zeros(1))
-    if rising:
-        yield HalfPlanes(np.array([[down]]), np.array([down * near - 1.0]), np.zeros(1))
+        exceeds = _least_duration(problem, segment, here)[0] > segment.angle * (1.0 + LOOSENING)
+        falls = _sense_of_duration(problem, segment, here) * side < 0.0
+        excluded, unknown = (middle, unknown) if exceeds and falls else (excluded, middle)
+        rises = rises if exceeds and falls else exceeds
+    yield HalfPlanes(np.array([[-side]]), np.array([-side * excluded]), np.zeros(1))
+    if rises:
+        yield HalfPlanes(np.array([[side]]), np.array([side * excluded - 1.0]), np.zeros(1))
 
 
 def _sense_of_duration(problem: Problem, segment: PlacedSegment, size: Array) -> float:
@@ -204,7 +216,8 @@ def _least_duration(problem: Problem, segment: PlacedSegment, size: Array) -> tu
     fastest = list(_fastest(problem, segment, 0.5 * (edges[1:] + edges[:-1]), sense, size))
     if not fastest or not segment.lift:
         return 0.0, np.zeros(len(size))
-    speeds = np.array([speed + width**2 / 24.0 * bend for speed, _, bend in fastest])
+    means = [speed + width**2 / 24.0 * curvature for speed, _, curvature in fastest]
+    speeds = np.array(means)  # of each limit over a cell, at most
     slopes = np.array([slope for _, slope, _ in fastest])
     lowest, cell = np.argmin(speeds, axis=0), np.arange(CELLS)
     speed, slope = speeds[lowest, cell], slopes[lowest, :, cell]
@@ -218,13 +231,13 @@ def _fastest(
 ) -> Iterator[tuple[Array, Array, float]]:
     """The largest speed F that each limit allows at heights: (n,), ∂F/∂z (d, n), most ∂²F/∂s²."""
     for row in problem.limit_rows(segment):
-        own, speed = row.coefficients[:2]
-        if row.interval is not None or not set(row.orders) <= {0, 1} or sense * speed <= 0.0:
+        of_height, of_speed = row.coefficients[:2]
+        if row.interval is not None or not set(row.orders) <= {0, 1} or sense * of_speed <= 0.0:
             continue
         by_size = np.array(row.size or (0.0,) * len(size))
-        left = row.upper - own * heights - by_size @ size
-        slope = np.repeat(-by_size[:, None] / abs(speed), len(heights), axis=1)
-        yield left / abs(speed), slope, 0.0
+        left = row.upper - of_height * heights - by_size @ size
+        slope = np.repeat(-by_size[:, None] / abs(of_speed), len(heights), axis=1)
+        yield left / abs(of_speed), slope, 0.0
     for curve in problem.curved_limits_on(segment):
         if not curve.speed_curvatures:
             continue
@@ -237,10 +250,10 @@ def _fastest(
             for unit in np.eye(len(size))
         ]
         each = zip(at_rest, factors, curve.speed_curvatures, strict=True)
-        for k, (value, factor, bend) in enumerate(each):
+        for k, (value, factor, curvature) in enumerate(each):
             if np.all(sense * factor > 0.0):
                 slope = np.array([one[k] for one in changes])
-                yield -value / np.abs(factor), -slope / np.abs(factor), bend
+                yield -value / np.abs(factor), -slope / np.abs(factor), curvature
 
 
 def _scaled(normals: Array, offsets: Array) -> HalfPlanes:

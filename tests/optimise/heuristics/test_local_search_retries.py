@@ -83,9 +83,9 @@ def test_bounds_of_a_node_end_with_the_budget_of_the_proof(
 ):
     ends, tighten = list[float](), traced_node.tighten_bounds
 
-    def noted(*given: Any) -> Any:
+    def noted(*given: Any, **more: Any) -> Any:
         ends.append(given[-1])
-        return tighten(*given)
+        return tighten(*given, **more)
 
     monkeypatch.setattr(traced_node, "tighten_bounds", noted)
     state = searched("slide, Hertz pressure", ProofBudget(programs, 1.0))

@@ -18,6 +18,7 @@ from scipy.stats import beta
 
 from synthesis import DesignSpec, synthesise
 from synthesis.numerics.piecewise import Array
+from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.relaxation import any_law
 from synthesis.optimise.relaxation.any_law import (
@@ -90,6 +91,24 @@ def test_radius_under_a_flat_face(tilted: bool) -> None:
     assert least_norm(problem(spec)) == pytest.approx(needed, rel=1e-6)
 
 
+@pytest.mark.parametrize("sense", ["same", "opposite"])
+def test_radius_under_a_face_that_swings(sense: str) -> None:
+    # h + h'' = ρ in the normal's own angle, up to the top of each move: one equation of ψ0
+    turning, top = {"same": -1.0, "opposite": 1.0}[sense], radians(SWING)
+
+    def excess(start: float, angle: float, sign: float) -> float:
+        turn = cos(radians(angle) + turning * sign * top)
+        left = FACE_PIVOT * (sin(start) - turn * sin(start + top))
+        return left - (3.7 + FACE_OFFSET) * (1.0 - turn)
+
+    starts = [
+        brentq(excess, 1e-6, 0.5 * pi - top, args=(angle, sign))
+        for angle, sign in ((61.3, 1.0), (87.9, -1.0))
+    ]
+    needed = FACE_PIVOT * sin(max(starts)) - FACE_OFFSET
+    assert least_norm(problem(swinging_face(3.7, sense))) == pytest.approx(needed, rel=1e-7)
+
+
 # -- constructed cams ------------------------------------------------------------------------
 
 
@@ -157,6 +176,109 @@ def test_a_cam_under_an_arm_keeps_all_half_planes(
     spec = spec.model_copy(update={"objective": spec.objectives()[-1]})
     size = (arms.ARM * start,) if given else (distance * cos(start), distance * np.sin(start))
     assert_kept(problem(spec), tuple(map(float, size)), rng)
+
+
+SWING, FACE_PIVOT, FACE_OFFSET = 13.7, 97.3, 2.9  # deg, mm, mm
+
+
+def swinging_face(radius: float, sense: str, *, free: bool = False, **more: Any) -> DesignSpec:
+    law = {"kind": "spline", "overshoot": True}
+    move = {"lift_deg": SWING, "law": law}
+    program = [
+        {"kind": "rise", "angle_deg": 61.3, **move}, {"kind": "dwell", "angle_deg": 29.9},
+        {"kind": "return", "angle_deg": 87.9, **move}, {"kind": "dwell", "angle_deg": 180.9},
+    ]  # fmt: skip
+    distance = {"min": 0.7 * FACE_PIVOT, "max": 1.3 * FACE_PIVOT} if free else FACE_PIVOT
+    follower = {"kind": "oscillating_flat_face", "centre_distance_mm": distance,
+                "face_offset_mm": FACE_OFFSET, "sense": sense}  # fmt: skip
+    return DesignSpec.model_validate({
+        "speed_rpm": 83.7, "program": program, "objective": {"kind": "base_radius"},
+        "follower": follower, "limits": [{"kind": "profile_radius", "min_mm": radius}], **more,
+    })  # fmt: skip
+
+
+def random_swing(rng: np.random.Generator, *, turning: bool) -> tuple[Array, Array, Array]:
+    """g, g' and g'' of a law from 0 to 1 whose second derivative is bounded."""
+    x, weight = LEVELS[1:-1], rng.uniform(0.2, 0.8)
+    g, speed, bend = (np.zeros_like(x) for _ in range(3))
+    for share in (weight, 1.0 - weight):
+        a, b = rng.uniform(2.1, 4.5, 2)
+        density = share * beta(a, b).pdf(x)
+        g, speed = g + share * beta(a, b).cdf(x), speed + density
+        bend = bend + density * ((a - 1.0) / x - (b - 1.0) / (1.0 - x))
+    if turning:
+        k = 4.0 * pi
+        g = g + 0.01 * (1.0 - np.cos(k * x))
+        speed, bend = speed + 0.01 * k * np.sin(k * x), bend + 0.01 * k * k * np.cos(k * x)
+    return g, speed, bend
+
+
+def random_move(
+    rng: np.random.Generator, start: float, sigma: float, move: tuple[float, float], turning: bool
+) -> tuple[Array, Array, Array]:
+    """Swing, its rate and the profile's radius along a move of a random law (angle, sign)."""
+    (angle, sign), (g, speed, bend) = move, random_swing(rng, turning=turning)
+    swing = radians(SWING) * (g if sign > 0 else 1.0 - g)
+    rate = sign * radians(SWING) * speed / radians(angle)
+    change = sign * radians(SWING) * bend / radians(angle) ** 2
+    # the profile is the envelope of lines at h = d sinψ − f, whose normals turn by w = 1 + σψ'
+    psi, w = start + swing, 1.0 + sigma * rate
+    assert np.min(w) > 0.0
+    slope = FACE_PIVOT * np.cos(psi) * rate / w  # dh/dχ
+    further = FACE_PIVOT * (np.cos(psi) * change - np.sin(psi) * rate**2) / w
+    radius = FACE_PIVOT * np.sin(psi) - FACE_OFFSET + (further - slope * sigma * change / w) / w
+    return swing, rate, radius
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("sense", ["same", "opposite"])
+@pytest.mark.parametrize("angle", [51.7, 143.0, 301.0])
+def test_a_part_of_a_move_under_a_face_keeps_its_half_planes(
+    angle: float, sense: str, free: bool
+) -> None:
+    # the ends move, at velocities that are known; and a part may be longer than half a turn
+    rng, sigma = np.random.default_rng([83, int(angle)]), {"same": -1.0, "opposite": 1.0}[sense]
+    nearest, count = inf, 0
+    for sign in (1.0, -1.0, 1.0, -1.0):
+        start = radians(rng.uniform(20.0, 70.0))
+        swing, rate, radius = random_move(rng, start, sigma, (angle, sign), sign > 0.0)
+        for first, last in np.sort(rng.integers(1, len(swing) - 1, (25, 2)), axis=1).tolist():
+            if last - first < 80:
+                continue
+            least = float(np.min(radius[first : last + 1])) - 1e-4 * FACE_PIVOT
+            face = swinging_face(1.0, sense, free=free).follower
+            curve = face.profile_radius_constraints(least)[0]
+            ends = [face.reference * np.array([swing[k], rate[k]]) for k in (first, last)]
+            length = radians(angle) * (LEVELS[last] - LEVELS[first])
+            p, base = FACE_PIVOT * cos(start), FACE_PIVOT * sin(start) - FACE_OFFSET
+            size = np.array([p, base] if free else [base])
+            planes = curve.half_planes_over_move(length, *ends)
+            unknown = ends[0] * np.array([1.0, np.nan])
+            known = curve.half_planes_over_move(length, unknown, ends[1])
+            assert 2 * len(known) == len(planes)
+            for plane in planes:
+                nearest = min(nearest, float(np.min(plane.upper - size @ plane.size)))
+                count += 1
+    assert count > 80
+    assert 0.0 <= nearest < 0.05 * FACE_PIVOT
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("sense", ["same", "opposite"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cam_under_a_face_that_swings_keeps_all_half_planes(
+    seed: int, sense: str, free: bool
+) -> None:
+    rng, sigma = np.random.default_rng([79, seed]), {"same": -1.0, "opposite": 1.0}[sense]
+    start, least = 0.0, -inf
+    while least < 0.0:  # most of these laws ask for a large cam
+        start = radians(rng.uniform(50.0, 75.0))
+        moves = ((61.3, 1.0), (87.9, -1.0))
+        every = (random_move(rng, start, sigma, move, seed % 3 == 0) for move in moves)
+        least = min(float(np.min(radius)) for _, _, radius in every)
+    p, base = FACE_PIVOT * cos(start), FACE_PIVOT * sin(start) - FACE_OFFSET
+    question = problem(swinging_face(least * (1.0 - 1e-7), sense, free=free))
+    assert_kept(question, (p, base) if free else (base,), rng)
 
 
 @pytest.mark.parametrize("given", [False, True])
@@ -227,6 +349,21 @@ def test_a_maximum_below_the_infimum_is_infeasible(objective: Any) -> None:
 
 def test_a_maximum_above_the_infimum_has_a_cam() -> None:
     assert answer(base_radius_mm={"max": 1.04 * INFIMUM}).status in ("feasible", "optimal")
+
+
+@pytest.mark.parametrize("sense", ["same", "opposite"])
+def test_a_face_that_swings_under_too_small_a_maximum(sense: str) -> None:
+    needed = least_norm(problem(swinging_face(3.7, sense)))
+    small = swinging_face(3.7, sense, base_radius_mm={"max": 0.99 * needed})
+    design = synthesise(small.model_copy(update={"objective": None, "time_budget_s": 4.0}))
+    assert design.status == "infeasible"
+    assert "no size fits" in design.conflict.evidence
+    # no search is made for it: not a single program
+    state = optimise(problem(small), 1e-3)
+    assert "no size fits" in state.infeasibility_proof
+    assert not state.stages
+    wider = swinging_face(3.7, sense, base_radius_mm={"max": 1.01 * needed})
+    assert not size_conflict(problem(wider))
 
 
 def test_an_outer_radius_that_no_law_keeps() -> None:

@@ -1,0 +1,172 @@
+"""The relaxation of a traced node, mesh by mesh, and its bound over all laws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from typing import TypeVar
+
+import numpy as np
+
+from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.statuses import USABLE, StopReason
+from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
+from synthesis.optimise.conic.program import formulate, with_rows
+from synthesis.optimise.conic.tangent_cuts import TangentPoint
+from synthesis.optimise.dual_bound.batch import MultiplierDensity
+from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
+from synthesis.optimise.dual_bound.costates import boundary_multipliers
+from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
+from synthesis.optimise.propagation.improving_region import ImprovingRegion
+from synthesis.optimise.recovery.candidate import Candidate, recover_cam
+from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
+from synthesis.optimise.relaxation import size_rows
+from synthesis.optimise.state import SolveState
+
+INTERVALS = 20  # of the first mesh of every node
+MESHES, MORE_MESHES = 6, 10
+"""Of one relaxation, each finer than the one before, at most; and where its splines hold no better
+cam any more: then nothing but knots keeps the bound low."""
+VERY_COSTLY = 8.0  # of the mean loss of intervals: halving one takes away seven eighths, as a rule
+EARLY_MESHES = 2
+"""Of these, up to the first whose knots are kept for the node, and refined for small losses."""
+MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
+"""Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
+which take longer."""
+SPREAD = 28  # points between two rows over which their multipliers are distributed
+GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
+
+
+@dataclass(frozen=True, eq=False)
+class TracedBox(Node):
+    """A box of sizes and a range of values.
+
+    Attributes:
+        region: what every better cam of the node satisfies.
+        grids: few knots, where the bound asks for them.
+        relaxation: the cam of the last one solved, its mesh, and the bound that it gave.
+        least, most: range of the values of its cams, as far as they belong to no other node.
+    """
+
+    task: BoundTask
+    region: ImprovingRegion
+    grids: tuple[Grid, ...] = ()
+    relaxation: tuple[Candidate, tuple[Grid, ...], Bound] | None = None
+    least: float = -inf
+    most: float = inf
+
+    @property
+    def largest_value(self) -> float:
+        """The largest value of cams in the node that would be better than the incumbent."""
+        return min(self.most, self.task.target)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it holds no such cam."""
+        return self.lower >= self.largest_value
+
+
+Box = TypeVar("Box", bound=TracedBox)
+
+
+def rows_of_size(node: TracedBox, scales: Scales) -> list[LinearBlock]:
+    """Rows on the size alone that all better cams of a node satisfy."""
+    problem, sizes = node.task.problem, node.region.sizes
+    rows = list(size_rows.fixed_motion_rows(problem, sizes, scales))
+    rows += size_rows.least_norm_rows(problem, sizes, scales)
+    norm = problem.objective.norm(problem.machine)
+    if norm is not None and isfinite(node.least):
+        rows += size_rows.outside_ball_rows(norm, node.least, sizes, scales)
+    return rows
+
+
+def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) -> Box:
+    """Solve the node's relaxation on finer and finer meshes, and keep the best dual bound.
+
+    ``every_mesh``: refine even where rows leave more to gain than knots.
+    """
+    task, sizes = node.task, node.region.sizes
+    # A cam grows in its last size variable: with that left open above there is a cam to every row.
+    grown = (sizes[-1][0], task.problem.sizing.bounds[-1][1])
+    inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
+    problem = replace(task.problem, sizing=inside)
+    grids, before = coarse_mesh(node), Bound(-inf, "")
+    for number in range(MORE_MESHES):
+        # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
+        grids = tuple(grid.knots_only for grid in grids)
+        bare = formulate(problem, grids)
+        given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
+        given += size_rows.least_norm_rows(problem, sizes, bare.scales)
+        implied = node.region.rows(bare, SPREAD, sparing=True)
+        model = with_rows(bare, [*given, *(block for block, _, _ in implied)])
+        solution = solve(model.program, state.time_left)
+        # 2. Its multipliers, distributed over points between the knots: the implied rows hold
+        #    there too, and a smoother multiplier gives a better bound over all laws.
+        between = [(denser, runs) for _, denser, runs in implied]
+        density = MultiplierDensity.of(model, between, SPREAD, task.order)
+        ends = boundary_multipliers(model, solution, task.order)
+        distributed = [
+            replace(solution, multipliers=masses)
+            for masses in density.distribute_single(solution.multipliers, ends)
+        ]
+        if solution.stopped is StopReason.INFEASIBLE:
+            for each in distributed:
+                node = node.with_bound(infeasibility_bound(density.model, each, ends))
+            if node.is_empty or state.time_left <= 0.0 or number + 1 >= MESHES:
+                break
+            grids = halve_intervals(problem, grids)
+            continue
+        if solution.stopped not in USABLE:
+            return node
+        bounds = [dual_bound(density.model, each, ends) for each in distributed]
+        bound = max(bounds, key=lambda each: each.value)
+        if not bound.switching:
+            return node
+        # 3. The solution is where the next rows are tangent.
+        laws, size = model.recover(solution.x)
+        cam = recover_cam(problem, laws, size, keep_hint=True)
+        reference = TangentPoint(tuple(law.curve() for law in laws), size)
+        binding = node.region.binding or frozenset()
+        if implied:  # without any rows the solution shows nothing
+            binding |= BindingLimits.on([cam]).pairs
+        region = replace(node.region, reference=reference, binding=binding)
+        node = replace(node.with_bound(bound), region=region)
+        if number <= EARLY_MESHES:
+            node = replace(node, grids=grids)
+        node = replace(node, relaxation=(cam, grids, bound))
+        # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
+        if node.is_empty or state.time_left <= 0.0:
+            break
+        if not _finer_mesh_pays(node, cam, bound, before, number, every_mesh=every_mesh):
+            break
+        before = bound
+        grids = refine_mesh(problem, grids, cam, bound, very_costly=VERY_COSTLY)
+    return node
+
+
+def _finer_mesh_pays(
+    node: TracedBox, cam: Candidate, bound: Bound, before: Bound, number: int, *, every_mesh: bool
+) -> bool:
+    """Whether splines, cam and bound of a mesh, or their loss to its knots, ask for a finer one."""
+    missing, lost = node.largest_value - cam.value, cam.value - bound.value
+    if not every_mesh:
+        fine = lost < (MESH_LOSS if number < EARLY_MESHES else LATE_MESH_LOSS) * missing
+        # knots that gain next to nothing are not what keeps the bound low: a narrower box raises it
+        idle = bound.value - before.value < GAIN * (node.largest_value - bound.value)
+        if (missing > 0.0 and fine) or (number > EARLY_MESHES and idle):
+            return False
+    finest = any(len(law.space.breaks) > MOST_INTERVALS for law in cam.laws)
+    return number + 1 < MESHES or not (missing > 0.0 or finest)
+
+
+def coarse_mesh(node: TracedBox) -> tuple[Grid, ...]:
+    """Few knots, some of them where rows begin and end."""
+    chosen = []
+    for position, segment in enumerate(node.task.problem.free):
+        hulls = (hull for (law, _), hull in node.region.point_bounds.items() if law == position)
+        ends = np.unique([end for hull in hulls for part in hull.parts for end in part])
+        breaks = uniform_grid(segment, INTERVALS).space.breaks
+        needed = segment.free.knots if segment.free else ()
+        chosen.append(grid_through(segment, merge_knots(breaks, ends, needed)))
+    return tuple(chosen)
