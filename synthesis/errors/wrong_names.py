@@ -153,7 +153,8 @@ def _value_for(
 ) -> tuple[str, str, Any]:
     """What to write under a field, '' for the value as it is; why; and the value."""
     value, own = wrong.value, field_unit(field)[1]
-    number, why = value if _is_number(value) else None, OF_FACTOR[factor]
+    numeric = not members or any(each.get("type") in ("number", "integer") for each in members)
+    number, why = value if _is_number(value) and numeric else None, OF_FACTOR[factor]
     if isinstance(value, str):
         kind = meant_kind(value, kinds_of(members))
         if kind is not None and field == "kind":

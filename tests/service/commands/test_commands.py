@@ -172,7 +172,7 @@ def test_a_worked_example_is_a_spec_too(tmp_path: Path) -> None:
     [
         ("{", "Line 1, column 2"),
         ('{"program": []}', "/program = []"),
-        ('{"programme": 1}', "Did you mean 'program'"),
+        ('{"programme": 1}', 'Write "program" instead of "programme".'),
     ],
 )
 def test_a_wrong_spec_is_told_in_words(tmp_path: Path, content: str, words: str) -> None:
