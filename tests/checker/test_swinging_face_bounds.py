@@ -43,12 +43,12 @@ def found(sense: str, distance: float | None, away: float, *kinds: str) -> Json:
     return file
 
 
-def keeps(file: Json, distance: float, start: float) -> bool:
-    """Whether a face that starts at an angle [rad] keeps all limits of a question."""
+def keeps(file: Json, moved: tuple[Any, Any], distance: float, start: float) -> bool:
+    """Whether a face that starts at an angle [rad] keeps all limits; ``moved``: s and its sense."""
     question = file["question"]
     away = question["follower"]["face_offset_mm"]
     cam = {**file["cam"], "size": [distance * math.cos(start), distance * math.sin(start)]}
-    s, turns, _ = motion(question, cam)
+    s, turns = moved
     along, _, radius, _ = face_contact(question, cam, s)
     if np.min(along) <= 0.0 or np.min(radius) < 0.0:
         return False
@@ -84,15 +84,16 @@ def test_the_bound_is_the_least_base_radius_that_a_search_finds(case: Any) -> No
     assert code == 0, said
     assert claim_of(file)["proven"] is True
     least, (_, distance, away, *_) = math.inf, case
+    moved = motion(file["question"], file["cam"])[:2]
     distances = [distance] if distance else np.linspace(80.0, 100.0, 11).tolist()
     for d in distances:
         angles = np.linspace(0.0, 1.2, 49)
-        kept = [a for a in angles.tolist() if d * math.sin(a) > away and keeps(file, d, a)]
+        kept = [a for a in angles.tolist() if d * math.sin(a) > away and keeps(file, moved, d, a)]
         if kept:
             low, high = min(kept) - angles[1], min(kept)
             for _ in range(30):
                 middle = 0.5 * (low + high)
-                low, high = (low, middle) if keeps(file, d, middle) else (middle, high)
+                low, high = (low, middle) if keeps(file, moved, d, middle) else (middle, high)
             least = min(least, d * math.sin(high) - away)
     bound = claim_of(file)["at_least"]
     # its rows of a radius are differences along the cam
