@@ -108,7 +108,7 @@ class TracedNode(TracedBox):
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_first:
             node = replace(self, upper_half=False)
-            if any(control.cap == inf for control in self.task.controls):
+            if self.caps_mean_square:
                 inside, node = _process_sparingly(inside, node)
             else:
                 node = tighten(inside, node, ITERATIONS)

@@ -66,6 +66,11 @@ class TracedBox(Node):
         """Whether it holds no such cam."""
         return self.lower >= self.largest_value
 
+    @property
+    def caps_mean_square(self) -> bool:
+        """Whether a law is bounded by its mean square: every bound of it is a cone program then."""
+        return any(control.cap == inf for control in self.task.controls)
+
 
 Box = TypeVar("Box", bound=TracedBox)
 
@@ -152,9 +157,10 @@ def _finer_mesh_pays(
     missing, lost = node.largest_value - cam.value, cam.value - bound.value
     if not every_mesh:
         fine = lost < (MESH_LOSS if number < EARLY_MESHES else LATE_MESH_LOSS) * missing
-        # knots that gain next to nothing are not what keeps the bound low: a narrower box raises it
+        # Knots that gain next to nothing are not what keeps the bound low: a narrower box raises
+        # it, and costs no more than a mesh where its bounds are cone programs too.
         idle = bound.value - before.value < GAIN * (node.largest_value - bound.value)
-        if (missing > 0.0 and fine) or (number > EARLY_MESHES and idle):
+        if (missing > 0.0 and fine) or (node.caps_mean_square and number > EARLY_MESHES and idle):
             return False
     finest = any(len(law.space.breaks) > MOST_INTERVALS for law in cam.laws)
     return number + 1 < MESHES or not (missing > 0.0 or finest)
