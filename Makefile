@@ -49,7 +49,7 @@ waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills test_deployment \
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
 waiting += tests/catalogue tests/exporters tests/machines tests/validation
 service += tests/certify
-core    := tests/pipeline
+core    := tests/pipeline tests/checker
 rest    := --ignore=tests/architecture/test_quality.py $(filter-out \
              tests/service $(waiting) $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
