@@ -52,9 +52,9 @@ from synthesis.optimise.state import (
     Stage,
     WarmStart,
 )
+from synthesis.optimise.strategy.coarser_tolerance import retry_at_coarser_tolerance
 from synthesis.optimise.strategy.idle_caps import for_problem
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
-from synthesis.optimise.strategy.rough_proof import prove_roughly
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 
 ROUNDING = 1e-12
@@ -151,7 +151,7 @@ def optimise(
             break
         tree = tree.with_children(node, children)
     state = for_problem(tree.next_node.conclude(state, tree), problem)
-    state = _with_valid_for(prove_roughly(state, proof, optimise))
+    state = _with_valid_for(retry_at_coarser_tolerance(state, proof, optimise))
     return state.with_exit(_exit(state, tree))
 
 

@@ -108,12 +108,12 @@ class SwingingFaceConstraint(NonconvexConstraint):
         planes, cosine, sine = list[PointInequalities](), math.cos(turn), math.sin(turn)
         for far, near, sense in ((end, start, 1.0), (start, end, -1.0)):
             rate = far[1] / self.reference
-            fast = 1.0 + self.sigma * rate
-            if not fast > 0.0:
+            w = 1.0 + self.sigma * rate
+            if not w > 0.0:
                 continue  # s' is not known there
             # −h_near is a half-plane of ψ_near; the far end turned by what lies between them
             between = (far[0] - near[0]) / self.reference
-            beside, ahead = cosine, -sense * sine * rate / fast
+            beside, ahead = cosine, -sense * sine * rate / w
             a = ahead * math.cos(between) + beside * math.sin(between)
             b = beside * math.cos(between) - ahead * math.sin(between) - 1.0
             c = self.cubed * (1.0 - cosine)

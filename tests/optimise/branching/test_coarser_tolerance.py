@@ -11,7 +11,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
-from synthesis.optimise.strategy.rough_proof import prove_roughly
+from synthesis.optimise.strategy.coarser_tolerance import retry_at_coarser_tolerance
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
 from tests.optimise.scenes import problem
@@ -50,7 +50,7 @@ def test_a_finer_tolerance_has_no_wider_gap(
     assert fine.valid_for == rough.valid_for
     assert [stage.exit for stage in fine.stages if stage.exit] == [driver.BUDGET]
     # alone it has: without that the test shows nothing
-    monkeypatch.setattr(driver, "prove_roughly", lambda state, *_: state)
+    monkeypatch.setattr(driver, "retry_at_coarser_tolerance", lambda state, *_: state)
     assert gap(optimise(question, FINE, proof=SHORT)) > gap(rough)
 
 
@@ -85,17 +85,17 @@ def test_nothing_is_tried_where_it_would_say_nothing(
         "laws given": replace(fine, problem=given),
     }.get(case, fine)
     with pytest.raises(AssertionError):
-        prove_roughly(fine, SHORT, never)
+        retry_at_coarser_tolerance(fine, SHORT, never)
     if case == "searched":
         kind = type(fine.problem.machine.follower)
         monkeypatch.setattr(kind, "fixable_dimension", lambda _: object())
     proof = {"quick": QUICK, "in time": THOROUGH}.get(case, SHORT)
-    assert prove_roughly(state, proof, never) is state
+    assert retry_at_coarser_tolerance(state, proof, never) is state
 
 
 def test_a_bound_over_a_family_of_splines_is_left_where_it_is(fine: SolveState) -> None:
     higher = best(fine).value * (1.0 - 1e-4)
     family = replace(fine, lower=higher, covers_all_laws=False)
-    assert prove_roughly(fine, SHORT, lambda *_, **__: family).lower == fine.lower
+    assert retry_at_coarser_tolerance(fine, SHORT, lambda *_, **__: family).lower == fine.lower
     proven = replace(family, covers_all_laws=True)
-    assert prove_roughly(fine, SHORT, lambda *_, **__: proven).lower == higher
+    assert retry_at_coarser_tolerance(fine, SHORT, lambda *_, **__: proven).lower == higher
