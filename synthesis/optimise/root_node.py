@@ -58,6 +58,7 @@ IDLE = 0.9  # a mesh that leaves more of the gap is idle
 MARGIN_BITS = 16  # of the margin for rows written at points: it is known no better
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
+MOST_SEPARATIONS = 3  # of rows between points, on the same knots
 MOST_LEVELS = 12  # of a fractional objective on one mesh
 
 
@@ -329,12 +330,28 @@ def _needs_no_finer_mesh(
 
 
 def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate | None]:
-    """One relaxation on the present mesh, reported; its cam, if it has one."""
-    started = time.perf_counter()
-    state, model, solution, bound = solve_on_mesh(state, 0.0)
-    state, cam, _ = _recover(state, model, solution, bound)
-    seconds = time.perf_counter() - started
-    return state.with_stage(program_stage(f"convex {number}", model, solution, seconds)), cam
+    """The relaxation on the present knots, reported; its best cam, if it has one.
+
+    A cam is as large as its laws need it, between points too: where these would break rows at the
+    program's own size, points are added.
+    """
+    best: Candidate | None = None
+    for separation in range(number, number + MOST_SEPARATIONS):
+        started = time.perf_counter()
+        state, model, solution, bound = solve_on_mesh(state, 0.0)
+        state, cam, _ = _recover(state, model, solution, bound)
+        seconds = time.perf_counter() - started
+        state = state.with_stage(program_stage(f"convex {separation}", model, solution, seconds))
+        if cam is None:
+            break
+        best = cam if best is None or cam.value < best.value else best
+        unfitted = recover_cam(model.problem, *model.recover(solution.x), keep_hint=True)
+        points, _ = row_violations(state, unfitted)
+        if state.time_left <= 0.0 or not any(map(len, points)):
+            break
+        separated = zip(state.grids, points, strict=True)
+        state = replace(state, grids=tuple(grid.with_points(x) for grid, x in separated))
+    return state, best
 
 
 def _recover(

@@ -8,7 +8,8 @@ maximum, or the gentlest law's derivative over its cap. Its zero is the least va
     2. Inwards: the bracket of the zero is narrowed, every value tried being a question.
     3. To the end, at a fine tolerance: what the smallest cam exceeds vanishes at the least value
        known to suffice, its lower bound at the farthest one known to be impossible. Both are
-       zeros of functions that fall alike.
+       zeros of functions that fall alike. Where the quick proof leaves a gap open, with what time
+       is left, by the proof that the spec asks for.
 
 A value is named only if the question with it, put as it stands, has a certified cam.
 """
@@ -18,6 +19,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
+from typing import Literal
 
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
@@ -67,6 +69,7 @@ class Boundary:
         trials: by the values tried.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
+        proof: how far a bound is sought by trials that go to the end.
     """
 
     oracle: Oracle
@@ -80,6 +83,7 @@ class Boundary:
     confirmed: float | None = None
     note: str = LATE
     finest: float = FINE
+    proof: Literal["quick", "auto", "thorough"] = "quick"
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
     trials: dict[float, Trial] = field(default_factory=dict)
@@ -103,14 +107,20 @@ class Boundary:
     def seek_bound(self, last: bool = False) -> None:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3.
 
-        ``last``: with the finest tolerance, where a gap of the one before was left by that.
+        ``last``: with the finest tolerance, where a gap of the one before was left by that. A gap
+        of limits that are not convex the spec's own proof closes, by boxes: where the spec has time
+        for it, and no further than ``COARSE``, as far as few programs go.
         """
         if self.nearest is None:
             return
-        tolerances = FINEST[self.oracle.spec.proof]
-        if last and (tolerances[-1] == self.finest or self.oracle.open_gap > FINE):
+        spec, is_open = self.oracle.spec, self.open_gap > FINE
+        has_time = spec.time_budget_s is not None or spec.proof == "thorough"
+        tolerances = FINEST[spec.proof]
+        if last and (tolerances[-1] == self.finest or (is_open and not has_time)):
             return
         self.finest = tolerances[-1 if last else 0]
+        if last and is_open:
+            self.proof, self.finest = spec.proof, COARSE
         try:
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
@@ -126,7 +136,7 @@ class Boundary:
         found, _ = self.nearest
         finer = self.tried(found, self.fine, exactly=True)
         least, trial = self.nearest
-        spare = 0.5 * max(self.accuracy * self._way(least), self.fine * least)
+        spare = 0.5 * max(self.accuracy * self._way(least), min(self.fine, FINE) * least)
         self.nearest = min(least + spare, found), trial
         return finer.bound_excess is not None
 
@@ -134,7 +144,12 @@ class Boundary:
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
         excess, finest = self.excesses.get(self.number.tightest, 1.0), self.finest
-        return min(max(self.accuracy * excess, finest, self.oracle.open_gap), FINE)
+        return min(max(self.accuracy * excess, finest, self.open_gap), max(FINE, finest))
+
+    @property
+    def open_gap(self) -> float:
+        """What is left between a smallest cam and its bound for all the tolerance asked."""
+        return self.oracle.open_gaps.get(self.proof, 0.0)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -146,7 +161,7 @@ class Boundary:
         start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
         noise = ON_KNOTS if near else 0.0
         slope = self._slope(noise)
-        gap, value = max(self.fine, self.oracle.open_gap), abs(self.nearest[0])
+        gap, value = max(self.fine, self.open_gap), abs(self.nearest[0])
         step = gap / slope if slope > 0.0 else gap * value
         width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
 
@@ -173,7 +188,8 @@ class Boundary:
             reach = REACH * max(width, open_gap)
             if good - bad <= reach:
                 return
-            trial = self.tried(start + self.direction * way, self.fine, exactly=not nearer)
+            exactly = not nearer or self.proof != "quick"
+            trial = self.tried(start + self.direction * way, self.fine, exactly=exactly)
             if before is not None and trial.excess is not None and before[0] != way:
                 local = (trial.excess - before[1]) / (before[0] - way)
                 slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
@@ -202,7 +218,10 @@ class Boundary:
         if self.oracle.is_late():
             raise TimeoutError
         _, near = min(self.trials.items(), key=lambda pair: abs(pair[0] - value))
-        trial = self.oracle.relaxed(self.number, value, tolerance, near, exactly=exactly)
+        proof = self.proof if exactly else "quick"
+        trial = self.oracle.relaxed(
+            self.number, value, tolerance, near, exactly=exactly, proof=proof
+        )
         self.record(value, trial)
         if not trial.on_time:
             raise TimeoutError
@@ -216,8 +235,9 @@ class Boundary:
         What knots and solvers leave is none: another trial may come nearer.
         """
         if trial.excess is not None and trial.bound_excess is not None:
-            gap, open_gap = trial.excess - trial.bound_excess, self.oracle.open_gap
-            self.oracle.open_gap = LEFT * gap if gap > max(tolerance, FINE) else open_gap
+            gap = trial.excess - trial.bound_excess
+            if gap > max(tolerance, FINE):
+                self.oracle.open_gaps[self.proof] = LEFT * gap
 
     def record(self, value: float, trial: Trial) -> None:
         self.trials[value] = trial
@@ -318,7 +338,7 @@ class Boundary:
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
-            found = self.oracle.ask_as_it_stands(relaxed(spec, self.number, value))
+            found = self.oracle.ask_as_it_stands(relaxed(spec, self.number, value), self.proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed, self.confirmed = value, nearest

@@ -88,7 +88,8 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
             boundary.seek_bound()
             changes += _relaxations(boundary)
     # 5. With what time is left, both ends of the members' values as near as programs bring them.
-    for number in members.numbers:
+    for left, number in enumerate(reversed(members.numbers)):
+        boundaries[number].oracle = oracle.share(len(members.numbers) - left)
         boundaries[number].seek_bound(last=True)
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     limits = [str(number) for number in members.numbers]

@@ -7,7 +7,7 @@ limit alike: a certified cam, or a proof that there is none, or neither.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
 from pydantic import ValidationError
@@ -108,14 +108,14 @@ class Oracle:
     Attributes:
         stop: ``clock.now()`` after which nothing more is tried. last_program: the same, counted in
             programs that are solved.
-        open_gap: relative, what was left between a smallest cam and its bound for all the tolerance
-            that was asked.
+        open_gaps: relative, what was left between a smallest cam and its bound for all the
+            tolerance that was asked, by the proof.
     """
 
     spec: DesignSpec
     stop: float
     last_program: float = inf
-    open_gap: float = 0.0
+    open_gaps: dict[str, float] = field(default_factory=dict)
     known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
 
     def is_late(self) -> bool:
@@ -147,14 +147,20 @@ class Oracle:
         goal = Goal(self.stop, sufficient=enough, mesh=mesh)
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
-    def ask_as_it_stands(self, spec: DesignSpec) -> Trial:
-        """Put a question as anyone would who sends this spec, for a cam and no more proof.
+    def ask_as_it_stands(self, spec: DesignSpec, proof: str) -> Trial:
+        """Put a question as anyone would who sends this spec, with the spec's proof or a quick one.
 
         Where the smallest cam is too large, no smaller one is sought with the maximum as a
         constraint: by how much it is too large says which value to try next.
         """
-        goal = Goal(self.stop)
-        return self._trial(*compare(spec.model_copy(update=QUICK), goal, [], finer=True))
+        goal, changes = Goal(self.stop), {**QUICK, "proof": proof}
+        return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
+
+    def share(self, parts: int) -> Oracle:
+        """The same oracle with an equal part of what time is left; with all of it for one part."""
+        now, solved = clock.now(), clock.programs_solved()
+        stop = now + (self.stop - now) / parts
+        return replace(self, stop=stop, last_program=solved + (self.last_program - solved) / parts)
 
     def _trial(self, attempt: Attempt, smallest: Smallest | None) -> Trial:
         return Trial(attempt, smallest, attempt.certified or not self.is_late())
@@ -179,10 +185,12 @@ class Oracle:
         return self.known[frozenset(numbers)]
 
     def relaxed(
-        self, number: Relaxable, value: float, tolerance: float, near: Trial, *, exactly: bool
-    ) -> Trial:
+        self, number: Relaxable, value: float, tolerance: float, near: Trial, *, exactly: bool,
+        proof: str,
+    ) -> Trial:  # fmt: skip
         """The question with one number relaxed to a value; its cam is one without the number."""
-        trial = self.ask(relaxed(self.spec, number, value), tolerance, near=near, exactly=exactly)
+        changed = relaxed(self.spec, number, value)
+        trial = self.ask(changed, tolerance, near=near, exactly=exactly, proof=proof)
         if trial.certified:
             self.known.setdefault(frozenset([number]), trial)
         return trial

@@ -16,6 +16,7 @@ from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
+from tests.hard.families import random_scene
 from tests.optimise.scenes import (
     PLAIN,
     acceleration,
@@ -115,6 +116,25 @@ def test_a_request_that_is_next_to_what_suffices_has_ends_as_near_in_proportion(
         assert 0.0 <= (each.needed - each.at_least) / (each.needed - each.requested) < NEAR
 
 
+def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own() -> None:
+    """A small cam under a large roller is at its least radius of curvature: that is not convex."""
+    body = random_scene("slide, centred", 2)
+    limits = [limit if limit["kind"] != "jerk" else {**limit, "max_mm_per_s3": 308600.0}
+              for limit in body["limits"]]  # fmt: skip
+    short = {**body, "base_radius_mm": {"max": 6.7243}, "limits": limits}
+    ways = {}
+    for proof in ("quick", "thorough"):
+        spec = DesignSpec.model_validate({**short, "proof": proof})
+        for each in why(spec).relaxations:
+            assert each.needed is not None
+            assert each.at_least is not None
+            way = (each.needed - each.at_least) / (each.needed - each.requested)
+            ways[proof, each.limit] = way
+    for limit in ("jerk", "offset", "pressure_angle_return"):
+        assert ways["quick", limit] > 0.1
+        assert 0.0 <= ways["thorough", limit] < 0.05
+
+
 LEAST = 1300.0  # of a number that is asked to be 1000 at most
 
 
@@ -122,13 +142,13 @@ def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -
     """What is known of that number, with excesses of questions as they stand by its value."""
     monkeypatch.setattr(boundary, "relaxed", lambda _spec, _number, value: value)
 
-    def ask(value: float) -> Any:
+    def ask(value: float, _proof: str) -> Any:
         excess = 2e-3 * (LEAST - value) / 1000.0
         found[value] = excess
         return SimpleNamespace(certified=excess <= 0.0, excess=excess)
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gaps={}, is_late=lambda: False,
         is_valid=lambda *_: True, ask_as_it_stands=ask, value_on=lambda *_: (None, ""),
     )  # fmt: skip
     number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
@@ -174,9 +194,9 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
         )  # fmt: skip
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gaps={}, is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
-        ask_as_it_stands=lambda _: SimpleNamespace(certified=True),
+        ask_as_it_stands=lambda *_: SimpleNamespace(certified=True),
     )  # fmt: skip
     number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
     known = Boundary(cast(Oracle, oracle), number, trial_at(request))
@@ -285,7 +305,7 @@ def test_whether_anything_suffices_is_asked_where_the_secant_ends_far_away(
         return SimpleNamespace(certified=False)
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gaps={}, is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, without=left_out,
     )  # fmt: skip
     number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")

@@ -26,6 +26,20 @@ def highest_caps(problem: Problem) -> tuple[Limit, ...]:
     return ()
 
 
+def control_order(problem: Problem) -> int:
+    """The derivative that switches in the ideal laws.
+
+    The acceleration where rows bound it alone and nothing speaks of the jerk; else the jerk.
+    """
+    jerk, acceleration = CAPPED
+    objectives = (problem.objective, *(cap.objective for cap in problem.objective_caps))
+    rows = [row.orders for s in problem.free for row in problem.rows_on(s, 1.0)]
+    weighs_jerk = any(each.energy_order() == jerk for each in objectives)
+    if weighs_jerk or any(jerk in orders for orders in rows):
+        return jerk
+    return acceleration if (acceleration,) in rows else jerk
+
+
 def without_highest_caps(problem: Problem) -> Problem | None:
     """The problem without the caps of the highest capped derivative; None if no lower has one."""
     caps = highest_caps(problem)

@@ -130,6 +130,7 @@ def round_knots(x: Array) -> Array:
 def merge_knots(
     coarse: Array, wanted: Array, needed: Sequence[float] = (), beside: Sequence[float] = (),
     softer: int = 0, end_steps: tuple[float, float] = (RAMP_STEP, RAMP_STEP),
+    ramp_step: float = RAMP_STEP,
 ) -> Array:  # fmt: skip
     """Breaks through every wanted point, and the coarse ones that keep their distance.
 
@@ -141,7 +142,7 @@ def merge_knots(
     Args:
         coarse: breaks from 0 to 1. wanted: further ones; of those too close the first is taken.
         needed, beside: still others, which come before the wanted ones and have no ramps.
-        softer, end_steps: intervals of every ramp, and their length in those at the two ends.
+        softer, ramp_step: intervals of every ramp, and their length. end_steps: that at both ends.
     """
     kept, ramped = [0.0, 1.0], list[float]()
     first_ones = (*np.sort(needed), *round_knots(np.sort(beside)))
@@ -159,7 +160,7 @@ def merge_knots(
     if softer <= 0:
         return result
     # a ramp about each wanted point in its place, and ramps at the ends
-    around = np.array(ramped)[:, None] + RAMP_STEP * (np.arange(softer + 1) - 0.5 * softer)
+    around = np.array(ramped)[:, None] + ramp_step * (np.arange(softer + 1) - 0.5 * softer)
     first, last = (step * np.arange(softer + 1) for step in end_steps)
     ramps = np.concatenate([around.ravel(), first, 1.0 - last])
     inside = (result >= first[-1] + CLOSEST_KNOTS) & (result <= 1.0 - last[-1] - CLOSEST_KNOTS)

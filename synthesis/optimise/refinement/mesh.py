@@ -24,6 +24,7 @@ from synthesis.numerics.piecewise import Array, Piecewise
 from synthesis.optimise.dual_bound.bound import Bound
 from synthesis.optimise.dual_bound.dual_ascent import improve_multipliers
 from synthesis.optimise.problem.boundary import BoundaryState, boundary_states
+from synthesis.optimise.problem.derivative_caps import control_order
 from synthesis.optimise.problem.grid import (
     CLOSEST_KNOTS,
     RAMP_STEP,
@@ -45,10 +46,10 @@ POLISH_INTERVALS: Final = (48, 432)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
 48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
 POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4  # by the same square: over the root of a tolerance
-POLISH_ITERATIONS: Final = 6  # of moving knots to switches
+POLISH_ITERATIONS: Final = 8  # of moving knots to switches, and of making ramps shorter
+SHORTER: Final = 0.25  # from one length of the ramps to the next
 LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
-SMOOTHEST_CONTROL: Final = 3  # the jerk switches, also that of smoother laws, in ramps
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
 FEWEST_INTERVALS: Final = 5  # a law of fewer is left alone
 
@@ -218,20 +219,30 @@ def _with_best_multipliers(state: SolveState) -> SolveState:
 
 
 def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> SolveState:
-    """Move knots onto the switches of the law until these stay where they are."""
-    before: list[Array] = []
-    for number in range(len(state.stages) + 1, len(state.stages) + 1 + POLISH_ITERATIONS):
-        switches = _switches_of_laws(cam)
-        if not switches or _nearly_equal(switches, before, STAYS) or state.time_left <= 0.0:
+    """Move knots onto the switches of the law until these stay where they are.
+
+    Then the ramps of smoother laws are made shorter, as long as the cam gains by it.
+    """
+    order = control_order(state.problem)
+    has_ramps = any(law.space.degree > order for law in cam.laws)
+    before, ramp_step, shorten = list[Array](), RAMP_STEP, False
+    for _ in range(POLISH_ITERATIONS):
+        switches = _switches_of_laws(cam, order)
+        shorten = shorten or _nearly_equal(switches, before, STAYS)
+        if not switches or (shorten and not has_ramps) or state.time_left <= 0.0:
             break
-        grids = _through_switches(state.problem, switches, polish_intervals(state.tolerance))
+        ramp_step *= SHORTER if shorten else 1.0
+        intervals = polish_intervals(state.tolerance)
+        grids = _through_switches(state.problem, switches, intervals, ramp_step)
         state, before = replace(state, grids=grids), switches
-        state, latest = solve_once(state, number)
+        state, latest = solve_once(state, len(state.stages) + 1)
         if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
             break
-        if state.suffices or cam.value - latest.value <= LITTLE * state.tolerance * latest.value:
+        gained = cam.value - latest.value > LITTLE * state.tolerance * latest.value
+        if state.suffices or not (gained or (has_ramps and not shorten)):
             break  # what is left of the gap is the bound's
-        cam = latest
+        shorten = shorten or not gained
+        cam = latest if gained else cam
     return state
 
 
@@ -246,50 +257,55 @@ def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple
 
     Nothing where no law has a step.
     """
-    switches = _switches_of_laws(cam)
+    switches = _switches_of_laws(cam, control_order(problem))
     return _through_switches(problem, switches, intervals) if switches else ()
 
 
 def _through_switches(
-    problem: Problem, switches: Sequence[Array], intervals: int
+    problem: Problem, switches: Sequence[Array], intervals: int, ramp_step: float = RAMP_STEP
 ) -> tuple[Grid, ...]:
     equal = tuple(uniform_grid(segment, intervals) for segment in problem.free)
     states, _ = boundary_states(problem.segments, equal)
-    grids = list[Grid]()
+    grids, order = list[Grid](), control_order(problem)
     for segment, grid, state, x in zip(problem.free, equal, states, switches, strict=True):
         assert segment.free is not None
-        softer = max(segment.free.smoothness + 1 - SMOOTHEST_CONTROL, 0)
-        steps = _end_steps(segment.free, state, softer)
-        breaks = merge_knots(grid.space.breaks, x, segment.free.knots, (), softer, steps)
+        softer = max(segment.free.smoothness + 1 - order, 0)
+        steps = _end_steps(segment.free, state, softer, ramp_step)
+        breaks = merge_knots(grid.space.breaks, x, segment.free.knots, (), softer, steps, ramp_step)
         grids.append(grid_through(segment, breaks))
     return tuple(grids)
 
 
-def _end_steps(free: FreeLaw, state: BoundaryState, softer: int) -> tuple[float, float]:
+def _end_steps(
+    free: FreeLaw, state: BoundaryState, softer: int, ramp_step: float = RAMP_STEP
+) -> tuple[float, float]:
     """The lengths of a ramp's intervals at both ends of a law.
 
     A ramp from rest has equal coefficients, exactly. Where the law moves they are rounded, and
     that is divided by the third power of the ramp's length.
     """
     start, end = (
-        RAMP_STEP if len(end) > free.smoothness and not end[1:].any() else beside_step(softer)
+        ramp_step if len(end) > free.smoothness and not end[1:].any() else beside_step(softer)
         for end in (state.start, state.end)
     )
     return start, end
 
 
-def _switches_of_laws(cam: Candidate) -> list[Array]:
-    """The switches of every law; nothing where none has one."""
-    switches = [_switches(law.space.breaks, _control_means(law)) for law in cam.laws]
+def _switches_of_laws(cam: Candidate, order: int) -> list[Array]:
+    """The switches of every law's control, a derivative; nothing where none has one."""
+    switches = [_switches(law.space.breaks, _control_means(law, order)) for law in cam.laws]
     return switches if any(len(each) for each in switches) else []
 
 
-def _control_means(law: SplineLaw) -> Array:
-    """The mean over every interval of the derivative that switches; that of jerk is no spline's."""
+def _control_means(law: SplineLaw, order: int) -> Array:
+    """The mean over every interval of the derivative that switches.
+
+    Of a law that is smoother it does so in ramps.
+    """
     curve, breaks = law.curve(), law.space.breaks
-    if law.space.degree <= SMOOTHEST_CONTROL:
+    if law.space.degree <= order:
         return np.asarray(curve.poly[:, -1])  # but for a factor
-    return np.asarray(np.diff(curve(breaks, order=SMOOTHEST_CONTROL - 1)) / np.diff(breaks))
+    return np.asarray(np.diff(curve(breaks, order=order - 1)) / np.diff(breaks))
 
 
 def _nearly_equal(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:
