@@ -359,7 +359,7 @@ def test_words_that_are_no_numbers(client: httpx2.Client, word: str) -> None:
             "pointer": "/program/0/lift_mm",
             "value": word,
             "rule": "must be a finite number; JSON does not have this word",
-            "remedy": "Leave it out, or give a number.",
+            "remedy": "Give a number, or leave the field out where it may be missing.",
         }
     ]
 

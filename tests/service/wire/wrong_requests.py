@@ -566,4 +566,38 @@ REQUESTS: dict[str, WrongRequest] = {
     "a measured profile's points": wrong(
         "measured", {"/points_mm": Named("profile")}, "/profile", 'Write "points_mm" instead',
     ),
+    # What a second look at such answers found: fields of other kinds, nothing for a number, shares.
+    "the radius of a roller that there is not": wrong(
+        D, {"/follower/kind": "translating_flat_face"}, "/follower/roller_radius_mm",
+        'Remove it: "kind": "translating_flat_face" has no roller_radius_mm',
+        "translating_roller and oscillating_roller have it",
+    ),
+    "an offset of a follower that swings": wrong(
+        D, {"/follower": {"kind": "oscillating_roller", "roller_radius_mm": 16, "arm_mm": 100,
+                          "centre_distance_mm": 120, "offset_mm": 3}},
+        "/follower/offset_mm", 'Remove it: "kind": "oscillating_roller" has no offset_mm',
+        "translating_roller and translating_flat_face have it",
+    ),
+    "where a dwell starts": wrong(
+        D, {"/program/1": {"kind": "dwell", "start_deg": 120, "end_deg": 180}},
+        "/program/1/start_deg", 'Segments follow each other: write "angle_deg"', count=3,
+    ),
+    "no radius of a roller": wrong(
+        D, {"/follower/roller_radius_mm": None},
+        "/follower/roller_radius_mm", "Give a number. Radius",
+    ),
+    "no program": wrong(
+        D, {"/program": None}, "/program", "Write a list of objects", "rise, dwell",
+    ),
+    "a base radius that is to be found": wrong(
+        D, {"/base_radius_mm": "auto"}, "/base_radius_mm", "Leave it out, or give a number.",
+    ),
+    "a tolerance in per cent": wrong(D, {"/tolerance": "1%"}, "/tolerance", "Write 0.01 (1%), "),
+    "a tolerance that is called one in per cent": wrong(
+        D, {"/tolerance_percent": 1}, "/tolerance_percent", 'Write "tolerance": 0.01',
+    ),
+    "per cent of what has a unit": wrong(
+        D, {"/program/0/angle_deg": "33 %"},
+        "/program/0/angle_deg", "Give a number", "its unit is deg",
+    ),
 }  # fmt: skip
