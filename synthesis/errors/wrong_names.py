@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -295,8 +296,10 @@ def _other_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
     kinds = kinds_of(having)
     if not 0 < len(kinds) <= SEVERAL:
         return None
-    have = f"{' and '.join(kinds)} {'has' if len(kinds) == 1 else 'have'} it"
-    return Answer(f'Remove it: "kind": "{own}" has no {wrong.name}; {have}.')
+    other = f'"kind": {" or ".join(map(json.dumps, kinds))}'
+    return Answer(
+        f'Remove it: "kind": "{own}" has no {wrong.name}. Or write {other}, which has it.'
+    )
 
 
 def _only_kind(wrong: Wrong, members: Sequence[Schema]) -> str:

@@ -570,13 +570,25 @@ REQUESTS: dict[str, WrongRequest] = {
     "the radius of a roller that there is not": wrong(
         D, {"/follower/kind": "translating_flat_face"}, "/follower/roller_radius_mm",
         'Remove it: "kind": "translating_flat_face" has no roller_radius_mm',
-        "translating_roller and oscillating_roller have it",
+        'Or write "kind": "translating_roller" or "oscillating_roller", which has it.',
     ),
     "an offset of a follower that swings": wrong(
         D, {"/follower": {"kind": "oscillating_roller", "roller_radius_mm": 16, "arm_mm": 100,
                           "centre_distance_mm": 120, "offset_mm": 3}},
         "/follower/offset_mm", 'Remove it: "kind": "oscillating_roller" has no offset_mm',
-        "translating_roller and translating_flat_face have it",
+        '"translating_roller" or "translating_flat_face", which has it.',
+    ),
+    "an arm's length of a slide": wrong(
+        D, {"/follower/arm_mm": 100}, "/follower/arm_mm",
+        'Remove it: "kind": "translating_roller" has no arm_mm.', '"kind": "oscillating_roller"',
+    ),
+    "an inertia of a slide": wrong(
+        D, {"/load": {"kind": "slide", "moving_mass_kg": 1, "moment_of_inertia_kg_m2": 0.1}},
+        "/load/moment_of_inertia_kg_m2", 'Or write "kind": "arm", which has it.',
+    ),
+    "a pressure angle in another limit": wrong(
+        D, {"/limits/0": {"kind": "jerk", "max_mm_per_s3": 1e6, "rise_deg": 30}},
+        "/limits/0/rise_deg", 'Or write "kind": "pressure_angle", which has it.',
     ),
     "where a dwell starts": wrong(
         D, {"/program/1": {"kind": "dwell", "start_deg": 120, "end_deg": 180}},
