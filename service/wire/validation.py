@@ -183,8 +183,10 @@ def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
 
 def _in_json(error: json.JSONDecodeError) -> str:
     """What JSON has in place of what stands where reading it ended."""
-    found = error.doc[error.pos : error.pos + LONGEST_WORD].lstrip()
-    if found[:1] in "}]" and not error.doc[: error.pos].rstrip().endswith(","):
+    at = error.pos
+    at += error.doc[at : at + 1] == ","  # from Python 3.13 on it ends at a comma too many
+    found = error.doc[at : at + LONGEST_WORD].lstrip()
+    if found[:1] in "}]" and not error.doc[:at].rstrip().endswith(","):
         return VALID
     return next((said for begin, said in OTHERWISE.items() if found.startswith(begin)), VALID)
 
