@@ -612,4 +612,8 @@ REQUESTS: dict[str, WrongRequest] = {
         D, {"/program/0/angle_deg": "33 %"},
         "/program/0/angle_deg", "Give a number", "its unit is deg",
     ),
+    "a stiffness in kN/mm": wrong(
+        "trains", {"/train/masses/0/stiffness_n_per_mm": "2 kN/mm"},
+        "/train/masses/0/stiffness_n_per_mm", "Write 2000 (2 kN/mm in N/mm)",
+    ),
 }  # fmt: skip
