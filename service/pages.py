@@ -8,6 +8,7 @@ source file, become plain text.
 from __future__ import annotations
 
 import asyncio
+import gzip
 import html
 import json
 import re
@@ -15,7 +16,7 @@ from functools import lru_cache
 from importlib.metadata import distribution
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import urlsplit
 
 from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
@@ -25,7 +26,7 @@ from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, Redirect
 from service.contract.documentation import OPENAPI_URL, TITLE
 from service.state import Parts
 from service.wire.access import COOKIE, SESSION, KeyRefused, key_of, refusal
-from service.wire.assets import Assets
+from service.wire.assets import Assets, compressed_response, takes_compressed
 from service.wire.conditional import not_modified, tag_of
 
 if TYPE_CHECKING:
@@ -116,24 +117,36 @@ async def show_redoc() -> Response:
 @router.get(OPENAPI_URL)
 async def show_contract(request: Request) -> Response:
     """The OpenAPI document."""
-    body, tag = await contract(request.app)
-    return not_modified(request, tag) or Response(
-        body, 200, {"ETag": f'"{tag}"'}, "application/json"
-    )
+    document = await contract(request.app)
+    known = not_modified(request, document.tag)
+    if known is not None:
+        return known
+    headers = {"ETag": f'"{document.tag}"', "content-type": "application/json"}
+    if takes_compressed(request.scope):
+        return compressed_response(document.compressed, headers)
+    return Response(document.plain, headers=headers)
 
 
-async def contract(app: FastAPI) -> tuple[bytes, str]:
-    """The OpenAPI document and its tag.
+class Contract(NamedTuple):
+    """The OpenAPI document in both forms, and its tag."""
+
+    plain: bytes
+    compressed: bytes
+    tag: str
+
+
+async def contract(app: FastAPI) -> Contract:
+    """The OpenAPI document.
 
     Made once; who asks meanwhile waits for the same task, which goes on when one of them leaves.
     """
     if not hasattr(app.state, "contract"):
         app.state.contract = asyncio.create_task(_make_contract(app))
-    made: tuple[bytes, str] = await asyncio.shield(app.state.contract)
+    made: Contract = await asyncio.shield(app.state.contract)
     return made
 
 
-async def _make_contract(app: FastAPI) -> tuple[bytes, str]:
+async def _make_contract(app: FastAPI) -> Contract:
     """In a thread, for it takes more than a second, and not beside the other one that builds
     schemas: each silences warnings for a while, and would end the other's silence.
     """
@@ -141,9 +154,9 @@ async def _make_contract(app: FastAPI) -> tuple[bytes, str]:
     return await asyncio.to_thread(_contract, app)
 
 
-def _contract(app: FastAPI) -> tuple[bytes, str]:
+def _contract(app: FastAPI) -> Contract:
     text = json.dumps(app.openapi(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.encode(), tag_of(text)
+    return Contract(text.encode(), gzip.compress(text.encode(), mtime=0), tag_of(text))
 
 
 @router.get("/guide")

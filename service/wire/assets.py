@@ -1,4 +1,4 @@
-"""Files of the pages, the same for everybody: compressed once, and not sent to who has them."""
+"""What is the same for everybody: compressed once, and not sent to who has it."""
 
 from __future__ import annotations
 
@@ -35,13 +35,23 @@ class Assets(StaticFiles):
         if known is not None:
             return known
         text = answer.headers["content-type"].startswith(("text/", "image/svg+xml"))
-        if not text or "gzip" not in Headers(scope=scope).get("accept-encoding", ""):
+        if not text or not takes_compressed(scope):
             return answer
         kept = {name: answer.headers[name] for name in KEPT_HEADERS}
         body = await anyio.to_thread.run_sync(_compressed, str(answer.path), kept["etag"])
-        return Response(
-            body, headers={**kept, "content-encoding": "gzip", "vary": "Accept-Encoding"}
-        )
+        return compressed_response(body, kept)
+
+
+def takes_compressed(scope: Scope) -> bool:
+    """Whether the caller of a request takes compressed bytes."""
+    return "gzip" in Headers(scope=scope).get("accept-encoding", "")
+
+
+def compressed_response(body: bytes, headers: dict[str, str]) -> Response:
+    """An answer whose bytes are compressed already: no middleware does it again."""
+    return Response(
+        body, headers={**headers, "content-encoding": "gzip", "vary": "Accept-Encoding"}
+    )
 
 
 @lru_cache(maxsize=KEPT)

@@ -18,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 
 from service.wire.errors import ProblemType, ServiceError
 from synthesis.errors.schema import all_names
-from synthesis.errors.values import LEAVE_OUT
+from synthesis.errors.values import GIVE_A_NUMBER
 from synthesis.errors.violations import (
     MAX_LISTED,
     describe_errors,
@@ -171,7 +171,7 @@ def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
     except ValueError as error:
         raise ProblemType.NOT_JSON("The body holds a number of thousands of digits.") from error
     if constants:
-        rule, remedy = "must be a finite number; JSON does not have this word", LEAVE_OUT
+        rule, remedy = "must be a finite number; JSON does not have this word", GIVE_A_NUMBER
         wrong = (
             {"pointer": pointer_to(path[1:]), **violation(str(value), rule, remedy)}
             for path, value in _walk(document)
@@ -183,8 +183,10 @@ def _decode(body: bytes, known: frozenset[str] | None) -> tuple[Any, int]:
 
 def _in_json(error: json.JSONDecodeError) -> str:
     """What JSON has in place of what stands where reading it ended."""
-    found = error.doc[error.pos : error.pos + LONGEST_WORD].lstrip()
-    if found[:1] in "}]" and not error.doc[: error.pos].rstrip().endswith(","):
+    at = error.pos
+    at += error.doc[at : at + 1] == ","  # from Python 3.13 on it ends at a comma too many
+    found = error.doc[at : at + LONGEST_WORD].lstrip()
+    if found[:1] in "}]" and not error.doc[:at].rstrip().endswith(","):
         return VALID
     return next((said for begin, said in OTHERWISE.items() if found.startswith(begin)), VALID)
 

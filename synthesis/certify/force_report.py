@@ -199,14 +199,27 @@ class _LoadedCam:
         ends = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]])))
         contact = self.cam.machine.follower.flanks[0].name
         for first, stop in zip(ends[::2], ends[1::2], strict=True):
-            at = theta[first:stop]
-            contact_force = self._history(at % FULL_TURN).contact[contact]
-            worst = int(np.argmin(contact_force))
+            lowest, where = self._lowest(theta[first:stop], contact)
             yield FloatArc(
                 start_deg=self._zero(theta, force, first) / DEGREE % 360.0,
                 end_deg=self._zero(theta, force, stop) / DEGREE % 360.0,
-                lowest_n=float(contact_force[worst]), angle_deg=float(at[worst] / DEGREE) % 360.0,
+                lowest_n=lowest, angle_deg=where / DEGREE % 360.0,
             )  # fmt: skip
+
+    def _lowest(self, theta: Array, flank: str) -> tuple[float, float]:
+        """Lowest contact force [N] on neighbouring samples and beside the lowest of them, where."""
+
+        def contact(theta: Array, _: object = None) -> Array:
+            force = self._history(theta.ravel() % FULL_TURN).contact[flank]
+            return np.asarray(-force).reshape(theta.shape)
+
+        forces = contact(theta)
+        worst = int(np.argmax(forces))
+        most, where = float(forces[worst]), float(theta[worst])
+        beside = theta[max(worst - 1, 0) : worst + 2]  # breaks are samples: no jump between them
+        if len(beside) > 1:
+            most, where = max((most, where), maximise_between(contact, beside[:-1], beside[1:]))
+        return -most, where
 
     def _flank_changes(self) -> list[float]:
         """Cam angles at which the drive changes its sign, and the follower its flank [deg]."""

@@ -30,4 +30,6 @@ def worst(warnings: Sequence[DesignWarning]) -> Severity:
 
 def labelled_status(status: str, severity: Severity) -> str:
     """A status as it is shown: never without the word ``stop`` where there is one."""
-    return f"{status}, but STOP" if severity == "stop" else status
+    if severity != "stop":
+        return status
+    return f"{status}, {'but' if status in ('optimal', 'feasible') else 'and'} STOP"

@@ -83,14 +83,14 @@ class Cancelled(CamwrightError):
 
 EXTRAS = {
     "cad": 380,
-    "cvxpy": 65,
+    "cvxpy": 70,
     "dxf": 56,
     "exact": 26,
     "pandas": 85,
     "parquet": 170,
-    "plots": 95,
+    "plots": 100,
     "postgres": 13,
-    "traces": 13,
+    "traces": 12,
 }
 """What may be installed besides, by the names in pyproject.toml, and its size on disk [MB].
 

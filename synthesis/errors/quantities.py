@@ -37,6 +37,7 @@ NUMBER = re.compile(
     r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)(?:/(\d+))?", re.I,
 )  # fmt: skip
 SIGNS = {"hz": "Hz", "n": "N", "kn": "kN", "pa": "Pa", "mpa": "MPa", "gpa": "GPa", "nm": "N m"}
+PURE = "part of one"  # what a field without a unit is measured in, as a tolerance
 Unit = tuple[str, float]  # dimension, and factor to the unit of that dimension
 
 
@@ -136,7 +137,7 @@ def in_field(value: float, unit: str, field_unit: str) -> float | None:
     """A value in a field's unit, rounded as the caller's was; '' stands for the field's own."""
     if not unit or _unit_key(unit) == _unit_key(field_unit):
         return value
-    changed = change(value, unit, field_unit)
+    changed = change(value, unit, field_unit or PURE)
     if changed is None:
         return None
     digits = FEWER

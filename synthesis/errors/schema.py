@@ -83,6 +83,12 @@ def fields_at(body: Any, path: Path, model: Body) -> dict[str, Schema]:
     return fields
 
 
+def is_required(body: Any, path: Path, model: Body) -> bool:
+    """Whether the field at ``path`` has to be there."""
+    around = [each for each in schemas_at(body, path[:-1], model) if "properties" in each]
+    return bool(around) and all(path[-1] in each.get("required", ()) for each in around)
+
+
 def _members(schema: Schema, at: Any, whole: Schema) -> Iterator[Schema]:
     """The schema itself, or the members of a union that the value may be meant as.
 

@@ -12,7 +12,11 @@ from synthesis.errors.quantities import field_unit, figure, in_field, pretty, re
 from synthesis.errors.schema import Path, Schema, kinds_of, value_at
 
 LONGEST_VALUE = 200  # characters of a wrong value that are sent back
+GIVE_A_NUMBER = "Give a number, or leave the field out where it may be missing."
 LEAVE_OUT = "Leave it out, or give a number."
+# What people write for a value that they do not give.
+NOTHING = frozenset({"", "-", "?", "any", "auto", "automatic", "default", "free", "n/a", "none",
+                     "null", "optimal", "tbd"})  # fmt: skip
 OBJECTS = ("model_type", "model_attributes_type", "dict_type", "dataclass_type")
 NUMBERS = ("float_type", "float_parsing", "int_type", "int_parsing", "int_from_float",
            "int_parsing_size")  # fmt: skip
@@ -95,7 +99,9 @@ def _meaning(schemas: Sequence[Schema]) -> str:
     return next((str(each["description"]) for each in schemas if each.get("description")), "")
 
 
-def not_a_number(kind: str, value: Any, path: Path, schemas: Sequence[Schema]) -> str:
+def not_a_number(
+    kind: str, value: Any, path: Path, schemas: Sequence[Schema], required: bool
+) -> str:
     """What to write instead of something that is not a number, or not a whole one."""
     field, whole = str(path[-1]) if path else "", kind.startswith("int")
     number = as_number(value, field)
@@ -106,11 +112,13 @@ def not_a_number(kind: str, value: Any, path: Path, schemas: Sequence[Schema]) -
         bare = ["without quotes"] if in_json else []
         if not text[-1:].isdigit() or text[:1] in "Øø⌀":
             bare.append("without a unit")
-        why = "" if _says(value) == number else f" ({text} in {pretty(field_unit(field)[1])})"
+        unit = pretty(field_unit(field)[1])
+        why = "" if _says(value) == number else f" ({text}{f' in {unit}' if unit else ''})"
         return f"Write {figure(number)}{why}{', ' if bare else ''}{' and '.join(bare)}."
     if number is not None:
         return f"Write {figure(number)}, by itself."
-    if value is None:
+    nothing = value is None or str(value).strip().casefold() in NOTHING
+    if nothing and not required:
         return LEAVE_OUT
     ranges = any("min" in each.get("properties", {}) for each in schemas)
     if ranges and isinstance(value, list) and len(value) == 2:
@@ -198,7 +206,9 @@ def is_entry(value: Any, items: Sequence[Schema]) -> bool:
     return isinstance(value, dict) and not named and not known.isdisjoint(value)
 
 
-def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -> str:
+def not_a_list(
+    value: Any, schemas: Sequence[Schema], items: Sequence[Schema], required: bool
+) -> str:
     """What to write where a list belongs."""
     kinds = kinds_of(items)
     if is_entry(value, items):
@@ -211,7 +221,7 @@ def not_a_list(value: Any, schemas: Sequence[Schema], items: Sequence[Schema]) -
     if isinstance(value, str) and kinds:
         kind = meant_kind(value, kinds)
         return f'Write [{{"kind": "{kind or kinds[0]}", …}}].'
-    if value is None:
+    if value is None and not required:
         return "Leave it out, or give a list."
     if kinds:
         return f'Write a list of objects: [{{"kind": …}}, …]. The kinds are {", ".join(kinds)}.'

@@ -15,10 +15,19 @@ from pydantic_core.core_schema import ErrorType
 
 from synthesis.errors.names import meant_kind
 from synthesis.errors.places import PLACES
-from synthesis.errors.schema import Body, Loc, Path, fields_at, kinds_of, schemas_at, value_at
+from synthesis.errors.schema import (
+    Body,
+    Loc,
+    Path,
+    fields_at,
+    is_required,
+    kinds_of,
+    schemas_at,
+    value_at,
+)
 from synthesis.errors.values import (
     COMPARISONS,
-    LEAVE_OUT,
+    GIVE_A_NUMBER,
     LISTS,
     NUMBERS,
     OBJECTS,
@@ -267,7 +276,7 @@ def _describe(error: Any, path: Loc, body: Any, model: Body) -> Finding:
     if kind == "union_tag_not_found":
         return _without_kind(path, body, model, str(ctx["discriminator"]).strip("'"))
     if kind == "finite_number":
-        return Finding(path, value, "must be a finite number", LEAVE_OUT)
+        return Finding(path, value, "must be a finite number", GIVE_A_NUMBER)
     if kind in ("too_long", "too_short"):
         most = kind == "too_long"
         bound = ctx["max_length" if most else "min_length"]
@@ -335,7 +344,7 @@ def _wrong_shape(error: Any, path: Loc, body: Any, model: Body) -> Finding:
     remedy = "Correct it; /docs shows the schema and worked examples."
     field: Any = path[-1] if path else ""
     if kind in NUMBERS:
-        remedy = not_a_number(kind, value, path, schemas)
+        remedy = not_a_number(kind, value, path, schemas, is_required(body, path, model))
         number = as_number(value, str(field))
         if number is not None and path and not kind.startswith("int"):
             change = Change(path, path, number)
@@ -348,7 +357,7 @@ def _wrong_shape(error: Any, path: Loc, body: Any, model: Body) -> Finding:
             change = Change(path, path, {"kind": word})
     elif kind in LISTS:
         items = schemas_at(body, [*path, 0], model)
-        remedy = not_a_list(value, schemas, items)
+        remedy = not_a_list(value, schemas, items, is_required(body, path, model))
         if is_entry(value, items):
             change = Change(path, path, [value])
     elif kind == "string_type":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -100,7 +101,7 @@ def answer_name(path: Loc, body: Any, model: Body) -> Answer:
         return Answer("Remove it.")
     rules: tuple[Callable[[Wrong, dict[str, Schema]], Answer | None], ...] = (
         _own_kind, _second_kind, _sentence, _in_place, _end_of_range, _envelope, _kind_beside,
-        _kind_below, _elsewhere,
+        _kind_below, _other_kind, _elsewhere,
     )  # fmt: skip
     found = (rule(wrong, fields) for rule in rules)
     return next((each for each in found if each is not None), None) or _misspelt(wrong, fields)
@@ -284,6 +285,21 @@ def _kind_below(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
             inner = f'{{"kind": "{kind}"{", …" if more else ""}}}'
             return Answer(f'Write it into "{field}": {f"[{inner}]" if entry else inner}{more}.')
     return None
+
+
+def _other_kind(wrong: Wrong, fields: Mapping[str, Schema]) -> Answer | None:
+    """A field of other kinds than the object's own, as an offset of a follower that swings."""
+    members, own = schemas_at({}, wrong.path[:-1], wrong.model), wrong.around.get("kind")
+    if own not in kinds_of(members) or own == "dwell":  # what a dwell lacks is told in its words
+        return None
+    having = [each for each in members if wrong.name in each.get("properties", {})]
+    kinds = kinds_of(having)
+    if not 0 < len(kinds) <= SEVERAL:
+        return None
+    other = f'"kind": {" or ".join(map(json.dumps, kinds))}'
+    return Answer(
+        f'Remove it: "kind": "{own}" has no {wrong.name}. Or write {other}, which has it.'
+    )
 
 
 def _only_kind(wrong: Wrong, members: Sequence[Schema]) -> str:

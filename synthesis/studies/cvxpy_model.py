@@ -38,7 +38,7 @@ from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Attempt, Goal, prepare
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
-INSTALL = "cvxpy_model needs CVXPY, which is not installed: pip install 'camwright[cvxpy]' (65 MB)."
+INSTALL = "cvxpy_model needs CVXPY, which is not installed: pip install 'camwright[cvxpy]' (70 MB)."
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,12 @@ import pytest
 from service.commands.examples import COMMANDS
 from service.contract.examples import FOLDERS, example_paths
 from synthesis.errors import EXTRAS, ExtraMissing
+from tests.architecture.sizes import sizes
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PLAIN, OWN = 635, 17  # MB: of others' packages, and of Camwright itself, in a plain installation
+NEAR = 0.15  # how far a size may be off: wheels of other machines, files that are not compiled
 SOURCES = [path for part in ("service", "synthesis") for path in (ROOT / part).rglob("*.py")]
 
 
@@ -28,6 +32,19 @@ def test_extras_have_one_size_everywhere() -> None:
     for name, size in re.findall(r"camwright\[(\w+)\]'(?:[^\n]* \((\d+) MB\))?", texts):
         assert name in EXTRAS
         assert size in ("", str(EXTRAS[name]))
+
+
+def test_sizes_are_those_of_the_packages() -> None:
+    try:
+        counted = sizes()
+    except PackageNotFoundError as error:
+        pytest.skip(f"{error} is not installed here")
+    told = {**EXTRAS, "": PLAIN}
+    assert told.keys() == counted.keys()
+    wrong = {name: counted[name] for name in told if abs(counted[name] / told[name] - 1.0) > NEAR}
+    assert wrong == {}
+    page = (ROOT / "docs" / "installation.md").read_text(encoding="utf-8")
+    assert f"the plain installation takes {PLAIN + OWN} MB" in page
 
 
 @pytest.mark.parametrize("extra", EXTRAS)

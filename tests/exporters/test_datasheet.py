@@ -134,6 +134,24 @@ def test_all_of_it_is_on_one_page_and_no_line_lies_on_another(design: Design, fu
         assert "Much was assumed" in words(root)
 
 
+@pytest.mark.parametrize("rpm", [70.0, 700.0, 7000.0, 70000.0])
+def test_no_number_and_no_unit_is_cut(rpm: float) -> None:
+    """Peaks of the jerk grow with the cube of the speed: 1e6 to 1e15 mm/s³ here."""
+    limit = {"kind": "jerk", "max_mm_per_s3": 5.12345e4 * rpm**2}
+    cut = [
+        str(each.text)
+        for each in texts(page(solved(PROGRAM, speed_rpm=rpm, load=None, limits=[limit])))
+        if str(each.text).endswith("…") and not str(each.text).startswith(("…", "note", "caution"))
+    ]
+    assert cut == []
+
+
+def test_a_name_that_is_too_long_for_a_title_is_written_smaller() -> None:
+    for name, kind in (("short", "title"), ("Station 14, transfer left, variant B, " * 2, "label")):
+        found = texts(page(solved(PROGRAM, name=name.strip(), load=None)))
+        assert [each.get("class") for each in found if each.text == name.strip()] == [kind]
+
+
 def test_a_stop_stands_beside_the_status(design: Design) -> None:
     stop = DesignWarning(
         code="x", severity="stop", field="limits", sentence="It breaks.", remedy="No.", source="B."
@@ -146,6 +164,8 @@ def test_a_stop_stands_beside_the_status(design: Design) -> None:
     broken = [each.model_copy(update={"holds": False}) for each in design.extremes]
     shown = words(page(warned.model_copy(update={"extremes": broken})))
     assert f"{design.status}, but STOP: this cam breaks" in shown
+    # nothing good comes before it
+    assert "infeasible, and STOP" in words(page(warned.model_copy(update={"status": "infeasible"})))
 
 
 def test_the_pdf_is_one_page_of_a4_with_texts_and_the_same_each_time(design: Design) -> None:

@@ -73,6 +73,31 @@ const headsOf = ({ paths, components, ...others }) => ({
 // The tag whose operations are shown from the beginning.
 const OPEN = "designs";
 
+/** What of it is drawn first: all else, which nobody sees yet, would make the first operations wait. */
+const beginning = ({ tags, paths, components: { schemas, ...others }, ...rest }) => ({
+  ...rest,
+  tags: tags?.filter(({ name }) => name === OPEN),
+  paths: Object.fromEntries(
+    Object.entries(paths).filter(([, path]) => Object.values(path).some(({ tags }) => tags?.includes(OPEN))),
+  ),
+  components: others,
+});
+
+// Milliseconds, some frames: the browser puts on the screen what is drawn while nothing else goes on.
+const PAUSE = 100;
+
+/** Do something some frames after what a selector names has been drawn. */
+const whenShown = (selector, action) =>
+  requestAnimationFrame(() =>
+    document.querySelector(selector) ? setTimeout(action, PAUSE) : whenShown(selector, action));
+
+// Asked for here, while the library is being read, so that the page is drawn once: by itself it would
+// ask after that, and draw itself without the contract meanwhile.
+const text = await fetch("/openapi.json").then((answer) => (answer.ok ? answer.text() : ""), () => "");
+const library = document.querySelector("script[defer]");
+if (!globalThis.SwaggerUIBundle) {
+  await new Promise((done) => ["load", "error"].forEach((end) => library.addEventListener(end, done)));
+}
 let contract;
 
 /** As a plugin. The contract is JSON: to read it as YAML, as it comes by default, takes longer. */
@@ -86,9 +111,18 @@ const Resolved = () => ({
   statePlugins: {
     spec: {
       wrapActions: {
+        download: (download, { specActions }) => (url) => {
+          if (!text) return download(url); // which says what is wrong
+          specActions.updateLoadingStatus("success");
+          return specActions.updateSpec(text);
+        },
         parseToJson: (_, { specActions }) => (text) => {
           contract = JSON.parse(text);
-          return specActions.updateJsonSpec(headsOf(contract));
+          const whole = headsOf(contract);
+          const first = beginning(whole);
+          if (Object.keys(first.paths).length === 0) return specActions.updateJsonSpec(whole);
+          whenShown(".opblock", () => specActions.updateJsonSpec(whole));
+          return specActions.updateJsonSpec(first);
         },
       },
     },

@@ -30,6 +30,7 @@ NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 PICTURE = "data:image/svg+xml;base64,"  # how the address of a drawing inside another begins
 TURNS = {"ccw": "counter-clockwise", "cw": "clockwise"}
 
+GROUPED = 1e9  # from here on a number has an exponent: nobody counts so many groups
 TITLE, LABEL, TICK = 4.4, 2.9, 2.6  # heights of letters, in u
 BOLD = 1.15  # how much wider bold letters are
 SIZES = {"title": TITLE, "label": LABEL, "quiet": LABEL, "tick": TICK, "alarm": LABEL}
@@ -72,7 +73,10 @@ def plain(text: str) -> str:
 def figure(value: float, digits: int = 4) -> str:
     """A number for people: so many significant digits, groups of three, a true minus sign."""
     rounded = float(f"{value:.{digits}g}") + 0.0
-    text = f"{rounded:,.12g}" if abs(rounded) >= 1e5 else f"{rounded:.12g}"
+    if abs(rounded) >= GROUPED:
+        text = f"{rounded:.{digits}g}"
+    else:
+        text = f"{rounded:,.12g}" if abs(rounded) >= 1e5 else f"{rounded:.12g}"
     text = EXPONENT.sub(r"e\1", text)
     return text.replace(",", "\u202f").replace("inf", "∞").replace("-", "−")
 

@@ -45,9 +45,9 @@ LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
 FOOT = HEIGHT - MARGIN
 # where the columns of tables begin, as shares of their widths
 FIGURES = (0.0, 0.53, 0.86)
-PEAKS = (0.0, 0.25, 0.32, 0.43, 0.52, 0.63, 0.71, 0.8)
+PEAKS = (0.0, 0.16, 0.23, 0.37, 0.45, 0.59, 0.67, 0.8)
 MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
-LIMITS = (0.0, 0.36, 0.52, 0.64, 0.78, 0.92)
+LIMITS = (0.0, 0.28, 0.47, 0.56, 0.74, 0.915)
 LAST = ("centre of gravity", "perimeter", "area", "centroid", "polar", SPOKEN["s0_mm"])  # figures
 LEAST_LIMITS = 3  # lines that coefficients leave to limits
 CERTIFICATE_LINES, ASSUMPTION_LINES, WARNING_LINES = 3, 2, 5  # at the foot, at most
@@ -107,7 +107,10 @@ def _sheet(design: Design, theme: Theme) -> bytes:
 
 def _head(design: Design) -> Iterator[str]:
     name = design.name.strip() or f"Cam for a {design.follower.replace('_', ' ')} follower"
-    yield svg.text("title", MARGIN, MARGIN + 4.0, svg.shorten(name, 0.72 * INNER, TITLE * svg.BOLD))
+    # a name that is too long for a title is written in smaller letters before it is cut
+    room, large = 0.8 * INNER, TITLE * svg.BOLD
+    kind, size = ("title", large) if svg.width_of(name, large) <= room else ("label", LABEL)
+    yield svg.text(kind, MARGIN, MARGIN + 4.0, svg.shorten(name, room, size))
     made = f"Camwright {design.engine_version}"
     yield svg.text("quiet", WIDTH - MARGIN, MARGIN + 4.0, made, "end")
     yield svg.text("quiet", MARGIN, MARGIN + 9.0, svg.shorten(about(design), INNER, LABEL))

@@ -13,9 +13,11 @@ from synthesis.design.design import Design
 from synthesis.design.warnings import worst
 from synthesis.pipeline.advice import (
     contact_force,
+    contact_pressure,
     gap_open,
     hub,
     jumps,
+    knife_edge,
     lift_to_base_radius,
     period_ratio,
     pressure_angle,
@@ -32,8 +34,10 @@ RULES: Final[tuple[Rule[Subject], ...]] = (
     unit_suspicion.RULE,
     contact_force.RULE,
     spring_solid.RULE,
+    contact_pressure.RULE,
     hub.RULE,
     sharp_nose.RULE,
+    knife_edge.RULE,
     jumps.RULE,
     rough_motion.RULE,
     pressure_angle.RULE,

@@ -10,9 +10,12 @@ from synthesis.catalogue.hub import HUB_RULE, hub_diameter, keyway_reach, shaft_
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
-SHEAR_MPA: Final = 40.0  # in a shaft with a keyway: 0.18 · 0.75 of 300 N/mm², of the ASME code
-# Rothbart gives a hub of cast iron a number, and of one of steel says "slightly less": read as this
-# share. Steel: from 7500 kg/m³ on, between cast iron (7300 at most) and steel (7800 at least).
+# In a shaft with a keyway by the ASME code: 0.75 of the lesser of 0.18 · 300 N/mm², the strength of
+# a mild steel, and 0.3 of its yield point, which is above 180 N/mm².
+SHEAR_MPA: Final = 40.0
+# Rothbart gives a hub of cast iron a number, and of one of steel says "slightly less": this share,
+# as MITCalc has 1.6 to 1.8 shaft diameters of steel against 1.8 to 2 of cast iron. Steel: from
+# 7500 kg/m³ on, between cast iron (7300 at most) and steel (7800 at least).
 STEEL, STEEL_DENSITY = 0.9, 7500.0
 THIN, THINNER = 0.2, 0.1  # shaft that the base circle leaves room for, over stroke
 
@@ -96,14 +99,17 @@ RULE = Rule(
     "than a tenth.",
     reason="The cam has to be fixed on a shaft, and a key needs material round it.",
     source="Cam Design Handbook (Rothbart, ed., 2004), section 6.4.4, eq. 6.21: hub of cast iron, "
-    "of steel slightly less; ASME code of shafts, in the words of Engineers Edge: shear of 18 % "
-    "of the ultimate strength, 25 % less with a keyway; DIN 6885-1, as Siemens and Berger print "
+    "of steel slightly less; MITCalc, shaft connections: keyed hubs of steel 1.6 to 1.8 shaft "
+    "diameters, of grey cast iron 1.8 to 2; ASME code of shafts, in the words of Engineers Edge: "
+    "shear of 30 % of the yield point, but not over 18 % of the ultimate strength, 25 % less with "
+    "a keyway; DIN 6885-1, as Siemens and Berger print "
     "it: depths of keyways.",
-    checked="The page of 6.4.4 opened, and that of Engineers Edge: at 300 N/mm², a mild steel, "
-    "0.18 · 0.75 · 300 is 40.5 N/mm². The code itself was not. Of DIN 6885-1 its table as two "
-    "catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard parts, "
-    "bores up to 44 mm): every width and depth is the same. A fifth and a tenth of the stroke, "
-    'and nine tenths for "slightly less", are this program\'s, for want of a rule.',
+    checked="The page of 6.4.4 opened, and those of MITCalc and Engineers Edge: at 300 N/mm², a "
+    "mild steel, 0.18 · 0.75 · 300 is 40.5 N/mm². The code itself was not. Of DIN 6885-1 its table "
+    "as two catalogues print it (Siemens MD 31.1, 2016, bores above 38 mm; Berger's standard "
+    "parts, bores up to 44 mm): every width and depth is the same. Nine tenths for "
+    '"slightly less" is the quotient of MITCalc\'s ratios (0.89 to 0.9). A fifth and a tenth of '
+    "the stroke are this program's, for want of a rule.",
     silenced_by="a shaft, a hub, or a base radius that is given or has a least value (all but a "
     "shaft too thin for the load, and a bore whose keyway has no wall)",
     find=_find,

@@ -121,6 +121,17 @@ FIRST: Mapping[str, tuple[str, str, Spec]] = {
             follower={"kind": "oscillating_roller", "roller_radius_mm": 15.0, "arm_mm": 85.0,
                       "centre_distance_mm": 120.0}),
     ),
+    "a pressure that dents bearings": (
+        "contact_pressure", "stop",
+        cam(70.0, shaft_diameter_mm=40.0,
+            load={**slide(2.0, 50.0, 20000.0), "contact": {"width_mm": 0.5}}),
+    ),
+    "a contact wider than the cam": (
+        "contact_pressure", "caution",
+        cam(70.0, load={**slide(2.0, 5.0, 500.0), "contact": {"width_mm": 15.0}},
+            body={"thickness_mm": 12.0, "bore_mm": 20.0}),
+    ),
+    "a knife edge": ("knife_edge", "caution", cam(70.0, 0.0)),
     "a train that is too soft": (
         "period_ratio", "note",
         cam(70.0, limits=[{"kind": "residual_vibration", "natural_frequency_hz": 8.0,

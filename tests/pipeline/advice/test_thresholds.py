@@ -158,6 +158,15 @@ def floating(reserve: float) -> Spec:
     return cam(70.0, speed_rpm=300.0, load=slide(2.0, 0.0, 2.0 * peak * reserve**2))
 
 
+def pressed(pressure: float, **contact: Any) -> Spec:
+    """All but a circle of 70 mm under a roller of 10 mm, pressed so hard [MPa]; steel, by Hertz."""
+    line, elastic = 5.0, 206e3 / (1.0 - 0.3**2)  # mm, MPa
+    force = pressure**2 * pi * line * (2.0 / elastic) / (1.0 / 70.0 + 1.0 / 10.0)
+    load = {**slide(0.0, 0.0, force), "contact": {"width_mm": line, **contact}}
+    return cam(70.0, load=load, shaft_diameter_mm=40.0, program=program(0.001, 160.0))
+
+
+CERAMIC = {"elastic_modulus_mpa": 310e3, "poisson_ratio": 0.3}
 EDGES: list[tuple[str, Spec, str | None]] = [
     ("jumps", harmonic(0.97), "note"), ("jumps", harmonic(0.99), "caution"),
     ("jumps", line(0.0099), "note"), ("jumps", line(0.0101), "caution"),
@@ -165,6 +174,15 @@ EDGES: list[tuple[str, Spec, str | None]] = [
     ("spring_solid", solid(0.999), "stop"), ("spring_solid", solid(1.001), "caution"),
     ("spring_solid", solid(1.099), "caution"), ("spring_solid", solid(1.101), "note"),
     ("spring_solid", solid(1.149), "note"), ("spring_solid", solid(1.151), None),
+    ("contact_pressure", pressed(1499.0), None),
+    ("contact_pressure", pressed(1501.0), "note"), ("contact_pressure", pressed(3999.0), "note"),
+    ("contact_pressure", pressed(4001.0), "stop"),
+    ("contact_pressure", pressed(4500.0, cam=CERAMIC), "stop"),
+    ("contact_pressure", pressed(4500.0, cam=CERAMIC, follower=CERAMIC), None),
+    ("contact_pressure", pressed(500.0) | {"body": {"thickness_mm": 4.99}}, "caution"),
+    ("contact_pressure", pressed(500.0) | {"body": {"thickness_mm": 5.0}}, None),
+    ("knife_edge", cam(70.0, 0.001), None), ("knife_edge", cam(70.0, 0.0), "caution"),
+    ("knife_edge", faced(20.0, 140.0, 20.0), None),
     ("period_ratio", ringing(2.99), "note"), ("period_ratio", ringing(3.01), None),
     ("roller_speed", rolling(0.99e5), None), ("roller_speed", rolling(1.01e5), "note"),
     ("roller_speed", rolling(2.49e5), "note"), ("roller_speed", rolling(2.51e5), "caution"),

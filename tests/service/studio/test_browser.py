@@ -77,6 +77,32 @@ def test_swagger_sends_a_worked_example_and_downloads_a_file(
     )
 
 
+def test_swagger_asks_for_the_contract_once_and_follows_a_link_to_any_operation(
+    closed: Closed, real_service: Running
+) -> None:
+    page, asked = closed.page, []
+    page.on("request", lambda request: asked.append(request.url))
+    # its tag is none of those that are drawn first
+    page.goto(f"{real_service.url}/docs#/files/get_profile_csv")
+    operation = page.locator("#operations-files-get_profile_csv")
+    expect(operation.locator("button.execute")).to_be_visible()
+    expect(page.locator("#operations-designs-create_design")).to_be_visible()
+    assert asked.count(f"{real_service.url}/openapi.json") == 1
+    # what comes after the first operations comes below them
+    tags = page.locator(".opblock-tag").evaluate_all("each => each.map(tag => tag.dataset.tag)")
+    assert tags[0] == "designs"
+    assert tags == [tag["name"] for tag in document()["tags"]]
+
+
+def test_swagger_says_that_the_contract_is_not_to_be_had(
+    closed: Closed, real_service: Running
+) -> None:
+    page = closed.page
+    page.route("**/openapi.json", lambda route: route.fulfill(status=503, body="no"))
+    page.goto(f"{real_service.url}/docs")
+    expect(page.locator("body")).to_contain_text("Failed to load API definition")
+
+
 def test_redoc_shows_the_reference(closed: Closed, real_service: Running, tmp_path: Path) -> None:
     page = closed.page
     page.route("**/openapi.json", lambda route: route.fulfill(json=document("/v1/designs")))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import zlib
 from pathlib import Path
 
 import httpx2
@@ -11,6 +12,8 @@ import pytest
 from service.wire import assets
 
 SCRIPT = "/assets/docs/docs.js"
+STYLE = "/assets/swagger/swagger-ui.css"
+CONTRACT = "/openapi.json"
 
 
 def test_who_has_a_file_compressed_or_plain_is_not_sent_it_again(client: httpx2.Client) -> None:
@@ -32,12 +35,16 @@ def test_who_has_a_file_compressed_or_plain_is_not_sent_it_again(client: httpx2.
     assert (head.status_code, head.content) == (200, b"")
 
 
-def test_it_is_compressed_once(client: httpx2.Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = "/assets/swagger/swagger-ui.css"
+@pytest.mark.parametrize("path", [STYLE, CONTRACT])
+def test_it_is_compressed_once(
+    path: str, client: httpx2.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
     first = client.get(path, headers={"Accept-Encoding": "gzip"})
     monkeypatch.setattr(gzip, "compress", None)  # to compress anything would fail
+    monkeypatch.setattr(zlib, "compressobj", None)  # by which the middleware does it
     again = client.get(path, headers={"Accept-Encoding": "gzip"})
     assert (again.status_code, again.content) == (200, first.content)
+    assert again.headers["content-encoding"] == "gzip"
 
 
 def test_it_is_made_anew_when_the_file_has_changed(tmp_path: Path) -> None:

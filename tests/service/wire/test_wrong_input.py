@@ -9,6 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
+from service.wire import validation
 from synthesis.errors.violations import describe_errors
 from tests.service.specs import spec
 
@@ -359,7 +360,7 @@ def test_words_that_are_no_numbers(client: httpx2.Client, word: str) -> None:
             "pointer": "/program/0/lift_mm",
             "value": word,
             "rule": "must be a finite number; JSON does not have this word",
-            "remedy": "Leave it out, or give a number.",
+            "remedy": "Give a number, or leave the field out where it may be missing.",
         }
     ]
 
@@ -409,6 +410,17 @@ def test_what_is_not_json(client: httpx2.Client, content: bytes, words: str) -> 
     problem = post(client, content)
     assert problem["status"] == 400
     assert words in problem["detail"]
+
+
+@pytest.mark.parametrize("text", ['{"a": [1 , ]}', '{"a": 1,\n}'])
+def test_a_comma_too_many_is_told_wherever_reading_ends(text: str) -> None:
+    """Before Python 3.13 at the bracket behind it, since then at the comma itself."""
+    bracket = max(text.find("]"), 0) or text.index("}")
+    for end in (text.index(","), bracket):
+        error = json.JSONDecodeError("Illegal trailing comma", text, end)
+        assert validation._in_json(error) == "Leave out the comma before it."
+    none = json.JSONDecodeError("Expecting value", '{"a": , 1}', 6)
+    assert validation._in_json(none) == "Send valid JSON."
 
 
 @pytest.mark.parametrize("content", [b"[]", b"3", b"null", b'"text"'])

@@ -566,4 +566,54 @@ REQUESTS: dict[str, WrongRequest] = {
     "a measured profile's points": wrong(
         "measured", {"/points_mm": Named("profile")}, "/profile", 'Write "points_mm" instead',
     ),
+    # What a second look at such answers found: fields of other kinds, nothing for a number, shares.
+    "the radius of a roller that there is not": wrong(
+        D, {"/follower/kind": "translating_flat_face"}, "/follower/roller_radius_mm",
+        'Remove it: "kind": "translating_flat_face" has no roller_radius_mm',
+        'Or write "kind": "translating_roller" or "oscillating_roller", which has it.',
+    ),
+    "an offset of a follower that swings": wrong(
+        D, {"/follower": {"kind": "oscillating_roller", "roller_radius_mm": 16, "arm_mm": 100,
+                          "centre_distance_mm": 120, "offset_mm": 3}},
+        "/follower/offset_mm", 'Remove it: "kind": "oscillating_roller" has no offset_mm',
+        '"translating_roller" or "translating_flat_face", which has it.',
+    ),
+    "an arm's length of a slide": wrong(
+        D, {"/follower/arm_mm": 100}, "/follower/arm_mm",
+        'Remove it: "kind": "translating_roller" has no arm_mm.', '"kind": "oscillating_roller"',
+    ),
+    "an inertia of a slide": wrong(
+        D, {"/load": {"kind": "slide", "moving_mass_kg": 1, "moment_of_inertia_kg_m2": 0.1}},
+        "/load/moment_of_inertia_kg_m2", 'Or write "kind": "arm", which has it.',
+    ),
+    "a pressure angle in another limit": wrong(
+        D, {"/limits/0": {"kind": "jerk", "max_mm_per_s3": 1e6, "rise_deg": 30}},
+        "/limits/0/rise_deg", 'Or write "kind": "pressure_angle", which has it.',
+    ),
+    "where a dwell starts": wrong(
+        D, {"/program/1": {"kind": "dwell", "start_deg": 120, "end_deg": 180}},
+        "/program/1/start_deg", 'Segments follow each other: write "angle_deg"', count=3,
+    ),
+    "no radius of a roller": wrong(
+        D, {"/follower/roller_radius_mm": None},
+        "/follower/roller_radius_mm", "Give a number. Radius",
+    ),
+    "no program": wrong(
+        D, {"/program": None}, "/program", "Write a list of objects", "rise, dwell",
+    ),
+    "a base radius that is to be found": wrong(
+        D, {"/base_radius_mm": "auto"}, "/base_radius_mm", "Leave it out, or give a number.",
+    ),
+    "a tolerance in per cent": wrong(D, {"/tolerance": "1%"}, "/tolerance", "Write 0.01 (1%), "),
+    "a tolerance that is called one in per cent": wrong(
+        D, {"/tolerance_percent": 1}, "/tolerance_percent", 'Write "tolerance": 0.01',
+    ),
+    "per cent of what has a unit": wrong(
+        D, {"/program/0/angle_deg": "33 %"},
+        "/program/0/angle_deg", "Give a number", "its unit is deg",
+    ),
+    "a stiffness in kN/mm": wrong(
+        "trains", {"/train/masses/0/stiffness_n_per_mm": "2 kN/mm"},
+        "/train/masses/0/stiffness_n_per_mm", "Write 2000 (2 kN/mm in N/mm)",
+    ),
 }  # fmt: skip
