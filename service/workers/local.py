@@ -261,7 +261,7 @@ def reason_of(code: int) -> str:
 
 
 def serve(
-    sockets: socket.socket, cancelled: Connection, prepare: Callable[[], None], memory: int
+    tasks: socket.socket, cancelled: Connection, prepare: Callable[[], None], memory: int
 ) -> None:
     """Run tasks from a socket until it ends, in so much memory [bytes]; see ``_listen``."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, but the service stops it
@@ -274,7 +274,7 @@ def serve(
         log.exception("warm-up failed")
     limit_memory(memory)
     reply = b""  # it is ready
-    with contextlib.suppress(OSError), sockets.makefile("rwb") as stream:  # the service has ended
+    with contextlib.suppress(OSError), tasks.makefile("rwb") as stream:  # the service has ended
         while True:
             _send(stream, reply)
             if len(head := stream.read(LENGTH.size)) < LENGTH.size:
