@@ -14,6 +14,7 @@ import httpx2
 import pytest
 from sqlalchemy.exc import OperationalError
 
+from service.resources import jobs as jobs_module
 from service.resources.records import DESIGNS
 from service.storage.store import Store
 from service.storage.tables import LOCAL, AnswerRow
@@ -160,6 +161,20 @@ def test_what_is_answered_already_is_sent_and_is_not_begun_again(
         assert (await one.ask(spec, "bob")).etag == kept.etag
         assert one.engine.begun == 1
         assert {owner for owner, _ in holders(tmp_path)} == {"ada", "bob"}
+
+    asyncio.run(story())
+
+
+def test_so_many_answered_questions_are_remembered(
+    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(jobs_module, "MOST_NOTED", 2)
+
+    async def story() -> None:
+        one, asked = Service(tmp_path, store, at_once), [question() for _ in range(3)]
+        for each in asked:
+            await one.answer(each, None)
+        assert list(one.designs._answered) == [DESIGNS.id_of(each) for each in asked[1:]]
 
     asyncio.run(story())
 
