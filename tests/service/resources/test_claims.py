@@ -19,6 +19,7 @@ from service.resources.records import DESIGNS
 from service.storage.store import Store
 from service.storage.tables import LOCAL, AnswerRow
 from service.wire.errors import ServiceError
+from synthesis.errors import InputError
 from tests.service.conftest import Running, wait_until_idle
 from tests.service.fake_core import LOG, Gate
 from tests.service.killing import answering, free_port, service
@@ -28,6 +29,7 @@ from tests.service.resources.test_durable_questions import (  # fixtures too
     at_once,
     forever,
     question,
+    raising,
     soon,
     store,
 )
@@ -91,6 +93,22 @@ def test_work_begins_before_the_claim_is_kept_and_its_answer_is_kept_after_it(
         row = await asked
         assert (row.state, one.engine.begun) == ("done", 1)
         assert holders(tmp_path) == [(LOCAL, row.id)]
+
+    asyncio.run(story())
+
+
+def test_a_failure_is_told_and_charged_after_the_claim(tmp_path: Path, store: Store) -> None:
+    async def story() -> None:
+        wrong = InputError("/lift", 1, "is too much", "Take less.")
+        one = Late(tmp_path, store, raising(wrong))
+        asked = asyncio.create_task(one.ask(question()))
+        await begun(one.engine)
+        one.let.set()
+        with pytest.raises(InputError):
+            await asked
+        assert one.engine.begun == 1
+        with closing(sqlite3.connect(tmp_path / "designs.db")) as database:
+            assert database.execute("select owner from usage").fetchall() == [(LOCAL,)]
 
     asyncio.run(story())
 
@@ -312,3 +330,20 @@ def test_two_callers_with_one_idempotency_key_share_the_work(
     assert first.content == second.content
     other = {**body, "speed_rpm": 99.0}
     assert service.client.post("/v1/designs", json=other, headers=key).status_code == 422
+
+
+def test_what_is_kept_is_sent_where_new_work_is_refused(service: Running, tmp_path: Path) -> None:
+    gate, client, kept = Gate(tmp_path / "gate"), service.client, spec("kept")
+    wait_until_idle(client)
+    first = client.post("/v1/designs", json=kept)
+    try:
+        for name in gate.names(6):  # two at work and four that wait
+            headers = {"Prefer": "respond-async"}
+            accepted = client.post("/v1/designs", json=spec(name), headers=headers)
+            assert accepted.status_code == 202
+        assert client.post("/v1/designs", json=spec("one too many")).status_code == 429
+        again = client.post("/v1/designs", json=kept)
+        assert (again.status_code, again.content) == (200, first.content)
+    finally:
+        gate.open()
+        wait_until_idle(client)
