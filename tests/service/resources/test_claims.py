@@ -18,6 +18,7 @@ from service.resources import jobs as jobs_module
 from service.resources.records import DESIGNS
 from service.storage.store import Store
 from service.storage.tables import LOCAL, AnswerRow
+from service.wire.access import Quotas
 from service.wire.errors import ServiceError
 from synthesis.errors import InputError
 from tests.service.conftest import Running, wait_until_idle
@@ -347,3 +348,14 @@ def test_what_is_kept_is_sent_where_new_work_is_refused(service: Running, tmp_pa
     finally:
         gate.open()
         wait_until_idle(client)
+
+
+def test_what_is_kept_is_sent_though_a_quota_is_used_up(service: Running) -> None:
+    key = service.new_key("used up", quotas=Quotas(core_seconds_per_day=1e-9))
+    headers, kept = {"Authorization": f"Bearer {key}"}, spec("kept")
+    first = service.client.post("/v1/designs", json=kept, headers=headers)
+    assert first.status_code == 200
+    new = service.client.post("/v1/designs", json=spec("new"), headers=headers)
+    assert new.status_code == 429
+    again = service.client.post("/v1/designs", json=kept, headers=headers)
+    assert (again.status_code, again.content) == (200, first.content)
