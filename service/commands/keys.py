@@ -13,7 +13,8 @@ KEYS = """Keys to a service: made, listed, rotated and revoked where its databas
 
 A service that others reach asks for a key, and opens with it what its owner has asked. The database
 is that of CAMWRIGHT_DATABASE_URL or --database-url, as of `camwright serve`; the service may be
-running meanwhile.
+running meanwhile. What is made, rotated or revoked is told by a line of the audit log on standard
+error.
 
   camwright keys create "Ada's laptop" --owner ada --days 365
   camwright keys list
@@ -84,6 +85,7 @@ def create(
     row, text = _do(
         database_url, lambda keys: keys.create(name, owner, days, operator=operator, quotas=quotas)
     )
+    _audit("create", made=row.id, owner=row.owner)
     _show(row, text)
 
 
@@ -109,6 +111,7 @@ def revoke(id: Id, database_url: Database = None) -> None:
     """Refuse a key from now on: a running service notices within a second."""
     if not _do(database_url, lambda keys: keys.revoke(id)):
         stop(f"There is no key {id} that is not revoked: see camwright keys list.")
+    _audit("revoke", key=id)
     complain(f"Key {id} is revoked. What its owner has stays, for his other keys.")
 
 
@@ -130,6 +133,7 @@ def rotate(
         row, text = _do(database_url, lambda keys: keys.rotate(id, overlap_days, days))
     except LookupError:
         stop(f"There is no valid key {id}: see camwright keys list.")
+    _audit("rotate", key=id, made=row.id, owner=row.owner)
     complain(f"Key {id} stays valid for {overlap_days:g} days.")
     _show(row, text)
 
@@ -138,6 +142,27 @@ def _show(row: Any, text: str) -> None:
     until = "without end" if row.expires is None else f"until {row.expires:%Y-%m-%d %H:%M} UTC"
     complain(f"Key {row.id} of {row.owner}, {row.name!r}, {until}. It is shown this once:")
     say(text)
+
+
+def _audit(action: str, **fields: str) -> None:
+    """A line of the audit log, as the service writes them: what became of which key, and by whom.
+
+    ``user`` is the account on this machine: who may write to the database needs no key.
+    """
+    import getpass
+    import logging
+    import os
+
+    from service.wire.access import audit
+    from service.wire.logs import configure_logs
+
+    try:
+        user = getpass.getuser()
+    except (ImportError, KeyError, OSError):  # the account has no name, as in some containers
+        user = str(os.getuid())
+    configure_logs("warning")
+    audit.setLevel(logging.INFO)
+    audit.info("audit", extra={"fields": {"action": f"{action} key", **fields, "user": user}})
 
 
 def _do(database_url: str | None, work: Callable[[Any], Coroutine[Any, Any, T]]) -> T:

@@ -32,6 +32,7 @@ from service.workers.tasks import Answer
 from synthesis.design.identity import ENGINE_NUMBER
 
 log = logging.getLogger("camwright.questions")
+MOST_NOTED = 10_000  # answered questions that are known without the store: some 2 MB
 
 
 class Attempt:
@@ -39,7 +40,8 @@ class Attempt:
 
     ``keeping``: its answer, or why there is none, is being kept. ``failed``: there is none, and who
     asks again begins another attempt.
-    ``budget_s`` is the time that the core may take for it.
+    ``budget_s`` is the time that the core may take for it. ``claimed``: the store has who holds the
+    answer; before that nothing of it is kept.
     """
 
     sequence: int
@@ -48,6 +50,8 @@ class Attempt:
 
     def __init__(self, budget_s: float) -> None:
         self.budget_s, self._began = budget_s, time.monotonic()
+        self.claimed = asyncio.Event()
+        self.claimed.set()
 
     @property
     def seconds(self) -> float:
@@ -85,6 +89,7 @@ class Jobs:
         self.answers = Answers(resource.path, store, resource.elsewhere)
         self._metrics, self._settings, self._accepted = metrics, settings, accepted
         self._attempts: dict[str, Attempt] = {}
+        self._answered: dict[str, None] = {}  # ids of questions that were answered, of late
 
     async def find(self, id: str, owner: str | None, *, with_body: bool = True) -> AnswerRow:
         """The answer with this id, by this engine, if the owner holds it (None: in any case).
@@ -149,6 +154,45 @@ class Jobs:
         """
         with contextlib.nullcontext() if id in self._attempts else self.engine.queue.room(id):
             yield
+
+    async def claim(self, id: str, spec: Any, owner: str, at_once: bool) -> AnswerRow | None:
+        """Let an owner hold the answer to a question that he has asked; the answer, if any.
+
+        Args:
+            at_once: there is a worker for it: the work begins before the store has looked whether
+                there is an answer. Most are new. If there is one, if another process works on it,
+                or if the store fails, that work is dropped, and nobody has heard of it.
+        """
+        if not at_once or id in self._attempts or id in self._answered:
+            return self._note(await self.answers.claim(id, owner))
+        ahead = self._attempt(id, spec, current_owner.get() or owner)
+        ahead.claimed.clear()
+        try:
+            for _ in range(2):  # it begins, and sends its task to the worker
+                await asyncio.sleep(0)
+            row = await self.answers.claim(id, owner)
+        except BaseException:
+            ahead.task.cancel()
+            raise
+        if self._is_open(row):
+            ahead.claimed.set()
+        else:
+            ahead.task.cancel()
+        return self._note(row)
+
+    def _is_open(self, row: AnswerRow | None) -> bool:
+        """Whether it is for this process to work on what a claim has found."""
+        if row is not None and row.state == "accepted":
+            return row.id in self._accepted.runners  # else another one has its lease, or will have
+        return row is None or row.state != "done"
+
+    def _note(self, row: AnswerRow | None) -> AnswerRow | None:
+        """Note that a question is answered: who asks it again waits for the store's answer."""
+        if row is not None and row.state == "done":
+            if len(self._answered) >= MOST_NOTED:
+                del self._answered[next(iter(self._answered))]
+            self._answered[row.id] = None
+        return row
 
     async def answer(self, spec: Any, known: AnswerRow | None, owner: str) -> AnswerRow:
         """Work on a question, or wait for whoever does: its answer, or that it failed.
@@ -253,14 +297,18 @@ class Jobs:
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
+            await attempt.claimed.wait()
             attempt.keeping = attempt.failed = True
             await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
         row.status, row.summary, row.body = answer.status, dict(answer.summary), answer.body
         row.etag = hashlib.sha256(answer.body).hexdigest()[:32]
+        await attempt.claimed.wait()
         attempt.keeping = True
         accepted = id in self._accepted.runners
-        return await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
+        kept = await retry_transaction(lambda: self.answers.finish(row, accepted, answer.seconds))
+        self._note(kept)
+        return kept
 
     async def _solve(self, row: AnswerRow, budget: float) -> Answer:
         """Have a worker answer; again, until it has killed too many of them."""

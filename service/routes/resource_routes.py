@@ -68,14 +68,15 @@ def _add_create(router: APIRouter, resource: Resource) -> None:
         id = resource.id_of(spec)
         # What is kept is sent to its holder even where new work would be refused: it is looked for
         # first then. Otherwise claiming finds it too, in one transaction less.
-        row = None
-        if parts.caller.quotas.limited or not jobs.engine.queue.is_free:
+        row, is_async = None, "respond-async" in prefer.lower()
+        at_once = jobs.engine.queue.is_free and not parts.caller.quotas.limited
+        if not at_once:
             row = await jobs.answers.find(id, parts.owner)
         if row is None or row.state != "done":
             async with parts.quotas.room(parts.caller, id):
                 with jobs.room(id):  # who is refused by then holds nothing
-                    row = await jobs.answers.claim(id, parts.owner)
-                    if "respond-async" in prefer.lower() and (row is None or row.state != "done"):
+                    row = await jobs.claim(id, spec, parts.owner, at_once and not is_async)
+                    if is_async and (row is None or row.state != "done"):
                         accepted = await jobs.accept(spec)
                         # As this owner has asked.
                         accepted.created = row.created if row else accepted.created

@@ -1,8 +1,9 @@
-"""Worker processes of the service's own, each at one end of a pipe: none of them opens a port.
+"""Worker processes of the service's own, each at the end of a pair of sockets and of a pipe.
 
-A thread of the service sends a task and waits for its answer; the main thread of the worker runs
-it, and a second one there reads the pipe, for tasks and for what is to be cancelled. When the pipe
-ends the service has: so has the worker then. A worker that ends, for whatever reason, is replaced.
+None of them opens a port. The event loop sends a task by the sockets and waits for its answer; the
+main thread of the worker runs it. By the pipe the service says what is to be cancelled, which a
+second thread there reads. When the pipe ends the service has: so has the worker then. A worker that
+ends, for whatever reason, is replaced.
 """
 
 from __future__ import annotations
@@ -14,15 +15,17 @@ import multiprocessing
 import os
 import pickle
 import signal
+import socket
+import struct
 import sys
 import traceback
+from asyncio import StreamReader, StreamWriter
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from functools import partial
 from multiprocessing.connection import Connection, wait
-from queue import SimpleQueue
-from threading import Event, Lock, Thread
+from threading import Event, Thread
 from typing import Any, TypeVar
 
 import cloudpickle
@@ -37,7 +40,7 @@ log = logging.getLogger("camwright.engine")
 T = TypeVar("T")
 RETRY = {"Retry-After": "2"}  # [s]: by then a lost worker has been replaced
 ANEW_S = 1.0  # after a worker that ended before it was ready
-TASK, CANCEL = b"+", b"-"  # what messages to a worker begin with
+LENGTH = struct.Struct("!Q")  # of a message, which stands before it [bytes]
 UNKNOWN = 255  # what multiprocessing says where nobody saw how a process ended
 
 
@@ -47,8 +50,11 @@ class Worker:
     ``ended`` tells how it ended, in words; "" where that has nothing to do with its task.
     """
 
-    def __init__(self, process: Any, connection: Connection) -> None:
-        self.process, self._connection, self._sending = process, connection, Lock()
+    def __init__(
+        self, process: Any, answers: StreamReader, tasks: StreamWriter, cancelled: Connection
+    ) -> None:
+        self.process, self._cancelled = process, cancelled
+        self._answers, self._tasks = answers, tasks
         self.ended: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self.reason: str | None = None  # why it was killed
 
@@ -59,28 +65,29 @@ class Worker:
         with contextlib.suppress(ProcessLookupError):
             os.kill(self.process.pid, signal.SIGKILL if prefork.FORKED else signal.SIGTERM)
 
-    def send(self, message: bytes) -> bool:
-        """Send it a message; whether it was there."""
-        with self._sending:
-            try:
-                self._connection.send_bytes(message)
-            except OSError:
-                return False
-        return True
+    def cancel(self, key: str) -> None:
+        """Ask it to end a task."""
+        with contextlib.suppress(OSError):  # it has ended
+            self._cancelled.send_bytes(key.encode())
 
-    def exchange(self, message: bytes) -> bytes | None:
-        """In a thread: send a task and wait for the answer; None where it ended before it began."""
-        if not self.send(TASK + message):
-            return None
+    async def exchange(self, message: bytes) -> bytes | None:
+        """Send a task and wait for the answer; None where it ended before it began."""
         try:
-            self.receive()  # it has begun
+            self._tasks.writelines([LENGTH.pack(len(message)), message])
+            await self.receive()  # it has begun
         except (EOFError, OSError):
             return None
-        return self.receive()
+        return await self.receive()
 
-    def receive(self) -> bytes:
-        """In a thread: wait for what it says. EOFError or OSError where it ends before."""
-        return self._connection.recv_bytes()
+    async def receive(self) -> bytes:
+        """Wait for what it says. EOFError or OSError where it ends before."""
+        (length,) = LENGTH.unpack(await self._answers.readexactly(LENGTH.size))
+        return await self._answers.readexactly(length)
+
+    def close(self) -> None:
+        """Close what leads to it: it has ended."""
+        self._tasks.close()
+        self._cancelled.close()
 
 
 class LocalWorkers:
@@ -97,21 +104,21 @@ class LocalWorkers:
         self._idle: asyncio.LifoQueue[Worker] = asyncio.LifoQueue()
         self._busy: dict[str, Worker] = {}
         self.all_ready = asyncio.Event()
-        # A thread waits for each worker to end, another for what it answers. One alone starts them
-        # and reads how they ended: multiprocessing looks at all its children at each start.
-        self._threads = ThreadPoolExecutor(2 * slots, "workers")
+        # A thread waits for each worker to end. One alone starts them and reads how they ended:
+        # multiprocessing looks at all its children at each start.
+        self._threads = ThreadPoolExecutor(slots, "workers")
         self._starting = ThreadPoolExecutor(1, "starting")
         self._memory = memory or share_of_memory(slots)
 
     async def run(self, key: str, work: Callable[..., T], *arguments: Any) -> T:
-        message, loop = dumps((key, partial(work, *arguments))), asyncio.get_running_loop()
+        message = dumps((key, partial(work, *arguments)))
         while True:
             worker = await self._idle.get()
             if worker.ended.done():
                 continue
             self._busy[key] = worker
             try:
-                reply = await loop.run_in_executor(self._threads, worker.exchange, message)
+                reply = await worker.exchange(message)
             except (OSError, EOFError):
                 reply, reason = None, await worker.ended
                 if reason:
@@ -137,7 +144,7 @@ class LocalWorkers:
         for key in keys:
             worker = self._busy.get(key)
             if worker is not None:
-                worker.send(CANCEL + key.encode())
+                worker.cancel(key)
 
     async def stop(self, key: str) -> None:
         worker = self._busy.get(key)
@@ -174,23 +181,30 @@ class LocalWorkers:
                 if code == UNKNOWN:  # the process that forks has died, and this one may live
                     worker.kill()
                 reason = needed_more(self._memory) if code == SPENT else reason_of(code)
+                worker.close()
                 worker.ended.set_result(reason if worker.reason is None else worker.reason)
 
     async def _start_worker(self) -> Worker:
-        ours, theirs = multiprocessing.Pipe()
+        tasks, its_tasks = socket.socketpair()
+        its_cancelled, cancelled = multiprocessing.Pipe(duplex=False)
         process = self._method.Process(
-            target=serve, args=(theirs, self._prepare, self._memory), daemon=True
+            target=serve, args=(its_tasks, its_cancelled, self._prepare, self._memory), daemon=True
         )
-        loop = asyncio.get_running_loop()
-        await asyncio.shield(loop.run_in_executor(self._starting, process.start))
-        theirs.close()
-        return Worker(process, ours)
+        starting = asyncio.get_running_loop().run_in_executor(self._starting, process.start)
+        starting.add_done_callback(lambda _: its_tasks.close())
+        starting.add_done_callback(lambda _: its_cancelled.close())
+        try:
+            await asyncio.shield(starting)
+        except BaseException:
+            tasks.close()
+            cancelled.close()
+            raise
+        return Worker(process, *await asyncio.open_connection(sock=tasks), cancelled)
 
     async def _answers(self, worker: Worker) -> bool:
         """Whether a new worker becomes ready for work."""
-        loop = asyncio.get_running_loop()
         try:
-            await loop.run_in_executor(self._threads, worker.receive)
+            await worker.receive()
         except (OSError, EOFError):
             log.error("a worker ended before it was ready")
             await asyncio.sleep(ANEW_S)
@@ -246,52 +260,55 @@ def reason_of(code: int) -> str:
 # -- in the worker process ---------------------------------------------------------------------
 
 
-def serve(connection: Connection, prepare: Callable[[], None], memory: int) -> None:
-    """Run tasks from a pipe until it ends, in so much memory [bytes]."""
+def serve(
+    tasks: socket.socket, cancelled: Connection, prepare: Callable[[], None], memory: int
+) -> None:
+    """Run tasks from a socket until it ends, in so much memory [bytes]; see ``_listen``."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, but the service stops it
     configure_logs("warning")
-    tasks: SimpleQueue[tuple[str, Any]] = SimpleQueue()
     events: dict[str, Event] = {}
-    Thread(target=_listen, args=(connection, tasks, events), daemon=True).start()
+    Thread(target=_listen, args=(cancelled, events), daemon=True).start()
     try:
         prepare()
     except Exception:  # the worker itself works; the first design will show what is wrong
         log.exception("warm-up failed")
     limit_memory(memory)
     reply = b""  # it is ready
-    with contextlib.suppress(OSError):  # the service has ended
+    with contextlib.suppress(OSError), tasks.makefile("rwb") as stream:  # the service has ended
         while True:
-            connection.send_bytes(reply)
-            key, work = tasks.get()
-            reply = _reply(key, work, events)
-            del work
+            _send(stream, reply)
+            if len(head := stream.read(LENGTH.size)) < LENGTH.size:
+                break
+            message = stream.read(*LENGTH.unpack(head))
+            _send(stream, b"")  # it begins
+            reply = _reply(message, events)
 
 
-def _listen(connection: Connection, tasks: SimpleQueue[Any], events: dict[str, Event]) -> None:
-    """Put tasks into a queue and cancel them; at the end of the pipe the process ends."""
+def _send(stream: Any, message: bytes) -> None:
+    stream.write(LENGTH.pack(len(message)))
+    stream.write(message)
+    stream.flush()
+
+
+def _listen(cancelled: Connection, events: dict[str, Event]) -> None:
+    """Cancel tasks, also one that is about to begin; at the end of the pipe the process ends."""
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            events.setdefault(cancelled.recv_bytes().decode(), Event()).set()
+    os._exit(0)
+
+
+def _reply(message: bytes, events: dict[str, Event]) -> bytes:
     try:
-        while True:
-            message = connection.recv_bytes()
-            if message[:1] == TASK:
-                connection.send_bytes(b"")  # it begins; the main thread has nothing to send now
-                key, work = pickle.loads(message[1:])
-                events[key] = Event()
-                tasks.put((key, work))
-            elif (event := events.get(message[1:].decode())) is not None:
-                event.set()
-    except (EOFError, OSError):
-        os._exit(0)
+        key, work = pickle.loads(message)
     except BaseException:  # a task that cannot be read: it is lost with its worker
         traceback.print_exc(file=sys.stderr)
         os._exit(1)
-
-
-def _reply(key: str, work: Callable[[], Any], events: dict[str, Event]) -> bytes:
     try:
-        with clock.cancellation_scope(events[key]):
+        with clock.cancellation_scope(events.setdefault(key, Event())):
             return reply_of(work)
     finally:
-        del events[key]
+        events.clear()  # what was cancelled too late too: tasks come one at a time
 
 
 def reply_of(work: Callable[[], Any]) -> bytes:

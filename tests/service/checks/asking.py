@@ -24,6 +24,7 @@ from tests.service.sweeps.test_sweeps import sweep_of
 ENDED = ("successful", "failed", "dismissed")
 AGAIN = (413, 429, 503)  # 413: the service stood still while it read the body
 SHOWN = 5  # of each kind of fault, as examples
+WAITING = 0.3  # share of the designs whose answer is waited for
 SINGLE_S = (0.05, 0.6)  # that the fake core takes for a design
 
 
@@ -96,19 +97,25 @@ class Asking:
             time.sleep(0.2)
 
     def post_designs(self, count: int, until_s: float) -> None:
-        """So many, evenly over this time, each with an Idempotency-Key."""
+        """So many, evenly over this time, each with an Idempotency-Key; some wait for the answer.
+
+        Who waits has no acknowledgement until he has the answer: he asks until he has one.
+        """
         for _ in range(count):
             body, key = self.work.design(self._draw), uuid.uuid4().hex
-            answer = self._post(body, key)
+            answer = self._post(body, key, waits=self._draw.random() < WAITING)
             if answer.status_code not in (200, 202):
                 self.seen.wrong.append(f"POST /v1/designs: {answer.text[:300]}")
                 continue
             where = answer.headers.get("location") or answer.headers["content-location"]
             self.seen.designs[where], self.seen.keys[where] = body, key
-            time.sleep(until_s / count)
+            if answer.status_code == 200:
+                self.seen.answers[where] = answer.content
+            else:
+                time.sleep(until_s / count)
 
-    def _post(self, body: dict[str, Any], key: str) -> httpx2.Response:
-        headers = {"Prefer": "respond-async", "Idempotency-Key": key}
+    def _post(self, body: dict[str, Any], key: str, waits: bool = False) -> httpx2.Response:
+        headers = {"Idempotency-Key": key, **({} if waits else {"Prefer": "respond-async"})}
         return self.ask("POST", "/v1/designs", json=body, headers=headers)
 
     def post_sweeps(self, count: int, items: int) -> None:

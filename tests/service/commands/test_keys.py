@@ -35,10 +35,13 @@ def caller_of(folder: Path, text: str) -> str:
 
 def test_keys_are_made_listed_rotated_and_revoked(tmp_path: Path) -> None:
     database = ["--database-url", f"sqlite:///{tmp_path}/designs.db"]
+    audited: list[dict[str, str]] = []
 
     def keys(*words: str, code: int = 0) -> tuple[str, str]:
         run = runner.invoke(cli.app, ["keys", *words, *database])
         assert run.exit_code == code, run.output
+        lines = [line for line in run.stderr.splitlines() if line.startswith("{")]
+        audited.extend(json.loads(line) for line in lines)
         return run.stdout.strip(), run.stderr
 
     made, said = keys("create", "Ada's laptop", "--owner", "ada", "--days", "90",
@@ -60,6 +63,15 @@ def test_keys_are_made_listed_rotated_and_revoked(tmp_path: Path) -> None:
     for command in ("revoke", "rotate"):
         assert "camwright keys list" in keys(command, id, code=2)[1]
     assert "1 to 64" in keys("create", "x", "--owner", " ", code=2)[1]
+    newer = next(line[:8] for line in listed.splitlines() if not line.startswith(id))
+    told = [{name: line.get(name) for name in ("action", "made", "key")} for line in audited]
+    assert told == [
+        {"action": "create key", "made": id, "key": None},
+        {"action": "rotate key", "made": newer, "key": id},
+        {"action": "revoke key", "made": None, "key": id},
+    ]  # what was refused is not among them
+    assert all(line["logger"] == "camwright.audit" and line["user"] for line in audited)
+    assert not any(each in json.dumps(audited) for each in (made, second))
 
 
 def test_commands_and_clients_bring_their_key_along(

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import gc
 import os
+import pickle
 import signal
 import sys
+import threading
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -16,7 +18,7 @@ import pytest
 
 from benchmarks import processes
 from service.wire.errors import ProblemType, ServiceError
-from service.workers import memory
+from service.workers import local, memory
 from service.workers.local import LocalWorkers, local_workers
 from service.workers.memory import MIB, share_of_memory
 from service.workers.prefork import ENVIRONMENT, start_fork_server
@@ -105,6 +107,16 @@ def test_a_worker_that_died_idle_costs_nothing() -> None:
         assert "in reply_of" in raised.value.__notes__[0]
 
     with_one_worker(story)
+
+
+def test_what_is_cancelled_before_it_begins_does_not_run_on() -> None:
+    """The pipe that says so may be quicker than the one with the task."""
+    early = threading.Event()
+    early.set()
+    events = {"a": early}
+    succeeded, error = pickle.loads(local._reply(local.dumps(("a", clock.now)), events))
+    assert (succeeded, type(error), events) == (False, Cancelled, {})
+    assert pickle.loads(local._reply(local.dumps(("a", os.getpid)), events)) == (True, os.getpid())
 
 
 def test_a_worker_killed_at_work_is_told_and_replaced(tmp_path: Path) -> None:
