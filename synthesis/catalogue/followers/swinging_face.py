@@ -37,11 +37,9 @@ FAR = 1e6  # rad: stands for an infinite bound of an angle
 WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
 ROUNDING = 1e-12  # of the lengths in a half-plane: a thousand times what its terms are rounded by
 SLOWEST_TURN = 1e-3  # of the normal's: how fast the cam turns at least on a law that is proposed
-RAMP_PARTS, ARC_PARTS, GROWTH = (
-    4,
-    24,
-    2.0,
-)  # intervals of a ramp and of an arc; from one to the next
+RAMP_PARTS = 4  # intervals of a ramp
+ARC_PARTS_AT_UNIT_RAMP = 1.1  # of an arc, over the root of a ramp's share: each costs as much
+GROWTH = 2.0  # from one interval beside a ramp to the next
 SAMPLES = 8  # in each: h is integrated between them as if h'' were straight
 CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
 
@@ -263,9 +261,10 @@ def _breaks_along(turn: float, ramp: float) -> Array:
     """
     ramps = np.linspace(0.0, ramp, RAMP_PARTS + 1)
     widths = GROWTH ** np.arange(1, math.floor(math.log(turn / ramp, GROWTH)) + 1) * ramps[1]
-    beside = np.cumsum(widths[widths < turn / ARC_PARTS])
+    parts = math.ceil(ARC_PARTS_AT_UNIT_RAMP / math.sqrt(ramp / turn))
+    beside = np.cumsum(widths[widths < turn / parts])
     first, last = 2.0 * ramp, turn - ramp
-    inner = np.linspace(first + beside[-1], last - beside[-1], ARC_PARTS + 1)
+    inner = np.linspace(first + beside[-1], last - beside[-1], parts + 1)
     ends = first + beside[:-1], last - beside[-2::-1]
     return np.concatenate([ramps, ramp + ramps[1:], ends[0], inner, ends[1], last + ramps])
 

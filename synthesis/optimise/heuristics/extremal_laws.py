@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from scipy.interpolate import BSpline
 
-from synthesis.catalogue.constraints import ExtremalMove, Vector
+from synthesis.catalogue.constraints import ExtremalMove, Vector, enlarged
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.bspline import SplineSpace
 from synthesis.optimise.conic.linear_rows import row_excess
@@ -22,14 +22,20 @@ from synthesis.optimise.problem.boundary import BoundaryState, boundary_states
 from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import Grid, SplineLaw, grid_through
 from synthesis.optimise.problem.problem import Problem, with_smoothness
-from synthesis.optimise.recovery.candidate import ALLOWED, Candidate, recover_cam
+from synthesis.optimise.recovery.candidate import (
+    ALLOWED,
+    Candidate,
+    cam_at_size,
+    enlarge_until_feasible,
+    recover_cam,
+)
 from synthesis.optimise.relaxation.any_law import EVERY_LAW, ROUNDING, least_size
 from synthesis.optimise.state import SolveState, Stage
 
 RAMPS = (0.4, 0.2, 0.1, 0.05)  # of the tolerance, in turn: a size loses about as much by one
 LEAST_RAMP = 1.6e-4  # of a move: with four intervals they are as long as those of any other ramp
 DOUBLINGS, HALVINGS = 12, 8  # of what a size is larger by than the least: farther out, then back
-SPARES = (0.0, 3e-4, 1e-3, 3e-3)  # of the size: what splines may break between their knots, in turn
+SPARES = (0.0, 3e-4, 1e-3, 3e-3, 1e-2)  # of the size: what splines may break between knots, in turn
 OTHERS = (0.0, 0.2, 0.3, 0.5, 0.8)  # of what the last variable is larger by: what the others are
 SMOOTHNESS = 2  # of these laws at least
 BISECTIONS = 40  # of the share of a size that a cone leaves
@@ -59,7 +65,7 @@ def try_extremal_laws(state: SolveState) -> SolveState:
         for spare in SPARES:
             size = _larger(problem, least, direction, amount + spare * norm.value(least))
             moves = _moves(problem, size, ramp)
-            cam = _cam(problem, size, moves) if moves else None
+            cam = _cam(problem, size, moves, state.tighten) if moves else None
             better = known.with_incumbent(cam) if cam and _keeps_rows(problem, cam) else known
             if better is not known:
                 known = better
@@ -125,8 +131,13 @@ def _moves(problem: Problem, size: Vector, ramp: float) -> list[ExtremalMove]:
     return moves
 
 
-def _cam(problem: Problem, size: Vector, moves: list[ExtremalMove]) -> Candidate:
-    """The cam of moves at a size."""
+def _cam(
+    problem: Problem, size: Vector, moves: list[ExtremalMove], tighten: float
+) -> Candidate | None:
+    """The cam of moves at a size, raised until all limits hold; None where none allowed does.
+
+    ``tighten``: relative, what it is larger by for the sake of the certificate's enclosures.
+    """
     grids = tuple(
         # in steps, as of a law of class C1, the acceleration would follow it badly
         grid_through(with_smoothness(segment, SMOOTHNESS), move.breaks)
@@ -134,7 +145,13 @@ def _cam(problem: Problem, size: Vector, moves: list[ExtremalMove]) -> Candidate
     )
     states, _ = boundary_states(problem.segments, grids)
     every = zip(problem.free, moves, grids, states, strict=True)
-    return recover_cam(problem, [_law(*each) for each in every], size, keep_hint=True)
+    cam = recover_cam(problem, [_law(*each) for each in every], size, keep_hint=True)
+    found = enlarge_until_feasible(cam)
+    if found is None:
+        return None
+    more = tighten * problem.machine.follower.radius_norm().value(found.size)
+    larger = enlarged(found.size, min(more, problem.max_enlargement(found.size)))
+    return cam_at_size(found.problem, found.laws, larger)
 
 
 def _keeps_rows(problem: Problem, cam: Candidate) -> bool:
