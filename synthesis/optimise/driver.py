@@ -5,7 +5,7 @@ The relaxation of a node is a cone program over splines, and its dual bound hold
 laws, not only over these splines. A convex problem is one whose root is solved to the tolerance;
 nothing else distinguishes it.
 
-    presolve    closed forms for given laws; a base circle that cannot be large enough
+    presolve    closed forms for given laws, and of extremal laws; a base circle that is too small
     select      the leaf with the least lower bound
     process     propagate, relax, separate, solve and bound (``root_node``: on one mesh, then again
                 on a finer one; ``branching``: on a part of the domain); heuristics
