@@ -89,6 +89,18 @@ class PointInequalities:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class ExtremalMove:
+    """A move by its acceleration s'' [length/rad²] at x, from 0 to 1 over its angle: (m,) each.
+
+    ``breaks``: (n,) places of x between which it is nearly straight.
+    """
+
+    breaks: Array
+    x: Array
+    acceleration: Array
+
+
 @dataclass(frozen=True)
 class AffineNorm:
     """‖matrix · z + shift‖, Euclidean: how a radius of the cam depends on the size variables."""
@@ -272,6 +284,16 @@ class NonconvexConstraint(ABC):
         start, end: s and s', NaN where s' is not known. () where nothing is known of all laws.
         """
         return ()
+
+    def extremal_move(
+        self, angle: float, start: float, end: float, size: Vector, ramp: float
+    ) -> ExtremalMove | None:
+        """A move from rest to rest that such a half-plane leaves next to no room.
+
+        From s = start to end over an angle [rad], at a size. ``ramp``: what it takes to reach its
+        speed, of the angle. None where none is known, or where it breaks the constraint.
+        """
+        return None
 
     def linear_relaxation(
         self, box: MotionSizeBox, about: tuple[Array, Vector] | None

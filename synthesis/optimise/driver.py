@@ -5,7 +5,7 @@ The relaxation of a node is a cone program over splines, and its dual bound hold
 laws, not only over these splines. A convex problem is one whose root is solved to the tolerance;
 nothing else distinguishes it.
 
-    presolve    closed forms for given laws; a base circle that cannot be large enough
+    presolve    closed forms for given laws, and of extremal laws; a base circle that is too small
     select      the leaf with the least lower bound
     process     propagate, relax, separate, solve and bound (``root_node``: on one mesh, then again
                 on a finer one; ``branching``: on a part of the domain); heuristics
@@ -30,6 +30,7 @@ from synthesis.optimise.branching.node import Node, Tree
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.dual_bound.bound import Bound, in_problem_units
+from synthesis.optimise.heuristics.extremal_laws import try_extremal_laws
 from synthesis.optimise.problem.derivative_caps import highest_caps
 from synthesis.optimise.problem.grid import Grid, grid_through
 from synthesis.optimise.problem.problem import Problem
@@ -42,7 +43,7 @@ from synthesis.optimise.recovery.candidate import (
     weighs_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.relaxation.any_law import least_size, size_conflict
+from synthesis.optimise.relaxation.any_law import EVERY_LAW, ROUNDING, least_size, size_conflict
 from synthesis.optimise.root_node import RootNode
 from synthesis.optimise.state import (
     DEFAULT_TIGHTENING,
@@ -57,8 +58,6 @@ from synthesis.optimise.strategy.idle_caps import for_problem
 from synthesis.optimise.strategy.pressure_angle_bisection import bisect_pressure_angle
 from synthesis.optimise.strategy.unmodelled_limits import unmodelled_limits
 
-ROUNDING = 1e-12
-"""Relative allowance for rounding in the value of a closed form."""
 LEVELS = 20
 """Trial levels of a fractional objective on one mesh."""
 LEVEL_STAYS = 1e-7
@@ -192,7 +191,9 @@ def _presolve(state: SolveState) -> tuple[SolveState, bool]:
     omitted = problem.omits_curved_rows
     if proof := problem.base_circle_conflict or (size_conflict(problem) if omitted else ""):
         return replace(state, infeasible=True, infeasibility_proof=proof), True
-    return _closed_form(_with_base_circle(state))
+    state, presolved = _closed_form(_with_base_circle(state))
+    state = state if presolved else try_extremal_laws(state)
+    return state, presolved or state.is_good_enough
 
 
 def _with_base_circle(state: SolveState) -> SolveState:
@@ -219,7 +220,7 @@ def _with_size_of_any_law(state: SolveState) -> SolveState:
         return state
     least = norm.value(size) * (1.0 - ROUNDING)
     state = replace(state, lower=-inf, covers_all_laws=True)
-    return state.raise_bound(least, "every motion law, whatever its derivatives")
+    return state.raise_bound(least, EVERY_LAW)
 
 
 def _with_least_size(state: SolveState) -> SolveState:

@@ -70,7 +70,7 @@ def infeasibility_proof(attempt: Attempt) -> str:
         lambda: size_conflict(problem),
         lambda: _cone_conflict(problem),
         lambda: _gentlest_law_conflict(attempt),
-        lambda: excess_proof(search.problem),
+        lambda: excess_proof(search.problem, search.deadline),
     )
     return next((proof for theorem in theorems if (proof := theorem())), "")
 
@@ -80,14 +80,16 @@ def gentlest_law(attempt: Attempt) -> PhaseOneResult | None:
     """The gentlest law under the linear rows of a question (phase 1), where its search made none.
 
     Searches with curved limits, and those for a least dimension, make none of their own. None
-    where one did, where no law is free, and where no derivative is capped.
+    where one did, where no law is free, and where no derivative is capped. What the time of the
+    question leaves unsettled stays so: a share that is not the least yet, a bound below 1.
     """
     search = attempt.searches[0]
     problem = search.problem
     known = search.strained or search.least_excess is not None or search.infeasibility_proof
     if not problem.free or known:
         return None
-    return minimise_excess(problem, [uniform_grid(s, INTERVALS) for s in problem.free], 0.0)
+    grids = [uniform_grid(segment, INTERVALS) for segment in problem.free]
+    return minimise_excess(problem, grids, 0.0, search.deadline)
 
 
 def _gentlest_law_conflict(attempt: Attempt) -> str:

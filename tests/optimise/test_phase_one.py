@@ -6,6 +6,7 @@ A/(1 − V/A − 1/V): it goes up to A, stays, down to 0 at V, and back alike.
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 import pytest
@@ -13,7 +14,12 @@ import pytest
 from synthesis.numerics.solvers.highs import LinearRows
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.strategy import phase_one
-from synthesis.optimise.strategy.phase_one import INTERVALS, MOST_KNOTS, minimise_excess
+from synthesis.optimise.strategy.phase_one import (
+    INTERVALS,
+    MOST_KNOTS,
+    least_excess,
+    minimise_excess,
+)
 from tests.optimise.scenes import acceleration, dwell, fall, jerk, problem, rise, scene, velocity
 
 UP, DOWN = 71.3, 113.7  # the slower return is held back by none of the limits
@@ -67,3 +73,14 @@ def test_a_law_of_many_switches_is_left_to_meshes(monkeypatch: pytest.MonkeyPatc
     found = minimise_excess(asked, [uniform_grid(s, INTERVALS) for s in asked.free], 0.0)
     assert found is not None
     assert found.impossible
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_what_is_late_is_not_settled(late: bool) -> None:
+    # the velocity leaves no law that keeps the jerk
+    question = limited(1.02)
+    grids, stop = [uniform_grid(s, INTERVALS) for s in question.free], 0.0 if late else inf
+    found = minimise_excess(question, grids, 0.0, stop)
+    assert (found is None) == late
+    assert (least_excess(question, grids, 0.0, stop) is None) == late
+    assert (phase_one.least_excess_program(question, stop) is None) == late

@@ -10,6 +10,7 @@ import pytest
 
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import TimeBudgetExceeded
+from tests.hard.mixed_specs import mixed_spec
 from tests.hard.random_specs import random_spec
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 from tests.pipeline.ticking import ticking
@@ -68,6 +69,8 @@ ASKED: dict[str, dict[str, Any]] = {
     "free angles": example("spot-weld"),
     "an arm's length": example("free-arm"),
     "why nothing fits": example("infeasible-on-purpose"),
+    "the gentlest law": mixed_spec(2691) | {"proof": "quick"},
+    "the least excess of all limits": mixed_spec(1774) | {"proof": "quick"},
     "a price on smoothness": example("smoothness-price") | {"tolerance": 1e-6},
 }
 

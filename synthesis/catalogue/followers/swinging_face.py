@@ -20,6 +20,7 @@ import numpy as np
 
 from synthesis.catalogue.constraints import (
     AffineNorm,
+    ExtremalMove,
     MotionSizeBox,
     NonconvexConstraint,
     NormBounds,
@@ -35,6 +36,11 @@ LEAST_SQUARE = 1e-14  # added to the square of a distance over its least: smooth
 FAR = 1e6  # rad: stands for an infinite bound of an angle
 WIDE = 20.0  # rad, rad per rad: over a wider box of motion no plane bounds anything
 ROUNDING = 1e-12  # of the lengths in a half-plane: a thousand times what its terms are rounded by
+SLOWEST_TURN = 1e-3  # of the normal's: how fast the cam turns at least on a law that is proposed
+RAMP_PARTS = 4  # intervals of a ramp
+ARC_PARTS_AT_UNIT_RAMP = 1.1  # of an arc, over the root of a ramp's share: each costs as much
+GROWTH = 2.0  # from one interval beside a ramp to the next
+SAMPLES = 8  # in each: h is integrated between them as if h'' were straight
 CELLS = (4, 4, 1, 1)  # of the enclosure along φ, φ' and the size; its cost grows with their product
 
 Planes = tuple[PointInequalities, ...]
@@ -122,6 +128,57 @@ class SwingingFaceConstraint(NonconvexConstraint):
             planes += self._half_planes(*terms)
         return tuple(planes)
 
+    def extremal_move(
+        self, angle: float, start: float, end: float, size: Vector, ramp: float
+    ) -> ExtremalMove | None:
+        """The law that runs along one radius R, but for ramps: what its half-plane asks for.
+
+        In the normal's angle χ from the lower end h = R + (h_high − R) cos(B − χ), the solution of
+        h + h'' = R that comes to rest at the higher end. It begins at a speed, which a ramp of h''
+        reaches, straight up and straight down; its rest at the other end begins with another.
+        """
+        q, turn = size[-1] + self.offset, angle + self.sigma * (end - start) / self.reference
+        distance = self.distance or math.hypot(size[0], q)
+        base = math.asin(min(q / distance, 1.0))
+        sense = self.sigma if end > start else -self.sigma
+        low, high = (base + each / self.reference for each in sorted((start, end)))
+        if not self.bend or not high < RIGHT_ANGLE or not 0.0 < turn <= math.pi:
+            return None
+        # 1. The radius that leaves the ends as they are, ramps and all.
+        rise, step = distance * (math.sin(high) - math.sin(low)), ramp * turn
+        top = turn - 0.5 * step  # of the arc, as if there were no ramp at the higher end
+        reach = rise / (1.0 - math.cos(top - step))
+        radius = distance * math.sin(high) - reach
+        if radius < -self.cubed:
+            return None
+        # 2. h'', straight between places on the ramps, and h by integration.
+        breaks = _breaks_along(turn, step)
+        chi = _between(breaks)
+        bend = -reach * np.cos(top - chi)
+        slope, fall = reach * math.sin(top - 2.0 * step), -reach * math.cos(top - 2.0 * step)
+        peak = slope / step - 0.5 * fall
+        bend = np.where(chi < 2.0 * step, peak + (fall - peak) * (chi / step - 1.0), bend)
+        bend = np.where(chi < step, peak * chi / step, bend)
+        last = (turn - chi) / step
+        bend = np.where(last < 1.0, -reach * math.cos(0.5 * step) * last, bend)
+        width = np.diff(chi)
+        rate = np.append(0.0, np.cumsum(0.5 * width * (bend[1:] + bend[:-1])))
+        gain = width * rate[:-1] + width**2 * (2.0 * bend[:-1] + bend[1:]) / 6.0
+        height = distance * math.sin(low) + np.append(0.0, np.cumsum(gain))
+        # 3. The face's angle ψ, the cam's angle θ = χ − σ (ψ − ψ_low) and ψ'' along it.
+        psi = np.arcsin(np.clip(height / distance, -1.0, 1.0))
+        ahead = distance * np.cos(psi)
+        by_chi = rate / ahead
+        slowed = 1.0 - sense * by_chi  # dθ/dχ
+        if not slowed.min() > SLOWEST_TURN:
+            return None
+        second = (bend + height * by_chi**2) / ahead / slowed**3
+        theta = chi - sense * (psi - psi[0])
+        x, places = theta / theta[-1], np.interp(breaks, chi, theta) / theta[-1]
+        if end < start:
+            x, second, places = 1.0 - x[::-1], second[::-1], 1.0 - places[::-1]
+        return ExtremalMove(places, x, self.reference * second)
+
     def _half_planes(self, swing: Array, a: Array, b: Array, c: Array) -> Planes:
         """a d cosψ + b d sinψ ≤ c at swings φ = ψ − ψ0, (n,) each, as half-planes of the size."""
         still, cos, sin = np.zeros((4, len(swing))), np.cos(swing), np.sin(swing)
@@ -195,6 +252,27 @@ class SwingingFaceConstraint(NonconvexConstraint):
         most = w * w * w * (self.cubed / unit) + w * (self.first / unit) + self.known / unit
         left = beside * lean - most
         return left / positive(ahead) if self.bend else left + ahead * self.along
+
+
+def _breaks_along(turn: float, ramp: float) -> Array:
+    """Places on an arc between which it is nearly straight: on its ramps, ever wider beside them.
+
+    A ramp up and one down at the beginning, one at the end.
+    """
+    ramps = np.linspace(0.0, ramp, RAMP_PARTS + 1)
+    widths = GROWTH ** np.arange(1, math.floor(math.log(turn / ramp, GROWTH)) + 1) * ramps[1]
+    parts = math.ceil(ARC_PARTS_AT_UNIT_RAMP / math.sqrt(ramp / turn))
+    beside = np.cumsum(widths[widths < turn / parts])
+    first, last = 2.0 * ramp, turn - ramp
+    inner = np.linspace(first + beside[-1], last - beside[-1], parts + 1)
+    ends = first + beside[:-1], last - beside[-2::-1]
+    return np.concatenate([ramps, ramp + ramps[1:], ends[0], inner, ends[1], last + ramps])
+
+
+def _between(breaks: Array) -> Array:
+    """Places, and more of them in every interval between."""
+    inner = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(SAMPLES) / SAMPLES
+    return np.append(inner.ravel(), breaks[-1])
 
 
 @dataclass(frozen=True)

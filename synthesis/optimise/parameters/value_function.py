@@ -149,7 +149,7 @@ class ValueFunction:
             if problem is None or clock.now() >= self.deadline:
                 return None
             self.calls += 1
-            result = least_excess(problem, mesh(problem), INSIDE)
+            result = least_excess(problem, mesh(problem), INSIDE, self.deadline)
             return None if result is None else result + problem.vibration_excess
 
         return value

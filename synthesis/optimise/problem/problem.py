@@ -350,10 +350,10 @@ def with_smoother_laws(problem: Problem) -> Problem:
         rows = (row for limit in problem.limits for row in limit.rows(segment, problem.machine))
         if any(row.coefficients[order] != 0.0 for row in rows):
             return problem
-    return replace(problem, segments=tuple(_smoother(s, order) for s in problem.segments))
+    return replace(problem, segments=tuple(with_smoothness(s, order) for s in problem.segments))
 
 
-def _smoother(segment: PlacedSegment, order: int) -> PlacedSegment:
+def with_smoothness(segment: PlacedSegment, order: int) -> PlacedSegment:
     """A free law of class C^order at least inside, as smooth as asked at its ends."""
     law = segment.free
     if law is None or segment.law is not None or law.smoothness >= order:

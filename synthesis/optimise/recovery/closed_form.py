@@ -8,12 +8,12 @@ at every cam angle: those that the answer breaks are added until there is none.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
 
-from synthesis.catalogue.constraints import AffineNorm
+from synthesis.catalogue.constraints import AffineNorm, NormBounds
 from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.maxima import maximise
 from synthesis.numerics.piecewise import Array
@@ -57,10 +57,11 @@ def half_planes(problem: Problem) -> tuple[Array, Array]:
 def closed_form_size(
     problem: Problem, clear: float = 0.0, *, least: float = 0.0, norm: AffineNorm | None = None,
     slack: float = 0.0, implied: ImpliedHalfPlanes | None = None,
+    outside: Sequence[NormBounds] = (),
 ) -> Vector | None:  # fmt: skip
     """The size of least prime radius on all half-planes; None where they have no common point.
 
-    Cones and limits that are not convex are not looked at.
+    Cones and limits that are not convex are not looked at, but for those outside of which it lies.
 
     Args:
         clear: share of the norm by which the half-planes of curved limits are drawn in.
@@ -68,6 +69,8 @@ def closed_form_size(
         norm: what is least; None: the prime radius.
         slack: by how much every half-plane is moved out [length].
         implied: half-planes that free laws imply, in addition to those of given ones.
+        outside: norms of two rows that are no less than their lower ends, where the prime radius
+            is linear.
     """
     radius = problem.machine.follower.radius_norm()
     norm = norm or radius
@@ -76,7 +79,7 @@ def closed_form_size(
     if least > 0.0 and len(radius.matrix) == 1:
         normals = np.vstack([normals, -np.array(radius.matrix)])
         offsets = np.append(offsets, radius.shift[0] - least)
-    size = _nearest_size(problem, norm, normals, offsets)
+    size = _nearest_size(problem, norm, normals, offsets, outside)
     for _ in range(EXCHANGES if problem.has_curved_limits or implied else 0):
         if size is None:
             return None
@@ -89,21 +92,28 @@ def closed_form_size(
             break
         normals = np.vstack([normals, violated.normals[more]])
         offsets = np.concatenate([offsets, violated.offsets[more] - clear * scale + slack])
-        size = _nearest_size(problem, norm, normals, offsets)
+        size = _nearest_size(problem, norm, normals, offsets, outside)
     return size
 
 
 def _nearest_size(
-    problem: Problem, norm: AffineNorm, normals: Array, offsets: Array
-) -> Vector | None:
+    problem: Problem, norm: AffineNorm, normals: Array, offsets: Array,
+    outside: Sequence[NormBounds],
+) -> Vector | None:  # fmt: skip
     """The same for given half-planes."""
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
     tolerance = 1e-12 * problem.length
     if len(matrix) < matrix.shape[1]:
         # a variable of which the norm does not speak: the corner where the norm is least, and of
-        # several that of least p
+        # several that of least p. Outside of circles it may be where a line meets one: along a line
+        # the norm falls up to there, and on a circle itself it is nowhere least.
         def lowest_corner(a: Array, b: Array) -> Array | None:
-            corners = _within(_corners(a, b), a, b, tolerance, 1e-12)
+            found = [_corners(a, b), *(_meetings(a, b, circle) for circle in outside)]
+            corners = _within(np.concatenate(found), a, b, tolerance, 1e-12)
+            for circle in outside:
+                across = np.array(circle.norm.matrix), np.array(circle.norm.shift)
+                reach = np.linalg.norm(corners @ across[0].T + across[1], axis=1)
+                corners = corners[reach >= circle.lower - tolerance - 1e-12 * reach]
             if not len(corners):
                 return None
             height = corners @ matrix[0]
@@ -159,6 +169,19 @@ def _within(points: Array, a: Array, b: Array, tolerance: float, relative: float
     """Those of the points (k, n) that lie in all half-planes a · y ≤ b, but for rounding."""
     reach = tolerance + relative * np.abs(points).max(axis=1)
     return np.asarray(points[(points @ a.T <= b + reach[:, None]).all(axis=1)])
+
+
+def _meetings(a: Array, b: Array, circle: NormBounds) -> Array:
+    """Where lines a · y = b, |a| = 1, meet ‖M y + m‖ = lower: (k, 2)."""
+    matrix, shift = np.array(circle.norm.matrix), np.array(circle.norm.shift)
+    along = np.stack([-a[:, 1], a[:, 0]], axis=1)
+    across, at = along @ matrix.T, (a * b[:, None]) @ matrix.T + shift
+    square, half = (across**2).sum(axis=1), (across * at).sum(axis=1)
+    left = half**2 - square * ((at**2).sum(axis=1) - circle.lower**2)
+    meets = left >= 0.0
+    root, square, half = np.sqrt(left[meets]), square[meets], half[meets]
+    steps = np.stack([root - half, -root - half]) / square
+    return np.concatenate([a[meets] * b[meets, None] + t[:, None] * along[meets] for t in steps])
 
 
 @lru_cache(maxsize=64)

@@ -31,7 +31,12 @@ d cos ψ0 and d sin ψ0 (``catalogue/followers/swinging_face.py``).
 
 Where nothing else binds, the least size on these half-planes is the infimum over all laws: laws
 that run along F, or along the least radius, but for short ramps, come as near to it as one likes,
-and none reaches it.
+and none reaches it. (Cams of such laws: ``heuristics/extremal_laws.py``.)
+
+A least distance of the pivot leaves the outside of a circle of d cos ψ0 and d sin ψ0. The base
+radius, which is linear, is least there at a corner of the half-planes or where a line meets the
+circle: inside a line's piece it falls to one end, and on the circle it has smaller values outside
+beside every point but the lowest, below which there is the outside again.
 """
 
 from __future__ import annotations
@@ -57,6 +62,8 @@ CELLS = 200
 LOOSENING = 1e-9  # relative: far above the rounding of a sum of as many terms
 LONGER = 1e-7  # relative: a duration no longer than that beyond the move's angle is as long
 HALVINGS = 40  # of an interval of sizes
+ROUNDING = 1e-12  # relative: of the value of a closed form
+EVERY_LAW = "every motion law, whatever its derivatives"  # what a bound from these holds for
 STEP = 1e-20  # of a derivative along an imaginary step, which is exact to rounding
 
 
@@ -70,7 +77,16 @@ def least_size(problem: Problem, norm: AffineNorm | None = None) -> Vector | Non
     given = tuple(s for s in known if s.free is None and s.table is None)
     alone, slack = replace(problem, segments=given), LOOSENING * problem.length
     free = half_planes_of_free_laws(problem)
-    return closed_form_size(alone, norm=norm, slack=slack, implied=free)
+    size = closed_form_size(alone, norm=norm, slack=slack, implied=free)
+    if size is None or norm is not None or len(problem.machine.follower.radius_norm().matrix) > 1:
+        return size
+    # A least distance of the pivot is not convex: the least size outside its circle.
+    lower = (replace(each, lower=each.lower * (1.0 - LOOSENING)) for each in problem.least_norms)
+    broken = [each for each in lower if each.norm.value(size) < each.lower]
+    if not broken:
+        return size
+    outer = closed_form_size(alone, slack=slack, implied=free, outside=broken)
+    return outer or size
 
 
 def size_conflict(problem: Problem) -> str:

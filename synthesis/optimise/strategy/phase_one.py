@@ -284,21 +284,23 @@ def _held_back(model: ConicModel, multipliers: Array) -> tuple[int, ...]:
     return tuple(sorted({k for k in held if k is not None}))
 
 
-def excess_proof(problem: Problem) -> str:
+def excess_proof(problem: Problem, deadline: float = inf) -> str:
     """Why no motion law and no size keep the linear rows of all limits; empty without a proof."""
-    found = least_excess_program(problem)
+    found = least_excess_program(problem, deadline)
     if found is None or found[2].value <= PROVEN:
         return ""
     return "proven for every motion law and size: the limits exclude each other"
 
 
-def least_excess_program(problem: Problem) -> tuple[ConicModel, ConeSolution, Bound] | None:
+def least_excess_program(
+    problem: Problem, deadline: float = inf
+) -> tuple[ConicModel, ConeSolution, Bound] | None:
     """The program of the least largest excess of a row, with its bound over all laws and sizes.
 
     A bound above 0 is a proof that the limits exclude each other: by weak duality it holds
     for every law whose highest limited derivative is bounded so, and for every size. Where the base
     radius is open above, its end in the search is ours: only rows without the size are looked at.
-    None where there is no such bound.
+    None where there is no such bound, or no time: ``clock.now()`` at the deadline.
     """
     # What caps the control stays a limit: the bound over all laws rests on it.
     caps = highest_caps(problem)
@@ -313,7 +315,7 @@ def least_excess_program(problem: Problem) -> tuple[ConicModel, ConeSolution, Bo
     best, grids = None, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
     for _ in range(PROOF_ITERATIONS):
         model = formulate(auxiliary, grids, 0.0)
-        solution = solve(model.program)
+        solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             break
         bound, found = (
@@ -346,7 +348,9 @@ def _roughest(segment: PlacedSegment, caps: Sequence[Limit], problem: Problem) -
     return replace(segment, free=replace(law, smoothness=smoothness, end_continuity=(start, end)))
 
 
-def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> float | None:
+def least_excess(
+    problem: Problem, grids: Sequence[Grid], tighten: float, deadline: float
+) -> float | None:
     """The least by which limits must be exceeded on given grids, as one linear or cone program.
 
     Every inequality, and every cone, is relaxed by the same amount of its own natural size; both
@@ -354,6 +358,7 @@ def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> flo
 
     Args:
         problem: the problem. grids: one per free law. tighten: relative, of all limits.
+        deadline: ``clock.now()`` at which the solver stops.
 
     Returns:
         the amount, 0 where all limits can hold together; None where the solver fails.
@@ -376,7 +381,8 @@ def least_excess(problem: Problem, grids: Sequence[Grid], tighten: float) -> flo
             program.equalities,
             program.inequalities + 1,
             program.cones,
-        )
+        ),
+        deadline - clock.now(),
     )
     return float(max(solution.x[-1], 0.0)) if solution.stopped in USABLE else None
 

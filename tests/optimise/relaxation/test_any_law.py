@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 from scipy.stats import beta
 
 from synthesis import DesignSpec, synthesise
+from synthesis.catalogue.fields import Range
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import Problem
@@ -279,6 +280,32 @@ def test_a_cam_under_a_face_that_swings_keeps_all_half_planes(
     p, base = FACE_PIVOT * cos(start), FACE_PIVOT * sin(start) - FACE_OFFSET
     question = problem(swinging_face(least * (1.0 - 1e-7), sense, free=free))
     assert_kept(question, (p, base) if free else (base,), rng)
+
+
+@pytest.mark.parametrize("sense", ["same", "opposite"])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_least_distance_of_the_pivot_cuts_off_no_cam(seed: int, sense: str) -> None:
+    # random laws on a pivot no nearer than is allowed: none is below the least size; which is that
+    # of a given pivot as near as that, where the bound grows with the distance
+    rng, sigma = np.random.default_rng([83, seed]), {"same": -1.0, "opposite": 1.0}[sense]
+    start, least = 0.0, -inf
+    while least < 0.0:
+        start = radians(rng.uniform(50.0, 75.0))
+        every = (random_move(rng, start, sigma, m, seed > 1) for m in ((61.3, 1.0), (87.9, -1.0)))
+        least = min(float(np.min(radius)) for _, _, radius in every)
+    given = swinging_face(least * (1.0 - 1e-7), sense)
+
+    def at(distance: Any) -> DesignSpec:
+        follower = given.follower.model_copy(update={"centre_distance_mm": distance})
+        return given.model_copy(update={"follower": follower})
+
+    nearest, farther = Range(min=FACE_PIVOT, max=1.3 * FACE_PIVOT), Range(max=1.3 * FACE_PIVOT)
+    found = least_norm(problem(at(nearest)))
+    assert found <= FACE_PIVOT * sin(start) - FACE_OFFSET
+    assert found > 1.02 * least_norm(problem(at(farther)))
+    distances = np.linspace(FACE_PIVOT, 1.3 * FACE_PIVOT, 7).tolist()
+    each = [least_size(problem(at(distance))) for distance in distances]
+    assert found == pytest.approx(min(size[-1] for size in each if size), rel=1e-6)
 
 
 @pytest.mark.parametrize("given", [False, True])
