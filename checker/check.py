@@ -34,30 +34,32 @@ TERMS, SHARP = 10, UNIT >> 44  # of series, and powers of polynomials along arms
 JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a joint; it is told
 ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
+TYPED = Fraction(1, 10**12)  # of an angle: what the end of a window may lie beyond it
 AIMS = ("base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle",
         "rms_acceleration", "rms_jerk")
 FIELDS = {  # of each kind that is covered; what has another field is refused
-    "question": "name speed_rpm rotation program follower base_radius_mm load limits continuity "
-                "objective tolerance proof time_budget_s report_smoothness_cost body keyway",
-    "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm velocity_mm_per_s",
-    "chosen": "angle_deg lift_mm",  # of a segment of the cam
-    "rise": "angle_deg lift_mm law windows points", "spline": "smoothness overshoot",
-    "return": "angle_deg lift_mm law windows points", "force": "contact rim_mm",
+    "question": "name? speed_rpm rotation? program follower base_radius_mm load? limits "
+                "continuity objective tolerance? proof? time_budget_s? report_smoothness_cost? "
+                "body? keyway?",
+    "dwell": "angle_deg", "constant_velocity": "angle_deg lift_mm? velocity_mm_per_s?",
+    "chosen": "angle_deg? lift_mm?",  # of a segment of the cam
+    "rise": "angle_deg lift_mm law windows? points?", "spline": "smoothness overshoot",
+    "return": "angle_deg lift_mm law windows? points?", "force": "contact rim_mm?",
     "groove": "clearance_mm rim_mm",
-    "conjugate": "roller_radius_mm offset_mm distance_mm arm_mm angle_deg",
+    "conjugate": "roller_radius_mm offset_mm? distance_mm? arm_mm? angle_deg?",
     "windows": "from_deg to_deg travel_mm velocity_mm_per_s acceleration_mm_per_s2 jerk_mm_per_s3",
-    "points": "angle_deg travel_mm tolerance_mm tolerance_deg velocity_mm_per_s",
+    "points": "angle_deg travel_mm tolerance_mm tolerance_deg? velocity_mm_per_s",
     "named law": "inflection",
-    "translating_roller": "roller_radius_mm closure offset_mm",
+    "translating_roller": "roller_radius_mm closure? offset_mm",
     "translating_flat_face": "offset_mm tilt_deg",
-    "oscillating_roller": "roller_radius_mm closure arm_mm centre_distance_mm sense "
+    "oscillating_roller": "roller_radius_mm closure? arm_mm centre_distance_mm sense "
                           "pivot_direction_deg",
     "velocity": "max_mm_per_s", "acceleration": "max_mm_per_s2", "jerk": "max_mm_per_s3",
     "pressure_angle": "rise_deg return_deg dwell_deg", "cutter_radius": "radius_mm",
     "profile_radius": "min_mm", "outer_radius": "max_mm", "counter_base_radius": "min_mm",
     "oscillating_flat_face": "centre_distance_mm face_offset_mm sense pivot_direction_deg",
-    "face_width": "width_mm left_mm right_mm near_mm far_mm",
-    **dict.fromkeys(AIMS, "allowance")}  # which the claims state as a value
+    "face_width": "width_mm? left_mm? right_mm? near_mm? far_mm?",
+    **dict.fromkeys(AIMS, "allowance?")}  # which the claims state as a value
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
     "polynomial_4_5_6_7": (4, 35, -84, 70, -20),
@@ -127,13 +129,19 @@ def whole(body, name, least, most):
     demand(value in range(least, most + 1), f"{name} is none of {least} to {most}", 2)
     return int(value)
 
+def fields(kind):
+    """The names that an object of a kind may have, and whether it must have them."""
+    return {name.rstrip("?"): name[-1] != "?" for name in FIELDS[kind].split()}
+
 def kind_of(body, *kinds):
     """What an object is, one of some kinds, without anything that this checker does not know."""
     kind = kinds[0] if kinds == ("question",) else get(body, "kind", str)
     demand(kind in kinds, f"{ascii(kind)[:40]} is not covered")
-    names = ["kind", *FIELDS["named law" if kind in (*POLYNOMIALS, *SCCA) else kind].split()]
-    unknown = [k for k, v in body.items() if k not in names and v not in (None, [], {})]
+    names = fields("named law" if kind in (*POLYNOMIALS, *SCCA) else kind)
+    unknown = [k for k, v in body.items() if k not in ("kind", *names) and v not in (None, [], {})]
     demand(not unknown, f"{kind} has {ascii(unknown)[:80]}, which is not covered")
+    missing = [k for k, needed in names.items() if needed and k not in body]
+    demand(not missing, f"{kind} has no {', '.join(missing)}", 2)
     return kind
 
 def range_of(value):
@@ -227,9 +235,9 @@ class Segment:
             kind_of({**each, "kind": name}, name)
             ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
             first, last = (get(each, end) / self.body["angle_deg"] for end in ends)
-            demand(0 <= first <= 1 and first <= last, f"{name} beyond the segment")
+            demand(0 <= first <= last <= 1 + TYPED, f"{name} beyond the segment")
             demand(not each.get("tolerance_deg"), "a tolerance in another unit")
-            found = [range_of(each.get(field)) for field in FIELDS["windows"].split()[2:]]
+            found = [range_of(each.get(field)) for field in [*fields("windows")][2:]]
             demand(found != [[None, None]] * 4, f"{name} that bound nothing")
             for k, asked in enumerate(found):
                 slack = ZERO if k or each.get("tolerance_mm") is None else get(each, "tolerance_mm")
@@ -240,8 +248,9 @@ class Segment:
                          + (0 if k else self.level) for end, side in zip(asked, (-1, 1))][::way]
                 if asked != [None, None]:
                     yield f"program/{self.index}/{name}/{number}/{k}", {
-                        "kind": "within", "of": self, "order": k, "ends": asked, "from": first,
-                        "to": last, "scale": abs(self.lift) / self.degrees**k if exact else ZERO}
+                        "kind": "within", "of": self, "order": k, "ends": asked,
+                        "from": min(first, ONE), "to": min(last, ONE),
+                        "scale": abs(self.lift) / self.degrees**k if exact else ZERO}
 
 class Question:
     def __init__(self, body, chosen=()):
@@ -278,8 +287,8 @@ class Question:
         kind, contact = kind_of(held, "force", "groove", "conjugate"), held.get("contact")
         demand(contact in (("outside", "inside") if kind == "force" else (None,)),
                "this contact is not covered")
-        slack, rim = (get(held, name) if held.get(name) is not None else ZERO
-                      for name in ("clearance_mm", "rim_mm"))
+        slack = get(held, "clearance_mm") if kind == "groove" else ZERO
+        rim = get(held, "rim_mm") if kind == "groove" or contact == "inside" else ZERO
         gap = (ZERO if self.face else get(follower, "roller_radius_mm")) + slack / 2
         # of each flank: the side on which its roller lies, how far its curve is from the roller's
         # path, the rim around it, and which path, the main roller's or the counter roller's
@@ -325,8 +334,8 @@ class Question:
                        "no_undercut": {"kind": "profile_radius", "min_mm": ZERO}}
         for k, limit in enumerate(limits):
             if get(limit, "kind", str) in MEET and limit["kind"] not in others:
-                for name in FIELDS[kind_of(limit, *MEET)].split():
-                    good = limit[name] is None or get(limit, name) >= 0
+                for name in fields(kind_of(limit, *MEET)):
+                    good = limit.get(name) is None or get(limit, name) >= 0
                     demand(good, f"limits/{k} has a negative value")
                     if name[-3:] == "deg" and limit[name] is not None:
                         tangent(limit[name])
@@ -353,7 +362,7 @@ class Question:
     def ends_of_face(self, limit):
         """How far contact may be on both sides of a slide's line, or from a pivot's foot on it."""
         ours = ("near_mm", "far_mm") if self.swung else ("left_mm", "right_mm", "width_mm")
-        other = [name for name in FIELDS["face_width"].split() if name not in ours]
+        other = [name for name in fields("face_width") if name not in ours]
         demand(not any(limit.get(name) for name in other), "it is no width of this face")
         low, high, *width = (limit[name] for name in ours)
         if self.swung:

@@ -205,3 +205,43 @@ def test_numbers_that_the_question_leaves_free_lie_in_their_ranges(roller: Json)
     assert holds({}, {"angle_deg": 20.0})  # given: nothing is to be chosen
     assert holds({"angle_deg": 70.0}, {"angle_deg": 20.0})
     assert not holds({"angle_deg": 60.0}, {"angle_deg": 20.0})  # not that of the question
+
+
+def test_no_field_of_a_question_may_be_missing(roller: Json, face: Json) -> None:
+    """A default that nobody sees would be part of what is proven: a groove's width, say."""
+    judge = checker()
+    closures: list[Json] = [
+        {"kind": "groove", "clearance_mm": 0.1, "rim_mm": 2.0},
+        {"kind": "force", "contact": "inside", "rim_mm": 2.0},
+    ]
+    window = {"from_deg": 10.0, "to_deg": 30.0, "travel_mm": {"min": 0.0, "max": 19.0},
+              "velocity_mm_per_s": None, "acceleration_mm_per_s2": None,
+              "jerk_mm_per_s3": None}  # fmt: skip
+
+    def read(question: Json) -> None:
+        judge.spent.clear()
+        judge.Question(judge.read(json.dumps(question).encode()))
+
+    for closure in closures:
+        question = copy.deepcopy(roller["question"])
+        question["follower"]["closure"] = closure
+        question["program"][0]["windows"] = [window]
+        read(question)
+        optional = {"contact": "outside"} if closure["kind"] == "force" else {}
+        places = [question["follower"]["closure"], question["follower"],
+                  question["program"][0]["windows"][0], question["program"][0],
+                  question["program"][0]["law"], *question["limits"]]  # fmt: skip
+        names = ("clearance_mm", "rim_mm", "offset_mm", "roller_radius_mm", *window, "law",
+                 "lift_mm", "smoothness", "overshoot", "dwell_deg", "max_mm_per_s3")  # fmt: skip
+        for place in places:
+            for name in set(place) & set(names) - set(optional):
+                value = place.pop(name)
+                with pytest.raises(judge.Failure) as failed:
+                    read(question)
+                assert failed.value.args[1:] == (2,), name
+                place[name] = value
+    # widths of the other kind of face need not stand there
+    question = copy.deepcopy(face["question"])
+    question["limits"] = [{"kind": "face_width", "width_mm": None, "left_mm": 60.0,
+                           "right_mm": 60.0}]  # fmt: skip
+    read(question)
