@@ -47,8 +47,9 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "return": "angle_deg lift_mm law windows? points?", "force": "contact rim_mm?",
     "groove": "clearance_mm rim_mm",
     "conjugate": "roller_radius_mm offset_mm? distance_mm? arm_mm? angle_deg?",
-    "windows": "from_deg to_deg travel_mm velocity_mm_per_s acceleration_mm_per_s2 jerk_mm_per_s3",
-    "points": "angle_deg travel_mm tolerance_mm tolerance_deg? velocity_mm_per_s",
+    "windows": "from_deg to_deg travel_mm? velocity_mm_per_s? acceleration_mm_per_s2? "
+               "jerk_mm_per_s3?",
+    "points": "angle_deg travel_mm? tolerance_mm? tolerance_deg? velocity_mm_per_s?",
     "named law": "inflection",
     "translating_roller": "roller_radius_mm closure? offset_mm",
     "translating_flat_face": "offset_mm tilt_deg",

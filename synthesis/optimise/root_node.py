@@ -12,9 +12,6 @@ from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any
 
-import numpy as np
-
-from synthesis.numerics.double_double import round_mantissa
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE
@@ -35,8 +32,12 @@ from synthesis.optimise.refinement.mesh import (
     polish_knots,
     refine_mesh,
 )
-from synthesis.optimise.refinement.row_violations import ALLOWED, row_violations
 from synthesis.optimise.relaxation.any_law import size_conflict
+from synthesis.optimise.separation.mesh_relaxation import (
+    offer_cam,
+    rows_cannot_separate,
+    solve_and_separate,
+)
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
 from synthesis.optimise.state import QUICK, SolveState, over_bound, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
@@ -55,10 +56,8 @@ GROWTH = 1.1  # factor on the number of intervals: fewer say nothing about finer
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
 NEAR = 1e-4  # gap that halved intervals do not close where knots lie on the law's own switches
 IDLE = 0.9  # a mesh that leaves more of the gap is idle
-MARGIN_BITS = 16  # of the margin for rows written at points: it is known no better
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
-MOST_SEPARATIONS = 3  # of rows between points, on the same knots
 MOST_LEVELS = 12  # of a fractional objective on one mesh
 
 
@@ -101,7 +100,7 @@ class RootNode(Node):
         solve_mesh = _solve_fractional if problem.objective.quasiconvex else solve_on_mesh
         state, model, solution, bound = solve_mesh(state, 0.0)
         # 2. Recover a cam, and the points at which it violates rows.
-        state, cam, violations = _recover(state, model, solution, bound)
+        state, cam, violations = offer_cam(state, model, solution, bound)
         seconds = time.perf_counter() - started
         name = f"convex {self.mesh_number}"
         state = state.with_stage(program_stage(name, model, solution, seconds))
@@ -113,7 +112,7 @@ class RootNode(Node):
         state = _with_first_cam(state, self.mesh_number)
         # 4. Knots of a neighbour, where the law is next to the best, move onto its own switches.
         if self.near and self.mesh_number == 1 and bound is not None:
-            polished = polish_knots(state, _solve_once)
+            polished = polish_knots(state, solve_and_separate)
             if polished.relaxation_gap <= NEAR:
                 return polished, replace(self, processed=True)
         # 5. Stop, or refine the mesh where the law costs more than the ideal one.
@@ -127,7 +126,7 @@ class RootNode(Node):
         many_added = intervals >= GROWTH * self.previous_interval_count
         gained = state.lower - bound_before
         if (
-            (_rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower))
+            (rows_cannot_separate(state) and gained <= state.tolerance * abs(state.lower))
             or (idle and (many_added or state.nonconvex_limits_cost))
             or (self.mesh_number > 1 and state.nonconvex_limits_cost and fine)
         ):
@@ -191,7 +190,7 @@ class RootNode(Node):
         """End the root: polish the last digits of convex problems; search least dimensions."""
         problem, node = state.problem, replace(self, processed=True)
         if not (self.presolved or state.suffices):
-            state = polish_knots(state, _solve_once)
+            state = polish_knots(state, solve_and_separate)
             state = _bound_without_vibration(state)
             state = self._bound_without_highest_caps(state)
         # A least value is not convex, nor are all ranges stated: a dimension is fixed at values.
@@ -221,7 +220,7 @@ class RootNode(Node):
             state, _ = offer_local_optimum(state, wider.incumbent.laws, wider.incumbent.size)
         if not wider.grids or state.time_left <= 0.0 or state.is_good_enough:
             return state
-        finer, _ = _solve_once(replace(state, grids=wider.grids), self.mesh_number + 1)
+        finer, _ = solve_and_separate(replace(state, grids=wider.grids), self.mesh_number + 1)
         better = finer.relaxation_gap < state.relaxation_gap
         return finer if better else replace(finer, grids=state.grids)
 
@@ -283,12 +282,6 @@ def _refined(
     return refine_mesh(state.problem, state.grids, cam, bound, violations)
 
 
-def _rows_cannot_separate(state: SolveState) -> bool:
-    """Whether rows of curved limits are exceeded at their own points: more are of no use."""
-    cam = state.incumbent or state.relaxed
-    return state.problem.has_curved_limits and not state.tangent and cam is None
-
-
 def _with_first_cam(state: SolveState, mesh_number: int) -> SolveState:
     """A cam at once where the meshes give the bound alone."""
     known = state.incumbent is not None or mesh_number > 1
@@ -327,55 +320,6 @@ def _needs_no_finer_mesh(
     value = in_problem_units(model, model.program.value(solution.x))
     close = value - bound.value <= 0.5 * state.tolerance * abs(value)
     return close or _count(state.grids) > FINEST_WITHOUT_ROWS
-
-
-def _solve_once(state: SolveState, number: int) -> tuple[SolveState, Candidate | None]:
-    """The relaxation on the present knots, reported; its best cam, if it has one.
-
-    A cam is as large as its laws need it, between points too: where these would break rows at the
-    program's own size, points are added.
-    """
-    best: Candidate | None = None
-    for separation in range(number, number + MOST_SEPARATIONS):
-        started = time.perf_counter()
-        state, model, solution, bound = solve_on_mesh(state, 0.0)
-        state, cam, _ = _recover(state, model, solution, bound)
-        seconds = time.perf_counter() - started
-        state = state.with_stage(program_stage(f"convex {separation}", model, solution, seconds))
-        if cam is None:
-            break
-        best = cam if best is None or cam.value < best.value else best
-        unfitted = recover_cam(model.problem, *model.recover(solution.x), keep_hint=True)
-        points, _ = row_violations(state, unfitted)
-        if state.time_left <= 0.0 or not any(map(len, points)):
-            break
-        separated = zip(state.grids, points, strict=True)
-        state = replace(state, grids=tuple(grid.with_points(x) for grid, x in separated))
-    return state, best
-
-
-def _recover(
-    state: SolveState, model: ConicModel, solution: ConeSolution, bound: Bound | None
-) -> tuple[SolveState, Candidate | None, list[Array]]:
-    """Offer the cam and the bound of one relaxation.
-
-    Returns:
-        the state, the cam, and the points of every law at which it violates rows.
-    """
-    if bound is None:
-        return state, None, [np.zeros(0)] * len(state.grids)
-    # the outer approximation has recovered the cam already
-    last = state.last if state.problem.has_curved_limits else None
-    cam = last or recover_cam(model.problem, *model.recover(solution.x))
-    violations, excess = row_violations(state, cam)
-    if excess <= ALLOWED:
-        state = state.with_relaxed(cam)
-    elif _rows_cannot_separate(state):
-        violations = [np.zeros(0)] * len(violations)
-    elif state.tangent:
-        margin = float(round_mantissa(1.1 * (state.margin + excess), MARGIN_BITS))
-        state = replace(state, margin=margin)
-    return replace(state.with_bound(bound), relaxation=(model, solution, bound)), cam, violations
 
 
 def _solve_fractional(state: SolveState, _: float) -> MeshSolution:

@@ -12,8 +12,7 @@ from tests.checker.test_holes import document, move
 @pytest.mark.parametrize("kind", ["rise", "return"])
 def test_rows_of_a_window_are_what_it_asks(kind: str) -> None:
     window = {"from_deg": 45.0, "to_deg": 90.0, "travel_mm": {"min": 2.0, "max": 6.0},
-              "velocity_mm_per_s": {"min": None, "max": 30.0},
-              "acceleration_mm_per_s2": None, "jerk_mm_per_s3": None}  # fmt: skip
+              "velocity_mm_per_s": {"min": None, "max": 30.0}}  # fmt: skip
     program = [move("rise", 180, 15), move("return", 180, 15)]
     index = [each["kind"] for each in program].index(kind)
     program[index]["windows"] = [window]
@@ -43,8 +42,7 @@ def test_rows_of_a_window_are_what_it_asks(kind: str) -> None:
 def test_a_window_beyond_its_segment_is_refused() -> None:
     """What it asks there would be dropped without a word."""
     judge = checker()
-    window = {"from_deg": 80.0, "travel_mm": {"min": 9.5, "max": None}, "velocity_mm_per_s": None,
-              "acceleration_mm_per_s2": None, "jerk_mm_per_s3": None}  # fmt: skip
+    window = {"from_deg": 80.0, "travel_mm": {"min": 9.5, "max": None}}
     for end, valid in ((90.0, True), (90.0 * (1.0 + 1e-14), True), (90.001, False), (250, False)):
         program = [move("rise", 90, 10), move("return", 270, 10)]
         program[0]["windows"] = [{**window, "to_deg": end}]

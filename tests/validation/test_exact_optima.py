@@ -19,8 +19,7 @@ THRESHOLDS = {case.law: case for case in OPTIMA["THRESHOLDS"]}
 
 # (name, tolerance): largest value above and bound below; the tolerance where nothing is said
 REACHED = {
-    ("4", 1e-6): (5.2e-4, 1e-6),  # C2 splines have no jumps of acceleration: see the page
-    ("√12", 1e-6): (2.6e-4, 1e-6),
+    ("√12", 1e-6): (2.6e-4, 1e-6)  # C2 splines have no jumps of acceleration: see the page
 }
 
 

@@ -98,7 +98,7 @@ def closed_form_size(
 
 def _nearest_size(
     problem: Problem, norm: AffineNorm, normals: Array, offsets: Array,
-    outside: Sequence[NormBounds],
+    outside: Sequence[NormBounds] = (),
 ) -> Vector | None:  # fmt: skip
     """The same for given half-planes."""
     matrix, shift = np.array(norm.matrix), np.array(norm.shift)
