@@ -116,7 +116,9 @@ def test_a_request_that_is_next_to_what_suffices_has_ends_as_near_in_proportion(
         assert 0.0 <= (each.needed - each.at_least) / (each.needed - each.requested) < NEAR
 
 
-def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own() -> None:
+def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """A small cam under a large roller is at its least radius of curvature: that is not convex."""
     body = random_scene("slide, centred", 2)
     limits = [limit if limit["kind"] != "jerk" else {**limit, "max_mm_per_s3": 308600.0}
@@ -125,14 +127,14 @@ def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own() -> None
     ways = {}
     for proof in ("quick", "thorough"):
         spec = DesignSpec.model_validate({**short, "proof": proof})
-        for each in why(spec).relaxations:
-            assert each.needed is not None
-            assert each.at_least is not None
-            way = (each.needed - each.at_least) / (each.needed - each.requested)
-            ways[proof, each.limit] = way
-    for limit in ("jerk", "offset", "pressure_angle_return"):
-        assert ways["quick", limit] > 0.1
-        assert 0.0 <= ways["thorough", limit] < 0.05
+        numbers = [each for each in relaxable_numbers(spec) if each.name == "jerk"]
+        monkeypatch.setattr(conflict, "relaxable_numbers", lambda _, numbers=numbers: numbers)
+        (each,) = why(spec).relaxations
+        assert each.needed is not None
+        assert each.at_least is not None
+        ways[proof] = (each.needed - each.at_least) / (each.needed - each.requested)
+    assert ways["quick"] > 0.1
+    assert 0.0 <= ways["thorough"] < 0.05
 
 
 LEAST = 1300.0  # of a number that is asked to be 1000 at most
