@@ -125,7 +125,7 @@ def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
               for limit in body["limits"]]  # fmt: skip
     short = {**body, "base_radius_mm": {"max": 6.7243}, "limits": limits}
     ways = {}
-    for proof in ("quick", "thorough"):
+    for proof in ("quick", "auto", "thorough"):  # auto: where the spec has time for it
         spec = DesignSpec.model_validate({**short, "proof": proof})
         numbers = [each for each in relaxable_numbers(spec) if each.name == "jerk"]
         monkeypatch.setattr(conflict, "relaxable_numbers", lambda _, numbers=numbers: numbers)
@@ -133,7 +133,7 @@ def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
         assert each.needed is not None
         assert each.at_least is not None
         ways[proof] = (each.needed - each.at_least) / (each.needed - each.requested)
-    assert ways["quick"] > 0.1
+    assert min(ways["quick"], ways["auto"]) > 0.1
     assert 0.0 <= ways["thorough"] < 0.05
 
 
