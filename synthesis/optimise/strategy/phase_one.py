@@ -188,14 +188,14 @@ def minimise_excess(
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
     for number in range(MAX_ITERATIONS):
+        if clock.now() >= deadline:
+            break
         model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             break
-        lower, found = (
-            dual_bound(model, solution),
-            recover_cam(auxiliary, *model.recover(solution.x)),
-        )
+        lower = dual_bound(model, solution)
+        found = recover_cam(auxiliary, *model.recover(solution.x))
         least = lower.value if lower.switching else -inf
         before = best or PhaseOneResult(present, inf, -inf, names, _jumps(problem, steering))
         best = replace(before, least=max(before.least, least))
@@ -205,11 +205,10 @@ def minimise_excess(
             best = _to_last_digits(auxiliary, best, found, deadline)
         gained = before.share - best.share > GAIN * best.share
         done = best.fits or best.share - best.least <= SETTLED or (best.impossible and not gained)
-        if done or clock.now() >= deadline:
+        if done:
             break
-        present, last = (
-            refine_mesh(auxiliary, present, found, lower, [np.zeros(0)] * len(present)), present,
-        )  # fmt: skip
+        last, nothing = present, [np.zeros(0)] * len(present)
+        present = refine_mesh(auxiliary, present, found, lower, nothing)
         if is_same_mesh(present, last):
             break
     return best
@@ -314,14 +313,14 @@ def least_excess_program(
         return None
     best, grids = None, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
     for _ in range(PROOF_ITERATIONS):
+        if clock.now() >= deadline:  # a small program would be solved all the same
+            break
         model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
             break
-        bound, found = (
-            dual_bound(model, solution),
-            recover_cam(auxiliary, *model.recover(solution.x)),
-        )
+        bound = dual_bound(model, solution)
+        found = recover_cam(auxiliary, *model.recover(solution.x))
         if problem.free and not bound.switching:
             break
         improved = best is None or bound.value > best[2].value
@@ -363,6 +362,8 @@ def least_excess(
     Returns:
         the amount, 0 where all limits can hold together; None where the solver fails.
     """
+    if clock.now() >= deadline:
+        return None
     bare = replace(problem, objective=NoObjective(), objective_caps=())
     program = formulate(bare, grids, 0.0, Tightening(tighten), paired=True).program
     rows, unknowns = program.matrix.shape
