@@ -238,7 +238,7 @@ def test_both_ends_come_near_where_no_law_keeps_the_caps(
         "relaxable_numbers",
         lambda s: [n for n in relaxable_numbers(s) if n.limit == kind],
     )
-    program = [rise(71.3), dwell(37.9), fall(113.7), dwell(137.1)]
+    program = [rise(71.3), dwell(37.9), fall(113.7, law="cycloidal"), dwell(137.1)]
     asked = scene(program, *caps, base=300.0).model_copy(update={"proof": "auto"})
     (found,) = why(asked).relaxations
     assert found.needed is not None

@@ -51,7 +51,7 @@ LEAST = {"min": 4.3}  # without it, nothing would keep a cam of free laws from s
 
 # what nothing fits, and the fields of which each alone would help
 CASES: dict[str, tuple[DesignSpec, set[str]]] = {
-    "velocity": (scene(PLAIN, velocity(0.97, 71.7), base=LEAST), {"limits/0/max_mm_per_s"}),
+    "velocity": (scene(ONE_FREE, velocity(0.97, 71.7), base=LEAST), {"limits/0/max_mm_per_s"}),
     "acceleration and jerk": (
         scene(ONE_FREE, acceleration(4.9, 71.7), jerk(39.0, 71.7), base=LEAST),
         {"limits/0/max_mm_per_s2", "limits/1/max_mm_per_s3"},
