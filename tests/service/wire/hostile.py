@@ -204,6 +204,7 @@ def watch(port: int) -> None:
     line.request("POST", SWEEPS, body, {"Content-Type": "application/json"})
     path = json.loads(line.getresponse().read())["links"]["self"]
     hold(lines(port, 300, f"GET {path}/events HTTP/1.1\r\n".encode() + HEAD + b"\r\n"))
+    line.close()  # the service has ended it, where it stood idle for long
     line.request("DELETE", path)
     line.getresponse().read()
 
