@@ -146,6 +146,26 @@ def test_no_number_and_no_unit_is_cut(rpm: float) -> None:
     assert cut == []
 
 
+def test_a_motion_that_nothing_limits_is_told_in_full() -> None:
+    """Coefficients of 1e11 and peaks at thousandths of a degree have their room."""
+    law = {"kind": "spline"}
+    program = [
+        {"kind": "rise", "angle_deg": 41.8, "lift_deg": 17.18, "law": law},
+        {"kind": "dwell", "angle_deg": 14.5},
+        {"kind": "return", "angle_deg": 54.7, "lift_deg": 17.18, "law": law},
+        {"kind": "dwell", "angle_deg": 249},
+    ]
+    face = {"kind": "oscillating_flat_face", "centre_distance_mm": 76.6, "face_offset_mm": 4.6,
+            "sense": "same"}  # fmt: skip
+    made = solved(
+        program, name="", follower=face, base_radius_mm=None, load=None,
+        limits=[{"kind": "profile_radius", "min_mm": 6.8}], objective={"kind": "base_radius"},
+    )  # fmt: skip
+    found = [str(each.text) for each in texts(page(made))]
+    assert found[0] == "Cam for an oscillating flat face follower"
+    assert [each for each in found if each.endswith("…") and each[0] in "0123456789−"] == []
+
+
 def test_a_name_that_is_too_long_for_a_title_is_written_smaller() -> None:
     for name, kind in (("short", "title"), ("Station 14, transfer left, variant B, " * 2, "label")):
         found = texts(page(solved(PROGRAM, name=name.strip(), load=None)))

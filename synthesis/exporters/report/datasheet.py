@@ -45,8 +45,8 @@ LEFT = 21.0  # [mm]: numbers stand between the margin and a diagram
 FOOT = HEIGHT - MARGIN
 # where the columns of tables begin, as shares of their widths
 FIGURES = (0.0, 0.53, 0.86)
-PEAKS = (0.0, 0.16, 0.23, 0.37, 0.45, 0.59, 0.67, 0.8)
-MOVES = (0.0, 0.42, 0.52, 0.62, 0.72, 0.82, 0.92)
+PEAKS = (0.0, 0.155, 0.225, 0.35, 0.45, 0.57, 0.67, 0.8)
+MOVES = (0.0, 0.3, 0.41, 0.53, 0.66, 0.77, 0.885)
 LIMITS = (0.0, 0.28, 0.47, 0.56, 0.74, 0.915)
 LAST = ("centre of gravity", "perimeter", "area", "centroid", "polar", SPOKEN["s0_mm"])  # figures
 LEAST_LIMITS = 3  # lines that coefficients leave to limits
@@ -106,7 +106,9 @@ def _sheet(design: Design, theme: Theme) -> bytes:
 
 
 def _head(design: Design) -> Iterator[str]:
-    name = design.name.strip() or f"Cam for a {design.follower.replace('_', ' ')} follower"
+    follower = design.follower.replace("_", " ")
+    article = "an" if follower[0] in "aeiou" else "a"
+    name = design.name.strip() or f"Cam for {article} {follower} follower"
     # a name that is too long for a title is written in smaller letters before it is cut
     room, large = 0.8 * INNER, TITLE * svg.BOLD
     kind, size = ("title", large) if svg.width_of(name, large) <= room else ("label", LABEL)
