@@ -32,6 +32,7 @@ from service.workers.tasks import Answer
 from synthesis.design.identity import ENGINE_NUMBER
 
 log = logging.getLogger("camwright.questions")
+DELETED = "The question was deleted while it was being worked on."
 MOST_NOTED = 10_000  # answered questions that are known without the store: some 2 MB
 
 
@@ -160,24 +161,27 @@ class Jobs:
 
         Args:
             at_once: there is a worker for it: the work begins before the store has looked whether
-                there is an answer. Most are new. If there is one, if another process works on it,
-                or if the store fails, that work is dropped, and nobody has heard of it.
+                there is an answer. Most are new. Nothing is written or answered before it has: if
+                there is one, if another process works on it, or if the store fails, that work is
+                cancelled.
         """
         if not at_once or id in self._attempts or id in self._answered:
             return self._note(await self.answers.claim(id, owner))
-        ahead = self._attempt(id, spec, current_owner.get() or owner)
-        ahead.claimed.clear()
+        unclaimed = self._attempt(id, spec, current_owner.get() or owner)
+        unclaimed.claimed.clear()
         try:
             for _ in range(2):  # it begins, and sends its task to the worker
                 await asyncio.sleep(0)
             row = await self.answers.claim(id, owner)
         except BaseException:
-            ahead.task.cancel()
+            unclaimed.task.cancel()
             raise
-        if self._is_open(row):
-            ahead.claimed.set()
+        if not self._is_open(row):
+            unclaimed.task.cancel()
+        elif unclaimed.task.cancelled() and not await self.answers.is_held(id, owner):
+            raise ProblemType.DISMISSED(DELETED)  # between the store's answer and this line
         else:
-            ahead.task.cancel()
+            unclaimed.claimed.set()
         return self._note(row)
 
     def _is_open(self, row: AnswerRow | None) -> bool:
@@ -218,9 +222,7 @@ class Jobs:
                 await asyncio.sleep(POLL_S)
             row = await self.answers.find(id, owner)
             if row is None and not await self.answers.is_held(id, owner):
-                raise ProblemType.DISMISSED(
-                    "The question was deleted while it was being worked on."
-                )
+                raise ProblemType.DISMISSED(DELETED)
             if row is not None and row.state in ("done", "failed"):
                 return row
 
@@ -291,13 +293,13 @@ class Jobs:
     async def _work_on(self, attempt: Attempt, id: str, spec: Any) -> AnswerRow:
         row = self._row(id, spec, "done")
         try:
-            answer = await self._solve(row, attempt.budget_s)
+            answer = await self._solve(row, attempt)
         except Exception as error:
+            await attempt.claimed.wait()
             problem = problem_of(error)
             self._metrics.failures.labels(problem["type"].rpartition("/")[2]).inc()
             if problem_type(error) is ProblemType.INTERNAL and id in self._accepted.runners:
                 log.error("unexpected", exc_info=error)
-            await attempt.claimed.wait()
             attempt.keeping = attempt.failed = True
             await retry_transaction(lambda: self.answers.fail(id, problem, attempt.seconds))
             raise
@@ -310,12 +312,12 @@ class Jobs:
         self._note(kept)
         return kept
 
-    async def _solve(self, row: AnswerRow, budget: float) -> Answer:
+    async def _solve(self, row: AnswerRow, attempt: Attempt) -> Answer:
         """Have a worker answer; again, until it has killed too many of them."""
         strikes = 0
         while True:
             try:
-                return await self.engine.solve(row.spec, budget, self.resource.task)
+                return await self.engine.solve(row.spec, attempt.budget_s, self.resource.task)
             except ServiceError as error:
                 if error.problem is ProblemType.ENGINE_UNREACHABLE:
                     if row.id not in self._accepted.runners:
@@ -324,6 +326,7 @@ class Jobs:
                     continue
                 if error.problem is not ProblemType.WORKER_LOST:
                     raise
+                await attempt.claimed.wait()  # it may be for another process to count them
                 kept = await retry_transaction(lambda: self.answers.add_strike(row.id))
                 strikes = max(strikes + 1, kept)
                 if strikes >= STRIKES:

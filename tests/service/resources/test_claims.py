@@ -25,6 +25,7 @@ from tests.service.conftest import Running, wait_until_idle
 from tests.service.fake_core import LOG, Gate
 from tests.service.killing import answering, free_port, service
 from tests.service.resources.test_durable_questions import (  # fixtures too
+    LOST,
     MadeUp,
     Service,
     at_once,
@@ -217,6 +218,57 @@ def test_what_another_process_works_on_is_left_to_it(tmp_path: Path, store: Stor
         assert (await asked).state == "done"
         assert (one.engine.begun, other.engine.begun) == (1, 1)
         await other.accepted.close()
+
+    asyncio.run(story())
+
+
+def test_a_worker_that_dies_before_the_claim_is_no_strike_for_another_process(
+    tmp_path: Path, store: Store
+) -> None:
+    async def story() -> None:
+        spec, go_on = question(), asyncio.Event()
+
+        async def work() -> None:
+            await go_on.wait()
+
+        def strikes() -> list[tuple[int]]:
+            with closing(sqlite3.connect(tmp_path / "designs.db")) as database:
+                return database.execute("select strikes from answers").fetchall()
+
+        other, one = Service(tmp_path, store, work), Late(tmp_path, store, raising(LOST))
+        await other.accept(spec)
+        await begun(other.engine)
+        asked = asyncio.create_task(one.ask(spec))
+        await begun(one.engine)
+        assert strikes() == [(0,)]
+        one.let.set()
+        await asyncio.sleep(0.1)
+        go_on.set()
+        assert (await asked).state == "done"
+        assert (strikes(), one.engine.begun) == ([(0,)], 1)
+        await other.accepted.close()
+
+    asyncio.run(story())
+
+
+def test_deleted_between_the_stores_answer_and_the_next_step(tmp_path: Path, store: Store) -> None:
+    async def story() -> None:
+        spec = question()
+        one, id = Late(tmp_path, store, forever), DESIGNS.id_of(spec)
+        one.let.set()
+        claim = one.designs.answers.claim
+
+        async def deleted(id: str, owner: str) -> AnswerRow | None:
+            row = await claim(id, owner)
+            assert await one.designs.dismiss(id, owner)
+            return row
+
+        one.designs.answers.claim = deleted  # type: ignore[method-assign]
+        with pytest.raises(ServiceError, match="deleted"):
+            await one.ask(spec)
+        assert one.engine.begun == 1
+        assert (holders(tmp_path), one.designs._attempts) == ([], {})
+        assert id not in one.designs._answered
 
     asyncio.run(story())
 
