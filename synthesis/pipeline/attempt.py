@@ -25,7 +25,7 @@ from synthesis.optimise.problem.problem import (
 )
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
-from synthesis.optimise.refinement.mesh import FINEST, grids_on_switches, polish_intervals
+from synthesis.optimise.refinement.mesh import COARSEST_POLISH, grids_on_switches, polish_intervals
 from synthesis.optimise.state import (
     AT_END,
     QUICK,
@@ -177,7 +177,7 @@ class Attempt:
         """That of one objective, where those before it are held."""
         spec = self.solved_spec
         problem = formulate_problem(spec, objective, caps, self.tables.segments, smallest)
-        return with_smoother_laws(problem) if spec.tolerance <= FINEST else problem
+        return with_smoother_laws(problem) if spec.tolerance <= COARSEST_POLISH else problem
 
     def problems(self, smallest: float) -> Iterator[Problem]:
         """The problem of every objective in order; each keeps what those before have reached.

@@ -8,8 +8,8 @@ maximum, or the gentlest law's derivative over its cap. Its zero is the least va
     2. Inwards: the bracket of the zero is narrowed, every value tried being a question.
     3. To the end, at a fine tolerance: what the smallest cam exceeds vanishes at the least value
        known to suffice, its lower bound at the farthest one known to be impossible. Both are
-       zeros of functions that fall alike. Where the quick proof leaves a gap open, with what time
-       is left, by the proof that the spec asks for.
+       zeros of functions that fall alike. Where the quick proof leaves a gap open, at last by the
+       proof that the spec asks for, if the spec has a time budget or asks for a thorough one.
 
 A value is named only if the question with it, put as it stands, has a certified cam.
 """
@@ -107,9 +107,9 @@ class Boundary:
     def seek_bound(self, last: bool = False) -> None:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3.
 
-        ``last``: with the finest tolerance, where a gap of the one before was left by that. A gap
-        of limits that are not convex the spec's own proof closes, by boxes: where the spec has time
-        for it, and no further than ``COARSE``, as far as few programs go.
+        ``last`` (step 5 of ``conflict``): where no gap is open, once more with the finest
+        tolerance. Where one is (limits that bind are not convex), by the spec's own proof, which
+        divides the domain; to ``COARSE``, and only with a time budget or a thorough proof.
         """
         if self.nearest is None:
             return

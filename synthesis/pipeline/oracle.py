@@ -157,7 +157,10 @@ class Oracle:
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 
     def share(self, parts: int) -> Oracle:
-        """The same oracle with an equal part of what time is left; with all of it for one part."""
+        """The same oracle with an equal part of the time and the programs that are left.
+
+        What one part leaves is shared by the parts after it.
+        """
         now, solved = clock.now(), clock.programs_solved()
         stop = now + (self.stop - now) / parts
         return replace(self, stop=stop, last_program=solved + (self.last_program - solved) / parts)

@@ -1,4 +1,6 @@
-"""Cams of extremal laws, where nothing limits a derivative: next to the infimum of the size.
+"""Cams of extremal laws, where no acceleration and no jerk is capped: next to the least size.
+
+They are known of faces that swing (``extremal_move`` of their limit on curvature).
 
 Half-planes of the size that every law keeps (``relaxation.any_law``) have laws that leave them next
 to no room, but none that lies on them: it would jump in its velocity. Such laws are known in closed
@@ -34,9 +36,9 @@ from synthesis.optimise.state import SolveState, Stage
 
 RAMPS = (0.4, 0.2, 0.1, 0.05)  # of the tolerance, in turn: a size loses about as much by one
 LEAST_RAMP = 1.6e-4  # of a move: with four intervals they are as long as those of any other ramp
-DOUBLINGS, HALVINGS = 12, 8  # of what a size is larger by than the least: farther out, then back
+DOUBLINGS, HALVINGS = 12, 8  # of the least enlargement that suits: doubled first, then bisected
 SPARES = (0.0, 3e-4, 1e-3, 3e-3, 1e-2)  # of the size: what splines may break between knots, in turn
-OTHERS = (0.0, 0.2, 0.3, 0.5, 0.8)  # of what the last variable is larger by: what the others are
+SHARES_OF_OTHERS = (0.0, 0.2, 0.3, 0.5, 0.8)  # of the last variable's enlargement: the others'
 SMOOTHNESS = 2  # of these laws at least
 BISECTIONS = 40  # of the share of a size that a cone leaves
 
@@ -57,7 +59,7 @@ def try_extremal_laws(state: SolveState) -> SolveState:
         return state
     known = state.raise_bound(norm.value(least) * (1.0 - ROUNDING), EVERY_LAW)
     ramps = dict.fromkeys(max(share * state.tolerance, LEAST_RAMP) for share in RAMPS)
-    for ramp, share in product(ramps, OTHERS[: None if len(least) > 1 else 1]):
+    for ramp, share in product(ramps, SHARES_OF_OTHERS[: None if len(least) > 1 else 1]):
         direction = (*(share for _ in least[1:]), 1.0)
         amount = _least_amount(problem, least, direction, ramp)
         if amount is None or state.time_left <= 0.0:

@@ -41,7 +41,7 @@ from synthesis.optimise.state import SolveState, Stage
 
 MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
 COSTLY: Final = 0.05  # of the mean loss of all laws: intervals that lose more get knots
-FINEST: Final = 1e-4  # tolerance from which on moving the knots is worth its time
+COARSEST_POLISH: Final = 1e-4  # tolerance: knots are moved with this one or a finer one
 POLISH_INTERVALS: Final = (48, 432)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
 48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
@@ -175,7 +175,7 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
 def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     """Solve cone programs by ``solve_once``, each with knots on the switches of the law before."""
     cam = state.relaxed
-    if state.tolerance > FINEST or cam is None or not state.problem.free:
+    if state.tolerance > COARSEST_POLISH or cam is None or not state.problem.free:
         return state
     unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
     if unfit or (state.is_close(cam) and state.covers_all_laws):
@@ -221,7 +221,9 @@ def _with_best_multipliers(state: SolveState) -> SolveState:
 def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> SolveState:
     """Move knots onto the switches of the law until these stay where they are.
 
-    Then the ramps of smoother laws are made shorter, as long as the cam gains by it.
+    Then the ramps of smoother laws are made shorter, as long as the cam gains by it. Knots say
+    which splines are tried, and which multipliers come of them; any multipliers bound all laws
+    (weak duality), so no mesh makes a bound false.
     """
     order = control_order(state.problem)
     has_ramps = any(law.space.degree > order for law in cam.laws)
