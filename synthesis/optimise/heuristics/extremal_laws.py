@@ -51,8 +51,9 @@ def try_extremal_laws(state: SolveState) -> SolveState:
     the widest on.
     """
     problem, norm = state.problem, state.problem.objective.norm(state.problem.machine)
-    held = problem.objective_caps or problem.vibration_limits or highest_caps(problem)
-    if norm is None or held or not (problem.free and problem.omits_curved_rows):
+    if norm is None or not (problem.free and problem.omits_curved_rows):
+        return state
+    if problem.objective_caps or problem.vibration_limits or highest_caps(problem):
         return state
     started, least = time.perf_counter(), least_size(problem)
     if least is None:

@@ -235,7 +235,7 @@ def _move_knots(state: SolveState, cam: Candidate, solve_once: SolveOnce) -> Sol
             break
         ramp_step *= SHORTER if shorten else 1.0
         intervals = polish_intervals(state.tolerance)
-        grids = _through_switches(state.problem, switches, intervals, ramp_step)
+        grids = _through_switches(state.problem, switches, intervals, order, ramp_step)
         state, before = replace(state, grids=grids), switches
         state, latest = solve_once(state, len(state.stages) + 1)
         if latest is None or (state.is_close(state.relaxed) and state.covers_all_laws):
@@ -259,16 +259,21 @@ def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple
 
     Nothing where no law has a step.
     """
-    switches = _switches_of_laws(cam, control_order(problem))
-    return _through_switches(problem, switches, intervals) if switches else ()
+    order = control_order(problem)
+    switches = _switches_of_laws(cam, order)
+    return _through_switches(problem, switches, intervals, order) if switches else ()
 
 
 def _through_switches(
-    problem: Problem, switches: Sequence[Array], intervals: int, ramp_step: float = RAMP_STEP
+    problem: Problem,
+    switches: Sequence[Array],
+    intervals: int,
+    order: int,
+    ramp_step: float = RAMP_STEP,
 ) -> tuple[Grid, ...]:
     equal = tuple(uniform_grid(segment, intervals) for segment in problem.free)
     states, _ = boundary_states(problem.segments, equal)
-    grids, order = list[Grid](), control_order(problem)
+    grids = list[Grid]()
     for segment, grid, state, x in zip(problem.free, equal, states, switches, strict=True):
         assert segment.free is not None
         softer = max(segment.free.smoothness + 1 - order, 0)

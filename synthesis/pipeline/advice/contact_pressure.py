@@ -8,9 +8,7 @@ from typing import Final
 from synthesis.pipeline.advice.rule import Finding, Rule, number
 from synthesis.pipeline.advice.subject import Subject
 
-FATIGUED: Final = (
-    1500.0  # MPa: fatigue limit of rolling bearings, whose steel is the hardest in use
-)
+FATIGUED: Final = 1500.0  # MPa: fatigue limit of rolling bearings, the hardest steel in use
 DENTED: Final = 4000.0  # MPa: static rating of roller bearings
 HARDEST: Final = 250e3  # MPa, elastic modulus: above it are carbides and ceramics, not steels
 
