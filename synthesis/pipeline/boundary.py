@@ -22,7 +22,7 @@ from math import copysign, inf, sqrt
 from typing import Literal
 
 from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
+from synthesis.pipeline.oracle import COARSE, ENOUGH, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable, relaxed
 from synthesis.pipeline.secants import slope_of, zero_of
 
@@ -47,6 +47,7 @@ LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that i
 BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
 far will do."""
+QUARTER = 0.25  # of an excess, from one proof to the next and longer one
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 LATE = "the budget ended before this was known"
@@ -125,6 +126,8 @@ class Boundary:
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
+                if last and is_open:
+                    self._exclude_stepwise()
                 self._close_in()
         except TimeoutError:
             pass
@@ -203,6 +206,24 @@ class Boundary:
                 continue
             before = None if trial.excess is None else (way, trial.excess)
             bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
+
+    def _exclude_stepwise(self) -> None:
+        """Prove values impossible that lie ever nearer to the zero, by proofs ever longer.
+
+        Where the smallest cam exceeds its maximum by e, a gap of e/2 excludes all smaller ones. The
+        rough proofs, which are sure to end, come first.
+        """
+        assert self.nearest is not None
+        excess = QUARTER * self.excesses.get(self.number.tightest, 0.0)
+        while excess >= COARSE / ENOUGH:
+            slope, left = self._slope(0.0), self.nearest[1].excess
+            if slope <= 0.0 or left is None:
+                return
+            way = self._beyond(self.number.tightest, self.nearest[0]) + (left - excess) / slope
+            value = self.number.tightest + self.direction * way
+            if self.excluded is not None and self._beyond(self.excluded, value) > 0.0:
+                self.tried(value, ENOUGH * excess, exactly=True)
+            excess *= QUARTER
 
     @property
     def at_least(self) -> float | None:

@@ -15,7 +15,7 @@ cam, and what is claimed to be impossible is proven.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from synthesis.catalogue.fields import ends
@@ -28,6 +28,7 @@ from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.outwards import seek_value
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
+from synthesis.spec.design_spec import DesignSpec
 
 MOST_PROGRAMS = 1000
 """Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
@@ -51,11 +52,14 @@ class Members:
     on_time: bool
 
 
-def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Conflict:
+def explain(
+    asked: DesignSpec, attempt: Attempt, smallest: Smallest | None, deadline: float
+) -> Conflict:
     """Why a question has no cam, and what each of its conflicting numbers would have to be.
 
     Args:
-        attempt: what it came to, without a certified cam.
+        asked: the question, with what it leaves free.
+        attempt: what it came to, without a certified cam, at the numbers that were chosen.
         smallest: the smallest cam without its maximum of the base radius, where that was sought.
         deadline: ``clock.now()`` at which to stop; what is not known by then is said to be so.
     """
@@ -76,12 +80,14 @@ def explain(attempt: Attempt, smallest: Smallest | None, deadline: float) -> Con
         boundaries[number].narrow()
     for number in members.numbers:
         boundaries[number].seek_bound()
-    # 4. Changes of the program, with all limits as they are, that mend it.
+    # 4. Changes of the program, with all limits as they are, that mend it: in half of the time that
+    #    is left. Numbers that are free stay so. A gap that another program leaves open says nothing
+    #    of the one asked for.
     changes = list[Relaxation]()
-    for changeable in (
-        program_numbers(oracle.spec, attempt.chosen_values) if members.numbers else ()
-    ):
-        boundary = Boundary(oracle, changeable, original, ROUGH)
+    own = spec if not attempt.chosen_values else asked
+    changed = replace(oracle.share(2), spec=own, open_gaps=dict(oracle.open_gaps), known={})
+    for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
+        boundary = Boundary(changed, changeable, original, ROUGH)
         seek_value(boundary)
         if boundary.needed is not None:
             boundary.narrow()

@@ -75,7 +75,7 @@ def synthesise(
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
     # 2. Without a certified cam: why.
-    conflict = None if attempt.certified else explain(attempt, smallest, stop)
+    conflict = None if attempt.certified else explain(spec, attempt, smallest, stop)
     if conflict is not None:
         conflict = over_all_numbers(conflict, spec, attempt, smallest, goal, stages)
     # 3. Values, bounds and gaps in the units of the wire; the status follows from them.

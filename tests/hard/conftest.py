@@ -32,4 +32,4 @@ def members_only(coarse_conflicts: None, monkeypatch: pytest.MonkeyPatch) -> Non
 @pytest.fixture
 def short_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Conflicts of random specs are sought for half a second; ``make hard`` takes all there is."""
-    monkeypatch.setattr(EXPLAIN, lambda *question: explain(*question[:2], clock.now() + 0.5))
+    monkeypatch.setattr(EXPLAIN, lambda *question: explain(*question[:3], clock.now() + 0.5))

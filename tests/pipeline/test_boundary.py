@@ -14,6 +14,7 @@ from synthesis.design.design import Conflict
 from synthesis.pipeline import boundary, conflict, outwards
 from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
@@ -30,12 +31,6 @@ from tests.optimise.scenes import (
 )
 
 NEAR = 1e-3  # of the way from the request
-
-
-@pytest.fixture(autouse=True)
-def _no_program_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Changes of the program have tests of their own."""
-    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
 
 
 @pytest.fixture(autouse=True)
@@ -209,6 +204,68 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     assert known.excluded < least <= known.nearest[0]
     near = NEAR if slope else 5.0 * NEAR  # halved alone
     assert known.nearest[0] - known.excluded <= near * (known.nearest[0] - request)
+
+
+def test_rough_proofs_come_first_where_a_gap_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Time for a few proofs alone leaves a value excluded, not none."""
+    monkeypatch.setattr(boundary, "relaxed", lambda _spec, _number, value: value)
+    tolerances, least = list[float](), 1300.0
+
+    def trial_at(value: float, tolerance: float) -> Any:
+        excess = 0.2 * (least - value) / 300.0
+        in_time = len(tolerances) < 3
+        return SimpleNamespace(
+            certified=excess <= 0.0, excess=excess, smallest=None, on_time=in_time,
+            bound_excess=excess - tolerance if in_time else -1.0,
+            proof="proven" if in_time and excess > tolerance else "",
+            attempt=SimpleNamespace(mesh=lambda _: ()),
+        )  # fmt: skip
+
+    def relaxed_to(_number: Any, value: float, tolerance: float, *_: Any, **more: Any) -> Any:
+        assert more == {"exactly": True, "proof": "auto"}
+        tolerances.append(tolerance)
+        return trial_at(value, tolerance)
+
+    oracle = SimpleNamespace(
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto", time_budget_s=20.0),
+        open_gaps={"quick": 0.3}, is_late=lambda: False, relaxed=relaxed_to,
+        is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
+        ask_as_it_stands=lambda *_: SimpleNamespace(certified=True),
+    )  # fmt: skip
+    number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
+    known = Boundary(cast(Oracle, oracle), number, trial_at(1000.0, 0.01))
+    known.nearest = 1301.0, trial_at(1301.0, 0.0)
+    known.excesses[1301.0] = -0.2 / 300.0
+    known.seek_bound(last=True)
+    assert tolerances == pytest.approx([0.025, 0.2 / 32.0, 0.2 / 128.0])
+    assert known.at_least == pytest.approx(least - 300.0 / 16.0)
+
+
+def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Gaps that are open leave the members' values as they are at the end."""
+    seen = list[float]()
+    seek_value, seek_bound = conflict.seek_value, Boundary.seek_bound
+
+    def with_a_gap(known: Boundary) -> None:
+        seek_value(known)
+        if known.number.name == "speed":
+            known.oracle.open_gaps["quick"] = 1.0
+
+    def noted(known: Boundary, last: bool = False) -> None:
+        seen.extend([known.open_gap] if last else [])
+        seek_bound(known, last)
+
+    monkeypatch.setattr(conflict, "seek_value", with_a_gap)
+    monkeypatch.setattr(Boundary, "seek_bound", noted)
+    monkeypatch.setattr(
+        conflict,
+        "program_numbers",
+        lambda spec, chosen: [n for n in program_numbers(spec, chosen) if n.name == "speed"],
+    )
+    why(scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3}))
+    assert seen == [0.0]
 
 
 def test_a_conflict_ends_after_some_programs_where_the_spec_gives_no_time(

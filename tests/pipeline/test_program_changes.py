@@ -120,3 +120,21 @@ def test_the_end_of_a_range_at_which_the_number_lies() -> None:
     at_end = list(program_numbers(spec, [80.0, 172.8]))
     assert [n.paths[0] for n in at_end if "largest" in n.name] == ["program/0/angle_deg/max"]
     assert not [n for n in program_numbers(spec, [70.0, 150.0]) if n.name.startswith("largest")]
+
+
+def test_what_is_free_stays_free() -> None:
+    """A range is widened; none of its numbers is named, and no number beside them is given."""
+    given = {"kind": "cycloidal"}
+    program = (
+        {"kind": "rise", "angle_deg": {"min": 50.7, "max": 74.3}, "lift_mm": 28.2, "law": given},
+        dwell(45.9),
+        {"kind": "return", "angle_deg": {"min": 73.4, "max": 128.0}, "lift_mm": 28.2, "law": given},
+        dwell(159.0),
+    )
+    spec = scene(program, angles(29.4, 39.6), base={"max": 39.0})
+    found = why(spec)
+    names = {each.limit for each in found.program_changes}
+    assert names == {"all_lifts", "largest_program_0_angle_deg"}
+    for name in names:
+        changes = [each for each in found.program_changes if each.limit == name]
+        assert synthesise(with_changes(spec, changes, 1.0)).certificate.certified
