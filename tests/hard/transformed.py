@@ -215,8 +215,8 @@ def faults(question: Spec, first: Answer, other: Transformed, second: Answer) ->
     if not second.has_cam or second.value is None:
         yield f"lost: {second.status}, though the partner's cam does"
         return
-    if first.bound == second.bound == 0.0:
-        return  # no cam is the best: both come as near to the infimum as is sought
+    if first.bound == 0.0:
+        return  # no cam is the best: what comes near to the infimum is as small as is sought
     tolerance = question["tolerance"]
     closed = all(a.gap is not None and a.gap <= tolerance for a in (first, second))
     allowed = tolerance if closed else ANYWHERE

@@ -34,8 +34,7 @@ Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
 FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
-SHARES_OF_CAPS = (0.3, 0.1, 0.03, 0.01)
-"""Shares of the caps on the highest derivative, in turn: a factor of three apart."""
+SHARE_STEP = 0.3  # from one share of the caps on the highest derivative to the next smaller one
 FAR_GAP = 0.2  # gap above which further starts are tried
 EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
 GROWTH = 0.1  # share of the tolerance that IPOPT may leave to the final enlargement; it saves a run
@@ -77,14 +76,13 @@ def _continue_from_tighter_caps(state: SolveState) -> SolveState:
     if not _gap_is_far(state):
         return state
     # 1. The law under the smallest share. Whatever satisfies a share satisfies every larger one,
-    #    so the first share that has no law ends the series.
+    #    so the first share that has no law ends the series, and one does: a move takes some jerk.
     start, shares = None, [1.0]
-    for share in SHARES_OF_CAPS:
-        tighter = with_tighter_caps(state.problem, share)
-        tighter_cam = _relaxed_cam(replace(state, problem=tighter)) if tighter else None
+    while tighter := with_tighter_caps(state.problem, shares[0] * SHARE_STEP):
+        tighter_cam = _relaxed_cam(replace(state, problem=tighter))
         if tighter_cam is None:
             break
-        start, shares = tighter_cam, [share, *shares]
+        start, shares = tighter_cam, [shares[0] * SHARE_STEP, *shares]
     if start is None:
         return state  # the problem itself was searched already
     # 2. Its local optimum, and from there on those under wider caps.
@@ -93,7 +91,7 @@ def _continue_from_tighter_caps(state: SolveState) -> SolveState:
         if tighter is None or not _gap_is_far(state):
             break
         trial = replace(state, problem=tighter, incumbent=None, relaxed=None, stages=())
-        trial, _ = scp_search(trial, start.laws, start.size, f"tangents, {share:g} of the caps")
+        trial, _ = scp_search(trial, start.laws, start.size, f"tangents, {share:.2g} of the caps")
         if trial.incumbent is not None:
             start = trial.incumbent
             state, _ = offer_local_optimum(state, start.laws, start.size)

@@ -91,3 +91,29 @@ def test_bounds_of_a_node_end_with_the_budget_of_the_proof(
     state = searched("slide, Hertz pressure", ProofBudget(programs, 1.0))
     assert ends
     assert set(ends) == {state.last_program if programs else inf}
+
+
+@pytest.mark.parametrize("times", [20.0, 3e3])
+def test_caps_are_tightened_as_far_as_a_law_keeps_them(times: float, monkeypatch: Any) -> None:
+    """However loose they are: a local optimum under wide caps may be worse than under tight ones."""
+    labels = list[str]()
+
+    def noted(state: SolveState, _laws: Any, _size: Any, label: str = "tangents") -> Any:
+        labels.append(label)
+        return state, False
+
+    monkeypatch.setattr(local_search, "scp_search", noted)
+    monkeypatch.setattr(local_search, "improve_from", lambda state, _start: state)
+    body = random_scene("slide, splines of class C4", 104)
+    rise, _, fall, _ = body["program"]
+    speed = 6.0 * body["speed_rpm"]  # deg/s
+    least = max(32.0 * s["lift_mm"] * (speed / s["angle_deg"]) ** 3 for s in (rise, fall))
+    (cap,) = (limit for limit in body["limits"] if limit["kind"] == "jerk")
+    cap["max_mm_per_s3"] = times * least
+    spec = NondimensionalSpec.of(DesignSpec.model_validate(body)).scaled
+    optimise(formulate_problem(spec, spec.objectives()[0]), TOLERANCE, proof=QUICK)
+    shares = [float(label.split(" ")[1]) for label in labels if label.endswith("of the caps")]
+    assert 1.0 <= shares[0] * times < 1.05 / local_search.SHARE_STEP
+    assert shares[-1] == 1.0
+    for share, wider in pairwise(shares):
+        assert wider == pytest.approx(share / local_search.SHARE_STEP, rel=0.05)
