@@ -1,6 +1,7 @@
 """Questions that lie beyond a proven bound: whether that is proven, and what their conflict says.
 
     python -m tests.hard.beyond FIRST LAST [--families WORD] [--seconds S] [--kept FILE] [--proof P]
+                                           [--budget S]
 
 asks those of the scenes FIRST to LAST of each family whose name holds the word, until S seconds of
 processor time are over. FILE keeps every outcome, a line each: what is in it is not asked again,
@@ -35,10 +36,9 @@ from synthesis.pipeline.largest_radius import solve_with_maximum
 from synthesis.pipeline.oracle import Trial
 from synthesis.pipeline.relaxable import relaxable_numbers, without
 from tests.hard.families import FAMILIES, Spec, random_scene
-from tests.hard.own_numbers import BUDGET_S as OWN_BUDGET_S
-from tests.hard.own_numbers import solved
+from tests.hard.own_numbers import BUDGET_S, solved
 
-BUDGET_S, SOON_S = 20.0, 5.0  # of a question with its conflict, and of one with little time
+SOON_S = 5.0  # the time budget of a question that has little of it
 LATE_S = 0.5  # processor time after a budget: what is written down of what is known by then
 LEAST_BEYOND, MOST_BEYOND = 1e-3, 0.2  # relative
 FLOOR = 1e-2  # strokes: a smaller base radius may be bounded by the end of the search alone
@@ -155,9 +155,9 @@ def _beyond(random: np.random.Generator) -> float:
     return float(np.exp(random.uniform(np.log(LEAST_BEYOND), np.log(MOST_BEYOND))))
 
 
-def ask(question: Question, proof: str = "auto") -> Outcome:
-    """Put a question with a ``proof`` of its own, and try what its conflict says."""
-    body = {"time_budget_s": BUDGET_S, **question.body, "proof": proof}
+def ask(question: Question, proof: str, budget: float) -> Outcome:
+    """Put a question with a ``proof`` and a time of its own, and try what its conflict says."""
+    body = {"time_budget_s": budget, **question.body, "proof": proof}
     status, design, seconds = solved(body)
     outcome = Outcome(question, status, seconds)
     conflict = None if design is None else design.conflict
@@ -233,7 +233,7 @@ def _has_cam(body: Spec) -> bool:
     """
     for proof in ("quick", "auto"):
         spec = DesignSpec.model_validate({**body, "proof": proof})
-        goal = Goal(clock.now() + OWN_BUDGET_S)
+        goal = Goal(clock.now() + BUDGET_S)
         trial = Trial(*solve_with_maximum(spec, goal, []), on_time=True)
         if trial.certified or trial.proof:
             return trial.certified
@@ -310,6 +310,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--kept", type=Path)
     parser.add_argument("--proof", default="auto")
+    parser.add_argument("--budget", type=float, default=20.0, help="of a question [s]")
     given = parser.parse_args(arguments)
     clock.now = time.process_time  # the same answers on a busy machine
     found = _read(given.kept)
@@ -318,7 +319,8 @@ def main(arguments: list[str]) -> int:
         for family in (family for family in FAMILIES if given.families in family):
             if time.process_time() > given.seconds or (family, number) in known:
                 continue
-            answers = [_judged(question, given.proof) for question in questions(family, number)]
+            asked = questions(family, number)
+            answers = [_judged(question, given.proof, given.budget) for question in asked]
             found += answers
             if given.kept is not None:  # a scene at once: one that was cut off is asked again
                 with given.kept.open("a") as file:
@@ -327,9 +329,9 @@ def main(arguments: list[str]) -> int:
     return 1 if any(one.complaints for one in found) else 0
 
 
-def _judged(question: Question, proof: str) -> Outcome:
+def _judged(question: Question, proof: str, budget: float) -> Outcome:
     """What a question came to, printed."""
-    outcome = ask(question, proof)
+    outcome = ask(question, proof, budget)
     print(f"{question.family} {question.number} {question.kind} {question.beyond:.2%}: "
           f"{outcome.status}, {_shares([outcome])}", flush=True)  # fmt: skip
     for complaint in outcome.complaints:

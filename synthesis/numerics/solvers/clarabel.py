@@ -98,11 +98,14 @@ def solve(
 ) -> ConeSolution:
     """Solve to 1e-10 relative where rounding allows, for ``time_limit`` seconds at most.
 
-    ``project``: whether equalities are kept to rounding.
+    ``project``: whether equalities are kept to rounding. Without time nothing is solved: a small
+    program would be through before the solver looks at the clock.
 
     Raises:
         Cancelled: nobody waits for it any more.
     """
+    if time_limit <= 0.0:
+        return _out_of_time(program)
     until = clock.now() + time_limit
     found = _solve_once(program, time_limit, REGULAR)
     if found.iterations >= MOST_ITERATIONS and clock.now() < until:
@@ -133,7 +136,7 @@ def minimise_each(
     found = list[ConeSolution]()
     for objective in objectives:
         if clock.now() >= until or work >= most:
-            found.append(ConeSolution(np.zeros(0), np.zeros(0), StopReason.OUT_OF_TIME, 0))
+            found.append(_out_of_time(program))
             break
         solver.update(q=objective)
         found.append(_run(solver))
@@ -142,6 +145,12 @@ def minimise_each(
             break
     clock.count_program(math.ceil(work / WORK))
     return found
+
+
+def _out_of_time(program: ConeProgram) -> ConeSolution:
+    """The answer where a program is not begun."""
+    rows, unknowns = program.matrix.shape
+    return ConeSolution(np.zeros(unknowns), np.zeros(rows), StopReason.OUT_OF_TIME, 0)
 
 
 def _solve_once(program: ConeProgram, time_limit: float, regular: float) -> ConeSolution:

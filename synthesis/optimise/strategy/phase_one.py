@@ -188,8 +188,6 @@ def minimise_excess(
     names = tuple(dict.fromkeys(limit.kind for limit in steering))
     present, best = tuple(grids), None
     for number in range(MAX_ITERATIONS):
-        if clock.now() >= deadline:
-            break
         model = formulate(auxiliary, present, 0.0, Tightening(tighten))
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -313,8 +311,6 @@ def least_excess_program(
         return None
     best, grids = None, tuple(uniform_grid(segment, INTERVALS) for segment in auxiliary.free)
     for _ in range(PROOF_ITERATIONS):
-        if clock.now() >= deadline:  # a small program would be solved all the same
-            break
         model = formulate(auxiliary, grids, 0.0)
         solution = solve(model.program, deadline - clock.now())
         if solution.stopped not in USABLE:
@@ -362,8 +358,6 @@ def least_excess(
     Returns:
         the amount, 0 where all limits can hold together; None where the solver fails.
     """
-    if clock.now() >= deadline:
-        return None
     bare = replace(problem, objective=NoObjective(), objective_caps=())
     program = formulate(bare, grids, 0.0, Tightening(tighten), paired=True).program
     rows, unknowns = program.matrix.shape

@@ -112,3 +112,11 @@ def test_many_objectives_end_where_there_is_no_point_or_no_time() -> None:
     assert only.stopped is StopReason.INFEASIBLE
     (late,) = minimise_each(_bowl(-1.1), objectives, 0.0)
     assert late.stopped is StopReason.OUT_OF_TIME
+
+
+@pytest.mark.parametrize("left", [0.0, -3.0])
+def test_what_is_late_is_not_solved(left: float) -> None:
+    """The solver would be through with so small a program before it looked at the clock."""
+    late = solve(_bowl(-1.1), left)
+    assert late.stopped is StopReason.OUT_OF_TIME
+    assert late.iterations == 0
