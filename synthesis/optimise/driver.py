@@ -160,7 +160,7 @@ def _begin_from(state: SolveState, best: Candidate) -> SolveState:
     On its knots that cam is a point of the relaxation and a start of the local search, however
     little room the earlier objective's value leaves.
     """
-    state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_hint=True))
+    state = state.with_incumbent(recover_cam(state.problem, best.laws, best.size, keep_size=True))
     knots = [law.space.breaks for law in best.laws]
     return replace(state, grids=_grids_through(state.problem, knots))
 

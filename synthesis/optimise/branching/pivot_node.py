@@ -227,7 +227,7 @@ def _solve_relaxation(state: SolveState, best: Candidate, node: PivotNode) -> Pi
         node = replace(node, about=TangentPoint(tuple(law.curve() for law in laws), size))
         # Above the incumbent there is nothing left to bound: no cam of this box is better.
         node = node.with_bound(bound, best.value)
-        cam = recover_cam(problem, laws, size, keep_hint=True)
+        cam = recover_cam(problem, laws, size, keep_size=True)
         if state.is_close(best, bound.value) or state.time_left <= 0.0:
             break
         # Knots can gain what lies between the best of this family of splines and the bound.

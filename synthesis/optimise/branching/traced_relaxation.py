@@ -130,7 +130,7 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
             return node
         # 3. The solution is where the next rows are tangent.
         laws, size = model.recover(solution.x)
-        cam = recover_cam(problem, laws, size, keep_hint=True)
+        cam = recover_cam(problem, laws, size, keep_size=True)
         reference = TangentPoint(tuple(law.curve() for law in laws), size)
         binding = node.region.binding or frozenset()
         if implied:  # without any rows the solution shows nothing

@@ -148,7 +148,7 @@ def _cam(
     )
     states, _ = boundary_states(problem.segments, grids)
     every = zip(problem.free, moves, grids, states, strict=True)
-    cam = recover_cam(problem, [_law(*each) for each in every], size, keep_hint=True)
+    cam = recover_cam(problem, [_law(*each) for each in every], size, keep_size=True)
     found = enlarge_until_feasible(cam)
     if found is None:
         return None

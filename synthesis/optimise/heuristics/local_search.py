@@ -266,9 +266,9 @@ def offer_local_optimum(
     Returns:
         the state, and the violations of rows between their points in the last cam tried.
     """
-    for keep_hint in (False, True):
-        found = cam = recover_cam(state.problem, laws, size, keep_hint=keep_hint)
-        cam = enlarge_for_rows(cam) if keep_hint and not state.problem.has_curved_limits else cam
+    for keep_size in (False, True):
+        found = cam = recover_cam(state.problem, laws, size, keep_size=keep_size)
+        cam = enlarge_for_rows(cam) if keep_size and not state.problem.has_curved_limits else cam
         violations = row_violations(state, cam)
         if state.problem.holds_size and violations[1] > ALLOWED:
             violations = row_violations(state, found)  # it may not grow for rows: they need points

@@ -104,7 +104,7 @@ def solve_scp(
         deadline: ``time.monotonic()`` at which to stop.
         goal: how near an optimum shall be.
     """
-    here = recover_cam(model.problem, *model.recover(model.point(laws, size)), keep_hint=True)
+    here = recover_cam(model.problem, *model.recover(model.point(laws, size)), keep_size=True)
     enlarged, peaks = enlarge_until_feasible(here), list[ConstraintSamples]()
     keeps = enlarged is not None and not goal.anew and _satisfies_rows(model, enlarged)
     best = enlarged if keeps else None
@@ -127,7 +127,7 @@ def solve_scp(
         iterations += solution.iterations
         if solution.stopped not in USABLE:
             break
-        target = recover_cam(model.problem, *model.recover(solution.x), keep_hint=True)
+        target = recover_cam(model.problem, *model.recover(solution.x), keep_size=True)
         # 3. The farthest cam on the way there that satisfies them once enlarged, and is smaller.
         candidate, step = _line_search(model, here, target, inf if best is None else best.value)
         # where the limits are violated between the points of the tangents, more of these
@@ -183,7 +183,7 @@ def _line_search(
             for a, b in zip(here.laws, target.laws, strict=True)
         ]
         size = tuple(a + step * (b - a) for a, b in zip(here.size, target.size, strict=True))
-        trial = recover_cam(model.problem, laws, size, keep_hint=True)
+        trial = recover_cam(model.problem, laws, size, keep_size=True)
     return None, step
 
 

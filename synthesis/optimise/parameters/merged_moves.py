@@ -121,7 +121,7 @@ class MergedMoves:
             spline = make_interp_spline(x, values / segment.lift, space.degree, space.knots)
             parts.append(SplineLaw(space, np.asarray(spline.c, dtype=float)))
         laws = (*cam.laws[:position], *parts, *cam.laws[position + 1 :])
-        return recover_cam(problem, laws, cam.size, keep_hint=True)
+        return recover_cam(problem, laws, cam.size, keep_size=True)
 
     def _merged_law(self, cam: Candidate) -> tuple[int, SplineLaw]:
         """Position among the free laws of the one move, and its law."""

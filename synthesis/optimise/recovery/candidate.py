@@ -40,18 +40,21 @@ class Candidate:
 
 
 def recover_cam(
-    problem: Problem, laws: Sequence[SplineLaw], hint: Vector, *, keep_hint: bool = False
+    problem: Problem, laws: Sequence[SplineLaw], size: Vector, *, keep_size: bool = False
 ) -> Candidate:
-    """The cam of the relaxation: limits that are not convex are not looked at.
+    """The cam of these laws: the least that their rows allow, limits that are not convex left out.
 
-    ``hint``: the solver's size, used where the closed form does not apply, or ``keep_hint``.
+    Args:
+        problem: the problem. laws: one per free segment.
+        size: the solver's, used where the least one has no closed form.
+        keep_size: whether the solver's is used in any case.
     """
     placed = [s.with_law(curve) for s, curve in zip(problem.free, law_curves(laws), strict=True)]
     fixed = problem.with_laws(placed)
-    size = None if keep_hint or weighs_size(problem) else smallest_size(fixed)
-    cam = cam_at_size(fixed, laws, hint if size is None else size)
+    least = None if keep_size or weighs_size(problem) else smallest_size(fixed)
+    cam = cam_at_size(fixed, laws, size if least is None else least)
     # it may have grown since: that eases some rows, and others are looked at again
-    only_enlarged = size is not None and cam.size[:-1] == size[:-1] and cam.size[-1] >= size[-1]
+    only_enlarged = least is not None and cam.size[:-1] == least[:-1] and cam.size[-1] >= least[-1]
     return replace(cam, fitted=only_enlarged)
 
 

@@ -40,7 +40,7 @@ def solve_and_separate(state: SolveState, number: int) -> tuple[SolveState, Cand
         if cam is None:
             break
         best = cam if best is None or cam.value < best.value else best
-        unfitted = recover_cam(model.problem, *model.recover(solution.x), keep_hint=True)
+        unfitted = recover_cam(model.problem, *model.recover(solution.x), keep_size=True)
         points, _ = row_violations(state, unfitted)
         if state.time_left <= 0.0 or not any(map(len, points)):
             break

@@ -394,7 +394,7 @@ def test_what_growing_mends_for_less_than_is_allowed_gets_no_run_of_its_own():
     full, short = (answer(spec, tighten=tighten, growth=g) for g in (0.0, growth))
     assert short.found.iterations < full.found.iterations
     laws, size = short.model.recover(short.found.x)
-    grown = enlarge_until_feasible(recover_cam(short.model.problem, laws, size, keep_hint=True))
+    grown = enlarge_until_feasible(recover_cam(short.model.problem, laws, size, keep_size=True))
     assert grown is not None
     assert short.prime < grown.value <= (1.0 + growth) * short.prime
     assert np.max(excess(spec, short.model, short.model.point(laws, grown.size))) <= 1e-7

@@ -55,7 +55,7 @@ def test_as_good_as_the_local_optimum_of_a_nonlinear_program(name: str) -> None:
     assert found.converged
     assert found.cam is not None
     nearby = solve_ipopt(model, model.point(found.cam.laws, found.cam.size), tighten=1e-6)
-    best = recover_cam(model.problem, *model.recover(nearby.x), keep_hint=True).value
+    best = recover_cam(model.problem, *model.recover(nearby.x), keep_size=True).value
     assert found.cam.value == pytest.approx(best, rel=2.0 * CLOSE)
 
 

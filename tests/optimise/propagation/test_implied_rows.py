@@ -164,7 +164,7 @@ def finer(found):
     model = formulate(problem, grids, 0.0, Tightening(1e-7))
     better = solve_ipopt(model, model.point(found.incumbent.laws, found.incumbent.size), None, 1e-6)
     laws, size = model.recover(better.x)
-    return recover_cam(problem, laws, size, keep_hint=True)
+    return recover_cam(problem, laws, size, keep_size=True)
 
 
 def test_the_bound_is_below_local_optima_on_much_finer_knots(thorough, found, finer):

@@ -52,13 +52,13 @@ def test_a_fitted_size_keeps_its_rows_between_their_points() -> None:
 def test_the_solvers_own_size_does_not_and_a_larger_one_is_looked_at_again() -> None:
     model, solution, state = solved()
     laws, size = model.recover(solution.x)
-    hinted = recover_cam(model.problem, laws, size, keep_hint=True)
+    hinted = recover_cam(model.problem, laws, size, keep_size=True)
     assert not hinted.fitted
     assert worst(hinted) > 1e-3
     points, excess = row_violations(state, hinted)
     assert excess > 1e-5
     assert any(len(each) for each in points)
-    assert not recover_cam(model.problem, laws, tuple(1.1 * v for v in size), keep_hint=True).fitted
+    assert not recover_cam(model.problem, laws, tuple(1.1 * v for v in size), keep_size=True).fitted
 
 
 @pytest.mark.parametrize("fitted", [True, False])
