@@ -23,7 +23,7 @@ from typing import Literal
 
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import COARSE, ENOUGH, ON_KNOTS, Oracle, Trial
-from synthesis.pipeline.relaxable import Relaxable, relaxed
+from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import slope_of, zero_of
 
 FINE, FINEST = 1e-4, {"quick": (1e-4,), "auto": (1e-5, 3e-7), "thorough": (1e-6, 3e-7)}
@@ -344,7 +344,7 @@ class Boundary:
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
-        (nearest, trial), spec = self.nearest, self.oracle.spec
+        nearest, trial = self.nearest
         units = self._way(nearest), abs(nearest)
         spares = sorted({
             share * unit for shares, unit in zip(SPARE, units, strict=True) for share in shares
@@ -359,7 +359,7 @@ class Boundary:
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
-            found = self.oracle.ask_as_it_stands(relaxed(spec, self.number, value), self.proof)
+            found = self.oracle.ask_as_it_stands(self.number, value, self.proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed, self.confirmed = value, nearest

@@ -66,7 +66,8 @@ def explain(
     original = Trial(attempt, smallest, True)
     spec = attempt.question.physical
     most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
-    oracle = Oracle(spec, deadline, most)
+    own = asked if attempt.chosen_values else spec
+    oracle = Oracle(spec, own, deadline, most)
     numbers = relaxable_numbers(oracle.spec)
     # 1. A value of each number that suffices alone.
     boundaries = {number: Boundary(oracle, number, original) for number in numbers}
@@ -84,7 +85,6 @@ def explain(
     #    is left. Numbers that are free stay so. A gap that another program leaves open says nothing
     #    of the one asked for.
     changes = list[Relaxation]()
-    own = spec if not attempt.chosen_values else asked
     changed = replace(oracle.share(2), spec=own, open_gaps=dict(oracle.open_gaps), known={})
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)

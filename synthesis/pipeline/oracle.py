@@ -106,6 +106,8 @@ class Oracle:
     """Answers to a question with some of its numbers changed.
 
     Attributes:
+        spec: the question, with the numbers that were chosen for those it leaves free.
+        asked: the question as it stands.
         stop: ``clock.now()`` after which nothing more is tried. last_program: the same, counted in
             programs that are solved.
         open_gaps: relative, what was left between a smallest cam and its bound for all the
@@ -113,6 +115,7 @@ class Oracle:
     """
 
     spec: DesignSpec
+    asked: DesignSpec
     stop: float
     last_program: float = inf
     open_gaps: dict[str, float] = field(default_factory=dict)
@@ -147,13 +150,15 @@ class Oracle:
         goal = Goal(self.stop, sufficient=enough, mesh=mesh)
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
-    def ask_as_it_stands(self, spec: DesignSpec, proof: str) -> Trial:
-        """Put a question as anyone would who sends this spec, with the spec's proof or a quick one.
+    def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Trial:
+        """Put the question as anyone would who sends a value, with the spec's proof or a quick one.
 
-        Where the smallest cam is too large, no smaller one is sought with the maximum as a
-        constraint: by how much it is too large says which value to try next.
+        What is free stays so: another number may be chosen for it than for the question. Where the
+        smallest cam is too large, no smaller one is sought with the maximum as a constraint: by how
+        much it is too large says which value to try next.
         """
         goal, changes = Goal(self.stop), {**QUICK, "proof": proof}
+        spec = relaxed(self.asked, number, value)
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 
     def share(self, parts: int) -> Oracle:
@@ -201,7 +206,7 @@ class Oracle:
     def is_valid(self, number: Relaxable, value: float) -> bool:
         """Whether a spec may have this value of a number."""
         try:
-            DesignSpec.model_validate(relaxed(self.spec, number, value).model_dump())
+            DesignSpec.model_validate(relaxed(self.asked, number, value).model_dump())
         except ValidationError:
             return False
         return True

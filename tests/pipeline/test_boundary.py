@@ -137,9 +137,8 @@ LEAST = 1300.0  # of a number that is asked to be 1000 at most
 
 def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -> Boundary:
     """What is known of that number, with excesses of questions as they stand by its value."""
-    monkeypatch.setattr(boundary, "relaxed", lambda _spec, _number, value: value)
 
-    def ask(value: float, _proof: str) -> Any:
+    def ask(_number: Any, value: float, _proof: str) -> Any:
         excess = 2e-3 * (LEAST - value) / 1000.0
         found[value] = excess
         return SimpleNamespace(certified=excess <= 0.0, excess=excess)
@@ -206,9 +205,8 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     assert known.nearest[0] - known.excluded <= near * (known.nearest[0] - request)
 
 
-def test_rough_proofs_come_first_where_a_gap_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rough_proofs_come_first_where_a_gap_is_open() -> None:
     """Time for a few proofs alone leaves a value excluded, not none."""
-    monkeypatch.setattr(boundary, "relaxed", lambda _spec, _number, value: value)
     tolerances, least = list[float](), 1300.0
 
     def trial_at(value: float, tolerance: float) -> Any:

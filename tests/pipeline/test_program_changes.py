@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import copy
+from math import inf
 from typing import Any
 
 import pytest
 
 from synthesis import synthesise
 from synthesis.design.design import Conflict, Relaxation
+from synthesis.pipeline import oracle
+from synthesis.pipeline.largest_radius import compare
+from synthesis.pipeline.oracle import Oracle
 from synthesis.pipeline.program_numbers import program_numbers
+from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.scenes import PLAIN, acceleration, angles, dwell, fall, jerk, rise, scene
 
@@ -120,6 +125,29 @@ def test_the_end_of_a_range_at_which_the_number_lies() -> None:
     at_end = list(program_numbers(spec, [80.0, 172.8]))
     assert [n.paths[0] for n in at_end if "largest" in n.name] == ["program/0/angle_deg/max"]
     assert not [n for n in program_numbers(spec, [70.0, 150.0]) if n.name.startswith("largest")]
+
+
+def test_a_value_is_put_into_the_question_as_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its angles are free there, and may come to others than those chosen for the request."""
+    free = ({**rise(71.7), "angle_deg": {"min": 60.0, "max": 80.0}}, *PLAIN[1:3],
+            {**dwell(0.0), "angle_deg": {"min": 100.0, "max": 200.0}})  # fmt: skip
+    asked, chosen = (
+        scene(each, angles(30.0, 31.0), jerk(50.0, 71.7), base={"max": 30.0})
+        for each in (free, PLAIN)
+    )
+    specs = list[DesignSpec]()
+
+    def noted(spec: DesignSpec, *given: Any, **more: Any) -> Any:
+        specs.append(spec)
+        return compare(spec, *given, **more)
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    number = next(n for n in relaxable_numbers(chosen) if n.name == "base radius")
+    trial = Oracle(chosen, asked, inf).ask_as_it_stands(number, 33.0, "quick")
+    assert trial.certified
+    assert trial.attempt.chosen_values
+    (spec,) = specs
+    assert (spec.program, spec.base_radius_mm.max) == (asked.program, 33.0)
 
 
 def test_what_is_free_stays_free() -> None:

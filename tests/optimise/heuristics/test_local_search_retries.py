@@ -95,7 +95,7 @@ def test_bounds_of_a_node_end_with_the_budget_of_the_proof(
 
 @pytest.mark.parametrize("times", [20.0, 3e3])
 def test_caps_are_tightened_as_far_as_a_law_keeps_them(times: float, monkeypatch: Any) -> None:
-    """However loose they are: a local optimum under wide caps may be worse than under tight ones."""
+    """However loose they are: a local optimum under wide caps may be the worse one."""
     labels = list[str]()
 
     def noted(state: SolveState, _laws: Any, _size: Any, label: str = "tangents") -> Any:
