@@ -167,9 +167,7 @@ def ask(question: Question, proof: str, budget: float) -> Outcome:
         return outcome
     outcome.proven = outcome.in_time = conflict.proven
     if seconds > SOON_S:
-        _, design, seconds = solved({**body, "time_budget_s": SOON_S})
-        short = None if design is None else design.conflict
-        outcome.in_time = short is not None and short.proven and seconds <= SOON_S + LATE_S
+        outcome.in_time = _is_proven_soon(body)
     for each in conflict.relaxations:
         _try_values(outcome, each)
     for name in dict.fromkeys(each.limit for each in conflict.program_changes):
@@ -188,6 +186,23 @@ def ask(question: Question, proof: str, budget: float) -> Outcome:
         if not shown and not any(each.startswith(words) for each in conflict.unconfirmed):
             outcome.complaints.append(f"the other members alone, without {member}: no cam either")
     return outcome
+
+
+def _is_proven_soon(body: Spec) -> bool:
+    """Whether a question with little time is proven to have no cam."""
+    start = clock.now()
+    proof = _answered(body, SOON_S).proof  # a conflict comes after it, with the time that is left
+    if proof and clock.now() - start <= SOON_S + LATE_S:
+        return True
+    _, design, seconds = solved({**body, "time_budget_s": SOON_S})
+    short = None if design is None else design.conflict
+    return short is not None and short.proven and seconds <= SOON_S + LATE_S
+
+
+def _answered(body: Spec, seconds: float) -> Trial:
+    """The answer of ``synthesise`` without its conflict, which takes far longer than the rest."""
+    spec, goal = DesignSpec.model_validate(body), Goal(clock.now() + seconds)
+    return Trial(*solve_with_maximum(spec, goal, []), on_time=True)
 
 
 def _try_values(outcome: Outcome, each: Relaxation) -> None:
@@ -228,14 +243,9 @@ def without_each(body: Spec, members: set[str]) -> Iterator[tuple[str, Spec]]:
 
 
 def _has_cam(body: Spec, proofs: Sequence[str] = ("quick", "auto")) -> bool:
-    """Whether a cam is found, with a proof as short or as long as the question may have.
-
-    The answer of ``synthesise`` without its conflict, which takes far longer than all the rest.
-    """
+    """Whether a cam is found, with a proof as short or as long as the question may have."""
     for proof in proofs:
-        spec = DesignSpec.model_validate({**body, "proof": proof})
-        goal = Goal(clock.now() + BUDGET_S)
-        trial = Trial(*solve_with_maximum(spec, goal, []), on_time=True)
+        trial = _answered({**body, "proof": proof}, BUDGET_S)
         if trial.certified or trial.proof:
             return trial.certified
     return False
