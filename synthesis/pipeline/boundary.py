@@ -21,8 +21,8 @@ from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
 from typing import Literal
 
-from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import COARSE, ENOUGH, ON_KNOTS, Oracle, Trial
+from synthesis.pipeline.largest_radius import ENOUGH, Smallest
+from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import slope_of, zero_of
 

@@ -35,6 +35,7 @@ from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
+ENOUGH = 0.5  # of what a smallest cam exceeds its maximum by: a gap that excludes smaller ones
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
 LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
@@ -172,19 +173,26 @@ def _decided(
 ) -> Smallest | None:
     """The smallest cam, with a finer tolerance while the maximum lies in a gap that is closed.
 
-    Where the gap is larger than the tolerance, the method can do no better, and nothing is gained.
+    Where the quick proof leaves a gap larger than the tolerance (limits that bind are not convex),
+    the spec's own proof is repeated once: a gap of half of what the cam is too large excludes all
+    that are small enough.
     """
-    tolerance = spec.tolerance
-    while smallest is not None and clock.now() < goal.stop:
+    tolerance, proof = spec.tolerance, "quick"
+    while smallest is not None and clock.now() < goal.stop and proof == "quick":
         known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
         decided = known.certified or smallest.excludes
-        if decided or not smallest.is_bounded or gap > tolerance or tolerance <= FINEST:
+        if decided or not smallest.is_bounded or tolerance <= FINEST:
             break
         if known.chosen_values:
             break  # a finer bound over all numbers takes many programs
-        tolerance = max(tolerance * FINER, FINEST)
-        changes = {"tolerance": tolerance, "proof": "quick"}
+        if gap <= tolerance:
+            tolerance = max(tolerance * FINER, FINEST)
+        elif tolerance < spec.tolerance and spec.proof != "quick":
+            tolerance, proof = ENOUGH * (1.0 - smallest.most / smallest.radius), spec.proof
+        else:
+            break
+        changes = {"tolerance": tolerance, "proof": proof}
         finer = first_question(spec.model_copy(update=changes))
         # Its laws are next to the best: on their knots one that is small enough is found at once.
         enough = smallest.most if len(spec.objectives()) == 1 else -inf

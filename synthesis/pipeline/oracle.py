@@ -23,13 +23,12 @@ from synthesis.pipeline.infeasibility import (
     infeasibility_proof,
     mean_velocity_excess,
 )
-from synthesis.pipeline.largest_radius import ANY, Smallest, compare
+from synthesis.pipeline.largest_radius import ANY, ENOUGH, Smallest, compare
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
 ON_KNOTS = 1e-2  # relative: of a bound on a neighbour's knots; the cam is a hundred times nearer
-ENOUGH = 0.5  # of an excess: a gap that proves it
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
 ALONE = "no cam was found however far this number alone is relaxed"
 

@@ -277,3 +277,31 @@ def test_a_maximum_below_where_the_search_begins_is_kept_by_the_cam_that_is_foun
     given = answer(question, base_radius_mm=most["max"])
     assert given.status == "optimal"
     assert all(stage.stage != "nonlinear" for stage in given.report.stages)  # no other search
+
+
+def test_a_maximum_in_a_gap_of_the_quick_proof_is_excluded_by_the_spec_s_own() -> None:
+    """A jerk limit 0.2 % below the least peak that a cam of this size can have; curvature binds."""
+    program = [
+        {"kind": "rise", "angle_deg": 62.1, "lift_mm": 8.83, "law": {"kind": "spline"}},
+        {"kind": "dwell", "angle_deg": 41.9},
+        {"kind": "return", "angle_deg": 106.0, "lift_mm": 8.83,
+         "law": {"kind": "polynomial_4_5_6_7"}},
+        {"kind": "dwell", "angle_deg": 150.0},
+    ]  # fmt: skip
+    body = {
+        "speed_rpm": 142.0, "program": program,
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 7.01},
+        "limits": [
+            {"kind": "pressure_angle", "rise_deg": 29.6, "return_deg": 32.9},
+            {"kind": "jerk", "max_mm_per_s3": 1416579.6915784194},
+        ],
+        "base_radius_mm": {"max": 7.439875209917396},
+    }  # fmt: skip
+    excluded = {}
+    for proof in ("quick", "auto"):
+        spec = DesignSpec.model_validate({**body, "proof": proof})
+        _, smallest = largest_radius.solve_with_maximum(spec, Goal(inf), [])
+        assert smallest is not None
+        assert smallest.lower <= 7.4503 <= smallest.radius  # the cam of a proof ten times finer
+        excluded[proof] = smallest.excludes
+    assert excluded == {"quick": False, "auto": True}
