@@ -258,7 +258,11 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    return {"size": _size(design), "laws": laws, "program": _chosen(design)}
+    found = {"size": _size(design), "laws": laws, "program": _chosen(design)}
+    asked, made = design.spec.load, design.completed_spec.load
+    if asked is not None and made is not None and made.spring is not None and asked.free_spring:
+        found["spring"] = {name: getattr(made.spring, name) for name in asked.free_spring}
+    return found
 
 
 def _has_cam(design: Design) -> bool:
@@ -363,8 +367,8 @@ def _without_cam(problem: Problem, spec: DesignSpec, length: float) -> Iterator[
 def _known(spec: DesignSpec) -> DesignSpec:
     """The question without what the checker has no rows of: other limits, and a counter cam."""
     follower, judge = spec.follower, checker()
-    known = judge.ORDERS if isinstance(follower, PivotedFollower) else judge.MEET
-    kept = [each for each in spec.limits if each.kind in known]
+    known = {*(judge.ORDERS if isinstance(follower, PivotedFollower) else judge.MEET)}
+    kept = [each for each in spec.limits if each.kind in known - {*judge.FORCES}]
     rollers = (TranslatingRoller, OscillatingRoller)
     if isinstance(follower, rollers) and follower.closure.counter_paths:
         follower = follower.model_copy(update={"closure": Force()})
