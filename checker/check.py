@@ -22,7 +22,6 @@ from fractions import Fraction
 from functools import lru_cache
 from itertools import product, zip_longest
 from math import comb, factorial, isqrt
-from operator import mul
 from zipfile import ZipFile
 
 MOST_BYTES, MOST_DIGITS, MOST_EXPONENT = 5_000_000, 25, 60  # of the file; of a number
@@ -611,11 +610,28 @@ class Question:
             return -UNITY, 0, -1, UNITY * -get(limit, "min_mm")
         return None
 
+    def row_of_force(self, segment, limit, side):
+        """What a contact force asks of the motion of a slide: side F <= most, F = N cos alpha."""
+        load, rest = Load(self, {}), []
+        ((low, high),) = self.cosine  # of a roller between 0 and 1
+        if limit["max_n"] is not None and any(
+                (-flank if path else flank) == side for flank, _, _, path in self.flanks):
+            rest.append(limit["max_n"] * Fraction(high, UNIT))
+        if limit["min_n"] is not None and self.flanks[0][0] == -side:
+            rest.append(-limit["min_n"] * Fraction(low * self.face, UNIT))
+        if not rest:
+            return None
+        course, ((constant, _),) = load.along(segment.begin, segment.degrees), load.constant * side
+        known = Fraction(constant, UNIT) + min(side * y for _, ends in course for y in ends)
+        return [*(side * f for f in load.factors), ZERO], [ZERO] * 2, min(rest) - known
+
     def row(self, segment, limit, side):
         """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
         none, found = [ZERO] * 2, self.row_of_motion(segment, limit, side)
         if limit["kind"] == "distance":
             return self.distance_row(side) if self.swung else None
+        if limit["kind"] == "contact_force":
+            return None if self.swung else self.row_of_force(segment, limit, side)
         if found:
             order, factor, most = found
             return [factor * ONE if i == order else ZERO for i in range(4)], none, most
@@ -921,7 +937,7 @@ class Piece:
             by = {k: b**k << BITS // 2 * (top - k) for k in powers}
             rest = sum(UNIT * p * by[k] for k, p in powers.items() if k not in known) - least
             by = [by[k] for k in known]
-            return all(sum(map(mul, by, row)) + rest >= 0 for row in zip(*each))
+            return all(rest + sum(p * q for p, q in zip(by, row)) >= 0 for row in zip(*each))
 
         self.show(test, w, *(powers[k].raised(size) for k in known))
 
@@ -988,7 +1004,7 @@ class Load:
                                     spring[name], chosen.get(name))
                              for name in [*fields(f"{kind} spring")][:2])
         demand(min(mass, damping, rate, preload) >= 0, "a mass, a damping or a spring is negative")
-        turn, inert = (DEGREE * 1000,) * 2 if question.swung else (UNITY, UNITY * MILLI)
+        turn, inert = (DEGREE * 1000,) * 2 if question.swung else (ONE, MILLI)
         self.factors = turn * rate, inert * (damping * speed), inert * (mass * speed**2)
         side, tilt = question.flanks[0][0], self.body.get("rise_from_vertical_deg")
         self.constant = UNITY * (side * preload * unit)
@@ -1003,19 +1019,23 @@ class Load:
         good = self.breaks == sorted(self.breaks) and x >= 0 and z <= 360
         demand(good, "the process force goes back, or lies beyond the turn")
 
-    def on(self, piece):
-        """A piece between the breaks of the process force, part by part, and the force there."""
-        start = piece.segment.begin + piece.start
+    def along(self, start, width):
+        """The process force on a part of the turn: ends of its straight lines there, and values."""
         first = bisect(self.breaks, start) - 1
         for (x, y), (z, w) in zip(self.process[first:], self.process[first + 1:]):
-            ends = [max(x - start, ZERO) / piece.width, min((z - start) / piece.width, ONE)]
-            if ends[0] >= 1:
+            ends = [max(x - start, ZERO), min(z - start, width)]
+            if ends[0] >= width:
                 return
             if ends[0] < ends[1]:
-                process = [y + (w - y) * (start + end * piece.width - x) / (z - x) for end in ends]
-                part = piece.part(*ends)
-                yield part, self.constant + enclose(process) + sum(
-                    factor * b for factor, b in zip(self.factors, part.s))
+                spend("coefficients")
+                yield ends, [y + (w - y) * (start + end - x) / (z - x) for end in ends]
+
+    def on(self, piece):
+        """A piece between the breaks of the process force, part by part, and the force there."""
+        for ends, process in self.along(piece.segment.begin + piece.start, piece.width):
+            part = piece.part(*(end / piece.width for end in ends))
+            yield part, sum((f * b for f, b in zip(self.factors, part.s)),
+                            self.constant + enclose(process))
 
     def stiffness(self):
         """Of the line contact: p^2 times this is the force, times the sum of both curvatures."""
@@ -1393,7 +1413,8 @@ def duration(question, segment, body):
     for group in get(body, "rows", list):
         limit, side = question.limits.get(get(group, "limit", str), UNKNOWN), get(group, "side")
         row = question.row(segment, limit, side)
-        good = row and side in (1, -1) and "from" not in limit and row[0][1] * segment.lift > 0
+        good = row and side in (1, -1) and "from" not in limit and (
+            row[0][1] * segment.lift > 0 and not any(row[0][2:]))
         demand(good, f"it does not limit how fast program/{segment.index} is")
         (steep, along, *_), size, most = row
         for low, high, q in map(numbers, get(group, "cells", list)):
