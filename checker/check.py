@@ -927,7 +927,7 @@ class Piece:
     def root(self, w, powers, least=0):
         """Refuse unless the sum of p_k b^k is nowhere less, b a number next to the root of w.
 
-        ``powers``: the polynomials p_k, or numbers, by k. There is another b on each part.
+        ``powers``: polynomials p_k, or numbers, by k. There is another b on each part.
         """
         known = [k for k, p in powers.items() if isinstance(p, Polynomial)]
         top, size = max(powers), max(len(powers[k]) for k in known)
@@ -939,13 +939,15 @@ class Piece:
             by = [by[k] for k in known]
             return all(rest + sum(p * q for p, q in zip(by, row)) >= 0 for row in zip(*each))
 
-        self.show(test, w, *(powers[k].raised(size) for k in known))
+        self.show(w, *(powers[k].raised(size) for k in known), test=test)
 
-    def show(self, test, *polynomials):
-        """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
+    def show(self, *polynomials, least=0, test=None):
+        """Refuse unless a test of lower coefficients holds on parts that cover the piece.
 
-        The basis is nowhere negative: with smaller coefficients a polynomial is smaller.
+        The basis is nowhere negative: with smaller coefficients a polynomial is smaller. Without a
+        test all have to be at least so much, in integers: 1 is above 0.
         """
+        test = test or (lambda *each: min(map(min, each)) >= least)
         spend("coefficients", sum(map(len, polynomials)))
         parts = [([[low for low, _ in p] for p in polynomials], 0, ZERO)]
         while parts:
@@ -998,11 +1000,10 @@ class Load:
         kind = kind_of(self.body, "arm" if question.swung else "slide")
         mass, damping = (get(self.body, name) for name in [*fields(kind)][:2])
         spring, rate, preload = self.body["spring"], ZERO, ZERO
-        if spring is not None:
-            kind_of(spring, f"{kind} spring")
+        if spring is not None:  # what is left open is not negative
             rate, preload = (choose({"min": ZERO, "max": None} if spring[name] is None else
                                     spring[name], chosen.get(name))
-                             for name in [*fields(f"{kind} spring")][:2])
+                             for name in [*fields(kind_of(spring, f"{kind} spring"))][:2])
         demand(min(mass, damping, rate, preload) >= 0, "a mass, a damping or a spring is negative")
         turn, inert = (DEGREE * 1000,) * 2 if question.swung else (ONE, MILLI)
         self.factors = turn * rate, inert * (damping * speed), inert * (mass * speed**2)
@@ -1010,8 +1011,8 @@ class Load:
         self.constant = UNITY * (side * preload * unit)
         if tilt is not None:
             self.constant += enclosed(circle(tilt)[1]) * (mass * GRAVITY)
-        known = [[get(each, name) for name in fields(f"{kind} process")]
-                 for each in get(self.body, "process", list) if kind_of(each, f"{kind} process")]
+        known = [[get(each, name) for name in fields(kind_of(each, f"{kind} process"))]
+                 for each in get(self.body, "process", list)]
         known = [(x, y * unit) for x, y in known] or [(ZERO, ZERO)]
         (x, y), (z, w) = known[0], known[-1]
         self.process = [(z - 360, w), *known, (x + 360, y)]  # straight lines between
@@ -1039,13 +1040,11 @@ class Load:
 
     def stiffness(self):
         """Of the line contact: p^2 times this is the force, times the sum of both curvatures."""
-        contact, both = self.body["contact"], ("cam", "follower")
-        kind_of(contact, "line contact")
-        found = [[get(contact[name], each) for each in fields(kind_of(contact[name], "material"))]
-                 for name in both]
-        width = get(contact, "width_mm")
-        demand(width > 0 and all(e > 0 and n * n <= 1 for e, n in found), "it is no contact")
-        return PI * (width * sum((1 - n * n) / e for e, n in found))
+        width, *both = (self.body["contact"][each] for each in fields(
+            kind_of(self.body["contact"], "line contact")))
+        both = [[get(each, name) for name in fields(kind_of(each, "material"))] for each in both]
+        demand(width > 0 and all(e > 0 and n * n <= 1 for e, n in both), "it is no contact")
+        return PI * (width * sum((1 - n * n) / e for e, n in both))
 
 # Step 5. The cam of the file: what its limits say, at every cam angle.
 class Cam:
@@ -1085,8 +1084,7 @@ class Cam:
         self.paths = [[part for each in self.pieces for part in held_by(each, *path)]
                       for path in paths]
         for piece in self.paths[0] if question.swung and question.face else ():
-            for each in (piece.both, piece.slope, piece.x):  # else no contact on its own side
-                piece.show(lambda b: min(b) > 0, each)
+            piece.show(piece.both, piece.slope, piece.x, least=1)  # contact on its own side
 
     def join(self, order, limit=UNKNOWN):
         """Refuse jumps of derivatives up to an order; None: up to those that the question asks for.
@@ -1141,7 +1139,7 @@ class Cam:
                     spare = most + JUMP * limit.get("scale", 0) - piece.s[order] * factor
                 else:
                     spare = piece.spare(found)
-                piece.show(lambda b: min(b) >= 0, spare)
+                piece.show(spare)
 
     def bend(self, way, least, around=False):
         """X > 0, and the radius of every flank is at least so much where it is convex (way 1) or
@@ -1154,7 +1152,7 @@ class Cam:
             radius, far = max(least + way * gap, ZERO), max(flank * gap, ZERO)
             for piece in self.paths[path]:
                 w, n = piece.curve()
-                piece.show(lambda b: min(b) > 0, piece.x)
+                piece.show(piece.x, least=1)
                 piece.root(w, {1: w * 3, 3: -1, 0: n * (-2 * way * flank * radius)})
                 if around:
                     along = piece.x * piece.x - piece.e * (piece.slope - piece.e)
@@ -1173,14 +1171,14 @@ class Cam:
             for piece, force in (part for each in self.paths[path] for part in load.on(each)):
                 if kind == "camshaft_torque":
                     work = force * piece.s[1] * (UNITY if question.swung else PER_RADIAN) * MILLI
-                    piece.show(lambda *b: min(map(min, b)) >= 0, high - work, high + work)
+                    piece.show(high - work, high + work)
                     continue
                 force, w, lever = force * (-flank if path else flank), UNITY, question.cosine
                 if question.face:
                     force, lever = force * piece.both, piece.slope if question.swung else lever
                 else:
                     (w, n), lever = piece.curve(), piece.x * piece.arm
-                    piece.show(lambda b: min(b) > 0, lever)
+                    piece.show(lever, least=1)
                 if kind == "contact_force":  # big >= less W, as 2 b W <= W^2 + b^2
                     pairs = [] if high is None else [(lever * high, force)]
                     pairs += [] if low is None else [(force * w, lever * low)]
@@ -1190,7 +1188,7 @@ class Cam:
                 most = load.stiffness() * high**2 * lever
                 if question.face:
                     both = piece.both * piece.both * piece.both
-                    piece.show(lambda b: min(b) >= 0, most * (piece.x + piece.bend) - force * both)
+                    piece.show(most * (piece.x + piece.bend) - force * both)
                     continue
                 radius = get(question.held if path else question.follower, "roller_radius_mm")
                 demand(radius == gap, "a roller with clearance is not covered")
@@ -1208,8 +1206,8 @@ class Cam:
             demand(most >= 0, "roller and rim alone are larger")
             for piece in pieces:
                 far = piece.x * piece.x + piece.e * piece.e
-                piece.show(lambda b: min(b) > 0, piece.x)
-                piece.show(lambda b: min(b) >= 0, way * (most * most - far))
+                piece.show(piece.x, least=1)
+                piece.show(way * (most * most - far))
 
     def mean(self, order, most):
         """A mean square, as a sum of integrals."""

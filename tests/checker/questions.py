@@ -138,7 +138,9 @@ def loaded(body: dict[str, Any], lift: float, time: float, chance: random.Random
     limits: list[dict[str, Any]] = [{"kind": "camshaft_torque"}, {"kind": "hertz_pressure"},
                                     {"kind": "contact_force", "max_n": None},
                                     {"kind": "contact_force", "min_n": 0.0}]  # fmt: skip
-    limits = chance.sample(limits[: 3 if closure in ("groove", "conjugate") else 4],
+    if follower.get("roller_radius_mm") == 0.0:  # a knife edge has no Hertz pressure
+        limits = [each for each in limits if each["kind"] != "hertz_pressure"]
+    limits = chance.sample([each for each in limits if closure == "force" or "min_n" not in each],
                            chance.choice((1, 1, 2)))  # fmt: skip
     share = chance.choice((0.8, 1.0, 1.3, 2.0))
     radius = follower.get("roller_radius_mm", lift) or lift
