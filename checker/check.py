@@ -286,7 +286,7 @@ class Question:
         demand(len(chosen) in (0, len(program)), "the cam has not as many segments", 2)
         self.program = [Segment(i, s, rate, chosen[i] if chosen else {})
                         for i, s in enumerate(program)]
-        self.load = body.get("load")
+        self.load, self.loaded = body.get("load"), None
         turn, level, levels, at = sum(s.degrees for s in self.program), ZERO, [], ZERO
         demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")
         self.smooth = 0 if body["continuity"] is None else whole(body, "continuity", 0, 4)
@@ -612,8 +612,11 @@ class Question:
 
     def row_of_force(self, segment, limit, side):
         """What a contact force asks of the motion of a slide: side F <= most, F = N cos alpha."""
-        load, rest = Load(self, {}), []
-        ((low, high),) = self.cosine  # of a roller between 0 and 1
+        try:
+            load = self.loaded = self.loaded or Load(self, {})
+        except Failure:  # the spring comes with the cam, or it is another load
+            return None
+        rest, ((low, high),) = [], self.cosine  # of a roller between 0 and 1
         if limit["max_n"] is not None and any(
                 (-flank if path else flank) == side for flank, _, _, path in self.flanks):
             rest.append(limit["max_n"] * Fraction(high, UNIT))
