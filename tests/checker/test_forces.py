@@ -11,6 +11,7 @@ import pytest
 from synthesis import DesignSpec, proof, synthesise
 from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.run import verdict
+from tests.checker.test_holes import SMOOTH, document, moves, straight
 from tests.checker.test_limits import accepts
 from tests.checker.truth import broken, contradiction, motion
 
@@ -191,7 +192,11 @@ def test_what_makes_no_polynomial_is_not_covered_and_said_so() -> None:
     assert accepts({**groove, "question": {**groove["question"], "limits": [
         limit("contact_force", max_n=1e5)]}}, "limits/0")  # fmt: skip
     # names that nobody knows, points out of order, other loads, no contact
+    steel = found["question"]["load"]["contact"]
+    weak = {"elastic_modulus_mpa": -2e5, "poisson_ratio": 0.3}
     for change in ({"drag_n": 3.0}, {"kind": "arm"}, {"contact": None},
+                   {"contact": {**steel, "width_mm": -12.0}}, {"contact": {**steel, "cam": weak}},
+                   {"moving_mass_kg": -1.0}, {"damping_n_s_per_m": -1.0},
                    {"process": [{"angle_deg": 90.0, "force_n": 0.0},
                                 {"angle_deg": 10.0, "force_n": 0.0}]},
                    {"process": [{"angle_deg": 361.0, "force_n": 0.0}]}):  # fmt: skip
@@ -209,6 +214,27 @@ def test_what_makes_no_polynomial_is_not_covered_and_said_so() -> None:
 def press(rate: float, preload: float, **more: Any) -> Json:
     spring = {"rate_n_per_mm": rate, "preload_n": preload}
     return {"kind": "slide", "moving_mass_kg": 2.0, "spring": spring, **more}
+
+
+def heavy(size: float, most: float, press: float, *, straight_lines: bool = False) -> Json:
+    """A file with a contact force, at 0.1 rpm, that a process force alone gives."""
+    own = load(arm=False, rate=0.0, preload=0.0, process=[{"angle_deg": 0, "force_n": press}])
+    own = {**own, "damping_n_s_per_m": 0, "rise_from_vertical_deg": None}
+    program, laws = moves(smoothness=1), [SMOOTH] * 2
+    if straight_lines:
+        program, laws = [straight(180, 10), straight(180, -10)], [None] * 2
+    force = limit("contact_force", max_n=most)
+    return document("limits/0", program, laws, force, size=(0, size), load=own, speed_rpm=0.1)
+
+
+def test_an_infinite_force_and_a_roller_driven_inwards_are_seen() -> None:
+    assert verdict(heavy(100, 1010, 1000))[0] == 0
+    assert verdict(heavy(100, 999, 1000))[0] == 1
+    code, said = verdict(heavy(100, 1010, 1000, straight_lines=True))
+    assert (code, "derivative 1 jumps" in said) == (1, True)
+    # beyond the axis the roller's normal is turned round, and so is the force's sense
+    assert verdict(heavy(-100, 10, 1000))[0] == 1
+    assert verdict(heavy(-100, 10, -1000))[0] == 1
 
 
 BOUND = {
