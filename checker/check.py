@@ -1194,10 +1194,16 @@ class Cam:
                     piece.show(most * (piece.x + piece.bend) - force * both)
                     continue
                 radius = get(question.held if path else question.follower, "roller_radius_mm")
-                demand(radius == gap, "a roller with clearance is not covered")
                 most *= radius  # 2 W^3 >= 3 b W^2 - b^3
-                piece.root(w, {1: most * w * 3, 3: -most,
-                               0: (force * w * w + most * n * (radius * flank)) * -2})
+                third, most, rest = most * w * 3, -most, (
+                    force * w * w + most * n * (gap * flank)) * -2
+                forms = [{1: third, 3: most, 0: rest}]
+                if gap > radius:  # W between w (3 b^2 - w)/(2 b^3) and (w + b^2)/(2 b)
+                    less = force * n * (flank * (gap - radius))
+                    forms = [{4: third, 6: most, 3: rest, 2: less * w * 3, 0: -(less * w * w)},
+                             {2: third + less, 4: most, 1: rest, 0: less * w}]
+                for form in forms:
+                    piece.root(w, form)
 
     def reach(self, way, radius):
         """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),
