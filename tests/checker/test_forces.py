@@ -62,6 +62,9 @@ SCENES = {
     "groove": scene({**ROLLER, "closure": {"kind": "groove", "rim_mm": 4.0}}, ANGLE),
     "groove, clearance": scene({**ROLLER, "closure": {"kind": "groove", "rim_mm": 4.0,
                                                       "clearance_mm": 3.0}}, ANGLE),
+    "groove, pulled": scene({**ROLLER, "closure": {"kind": "groove", "rim_mm": 4.0}}, ANGLE,
+                            load=load(arm=False, preload=0.0,
+                                      process=[{"angle_deg": 0.0, "force_n": -900.0}])),
     "conjugate": scene({**ROLLER, "closure": {"kind": "conjugate", "roller_radius_mm": 8.0,
                                               "offset_mm": -2.0}}, ANGLE),
     "face": scene(FACE, RADIUS, JERK, law=SPLINE),
@@ -300,6 +303,12 @@ def test_rows_of_forces_hold_for_the_cam_and_nearly_bind(name: str) -> None:
             nearest[side] = min(nearest.get(side, np.inf), float(np.min(spare)) / largest)
     assert set(nearest) == {1, -1}
     assert min(nearest.values()) < 0.4  # the pressure angle, and the course of the process force
+    # from the other side nothing is asked, unless another flank is there
+    question.limits["limits/0"]["min_n"] = None
+    sides = {flank * (-1 if path else 1) for flank, _, _, path in question.flanks}
+    for side in (1, -1):
+        row = question.row(question.turning[0], question.limits["limits/0"], side)
+        assert (row is not None) == (side in sides)
 
 
 def test_a_row_with_an_acceleration_says_nothing_of_durations() -> None:
