@@ -920,11 +920,10 @@ class Piece:
 
         if (first, last) == (0, 1):
             return self
-        found = Piece(self.segment, self.start + first * self.width, (last - first) * self.width,
-                      [between(b) for b in self.s])
-        found.__dict__.update((name, between(b)) for name, b in vars(self).items()
-                              if isinstance(b, Polynomial))
-        found.arm = self.arm
+        found, known = copy(self), vars(self).items()
+        vars(found).update({name: between(b) for name, b in known if isinstance(b, Polynomial)},
+                           start=self.start + first * self.width, s=[between(b) for b in self.s],
+                           width=(last - first) * self.width)
         return found
 
     def root(self, w, powers, least=0):
@@ -939,8 +938,7 @@ class Piece:
             b = isqrt(max(near[len(near) // 2], 1))  # over the root of UNIT
             by = {k: b**k << BITS // 2 * (top - k) for k in powers}
             rest = sum(UNIT * p * by[k] for k, p in powers.items() if k not in known) - least
-            by = [by[k] for k in known]
-            return all(rest + sum(p * q for p, q in zip(by, row)) >= 0 for row in zip(*each))
+            return all(rest + sum(by[k] * p for k, p in zip(known, b)) >= 0 for b in zip(*each))
 
         self.show(w, *(powers[k].raised(size) for k in known), test=test)
 
@@ -1184,23 +1182,20 @@ class Cam:
                 if kind == "contact_force":  # big >= less W, as 2 b W <= W^2 + b^2
                     pairs = [] if high is None else [(lever * high, force)]
                     pairs += [] if low is None else [(force * w, lever * low)]
-                    for big, less in pairs:
-                        piece.root(w, {1: big * 2, 0: -(less * w), 2: -less})
-                    continue
-                most = load.stiffness() * high**2 * lever
-                if question.face:
-                    both = piece.both * piece.both * piece.both
-                    piece.show(most * (piece.x + piece.bend) - force * both)
-                    continue
-                radius = get(question.held if path else question.follower, "roller_radius_mm")
-                most *= radius  # 2 W^3 >= 3 b W^2 - b^3
-                third, most, rest = most * w * 3, -most, (
-                    force * w * w + most * n * (gap * flank)) * -2
-                forms = [{1: third, 3: most, 0: rest}]
-                if gap > radius:  # W between w (3 b^2 - w)/(2 b^3) and (w + b^2)/(2 b)
-                    less = force * n * (flank * (gap - radius))
-                    forms = [{4: third, 6: most, 3: rest, 2: less * w * 3, 0: -(less * w * w)},
-                             {2: third + less, 4: most, 1: rest, 0: less * w}]
+                    forms = [{1: big * 2, 0: -(less * w), 2: -less} for big, less in pairs]
+                elif question.face:
+                    both, most = piece.both * piece.both, load.stiffness() * high**2 * lever
+                    forms = [{0: most * (piece.x + piece.bend) - force * both * piece.both}]
+                else:  # 2 W^3 >= 3 b W^2 - b^3
+                    radius = get(question.held if path else question.follower, "roller_radius_mm")
+                    most = load.stiffness() * high**2 * lever * radius
+                    rest = (force * w * w + most * n * (gap * flank)) * -2
+                    forms = [{1: most * w * 3, 3: -most, 0: rest}]
+                    if gap > radius:  # W between w (3 b^2 - w)/(2 b^3) and (w + b^2)/(2 b)
+                        less = force * n * (flank * (gap - radius))
+                        forms = [{4: most * w * 3, 6: -most, 3: rest, 2: less * w * 3,
+                                  0: -(less * w * w)},
+                                 {2: most * w * 3 + less, 4: -most, 1: rest, 0: less * w}]
                 for form in forms:
                     piece.root(w, form)
 
