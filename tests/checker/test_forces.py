@@ -4,11 +4,13 @@ import copy
 import json
 from functools import cache
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
 
 from synthesis import DesignSpec, proof, synthesise
+from synthesis.pipeline.proof_file import claims
 from synthesis.pipeline.proof_file.checker import checker
 from tests.checker.run import verdict
 from tests.checker.test_holes import SMOOTH, document, moves, straight
@@ -51,7 +53,8 @@ def scene(follower: Json, *limits: Json, law: Json = SINE, **more: Any) -> Json:
                {"kind": "dwell", "angle_deg": 180.0}]  # fmt: skip
     known = ({k.replace("mm_per", "deg_per"): v for k, v in each.items()} for each in limits)
     return {"speed_rpm": 300.0, "program": program, "follower": follower, "load": load(arm),
-            "limits": [*known] if arm else [*limits], "tolerance": 0.02, **more}  # fmt: skip
+            "limits": [*known] if arm else [*limits], "tolerance": 0.02, "proof": "quick",
+            **more}  # fmt: skip
 
 
 SCENES = {
@@ -80,7 +83,8 @@ SCENES = {
 def made(name: str) -> tuple[Json, Any]:
     """The file of a scene, and the product's own forces."""
     design = synthesise(DesignSpec.model_validate(SCENES[name]))
-    return json.loads(json.dumps(proof(design))), design.forces
+    with mock.patch.object(claims, "_attempts", return_value=()):  # no bounds: they take long
+        return json.loads(json.dumps(proof(design))), design.forces
 
 
 def limit(kind: str, **bounds: float | None) -> Json:
@@ -122,7 +126,7 @@ def test_limits_are_sharp(name: str) -> None:
         assert sharp("contact_force", "min_n", least, largest, way=-1.0)
 
 
-@pytest.mark.parametrize("name", ["roller", "ring", "groove", "face", "arm, conjugate"])
+@pytest.mark.parametrize("name", ["roller", "ring", "swinging face"])
 def test_every_number_of_a_load_counts(name: str) -> None:
     """A limit at the extreme is broken once a mass, a spring or a force is another one."""
     found, forces = made(name)
@@ -267,8 +271,7 @@ def test_forces_raise_the_bound(name: str) -> None:
 
 
 def test_a_question_whose_forces_exclude_each_other_has_no_cam() -> None:
-    body, _ = BOUND["roller, no float"]
-    body = {**body, "load": press(0.0, 20.0)}
+    body = {**scene(ROLLER, ANGLE, limit("contact_force", min_n=0.0)), "load": press(0.0, 20.0)}
     found = json.loads(json.dumps(proof(synthesise(DesignSpec.model_validate(body)))))
     assert [(each["place"], each["proven"]) for each in found["claims"]] == [("infeasible", True)]
     assert verdict(found)[0] == 0
