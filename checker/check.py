@@ -15,6 +15,7 @@ u = s' - e, W^2 = X^2 + u^2. The size z is (c e, s0), of a flat face (c^2 Rb, 0)
 import json
 import re
 import sys
+from bisect import bisect
 from collections import Counter, defaultdict
 from copy import copy, deepcopy
 from fractions import Fraction
@@ -35,6 +36,7 @@ JUMP = Fraction(1, 10**7)  # of a derivative's scale: what it may jump by at a j
 ROUNDING = Fraction(1, 10**6)  # of (degrees/width)^k, as 3rd and 4th derivatives of narrow pieces
 GAP = Fraction(1, 10**9)  # of the stroke: what a sum of lifts that closes may miss
 TYPED = Fraction(1, 10**12)  # of an angle: what the end of a window may lie beyond it
+GRAVITY, MILLI = Fraction(980665, 10**5), Fraction(1, 1000)  # m/s^2; m in a mm
 AIMS = ("base_radius", "peak_acceleration", "peak_jerk", "peak_pressure_angle",
         "rms_acceleration", "rms_jerk")
 FIELDS = {  # of each kind that is covered; what has another field is refused
@@ -60,6 +62,15 @@ FIELDS = {  # of each kind that is covered; what has another field is refused
     "profile_radius": "min_mm", "outer_radius": "max_mm", "counter_base_radius": "min_mm",
     "oscillating_flat_face": "centre_distance_mm face_offset_mm sense pivot_direction_deg",
     "face_width": "width_mm? left_mm? right_mm? near_mm? far_mm?",
+    "contact_force": "max_n min_n", "hertz_pressure": "max_mpa", "camshaft_torque": "max_n_m",
+    "slide": "moving_mass_kg damping_n_s_per_m spring process rise_from_vertical_deg speeds? "
+             "contact? bearing?",
+    "arm": "moment_of_inertia_kg_m2 damping_n_m_s_per_rad spring process speeds? contact? "
+           "bearing?",
+    "slide spring": "rate_n_per_mm preload_n solid_mm?",
+    "arm spring": "rate_n_m_per_rad preload_n_m",
+    "slide process": "angle_deg force_n", "arm process": "angle_deg moment_n_m",
+    "line contact": "width_mm cam follower", "material": "elastic_modulus_mpa poisson_ratio",
     **dict.fromkeys(AIMS, "allowance?")}  # which the claims state as a value
 POLYNOMIALS = {  # g by its lowest power and the coefficients from there on
     "cubic_2_3": (2, 3, -2), "polynomial_3_4_5": (3, 10, -15, 6),
@@ -74,9 +85,11 @@ SCCA = {  # 40ths of b, c and d: sine, constant and cosine parts of the accelera
 FOLLOWERS = ("translating_roller", "translating_flat_face", "oscillating_roller",
              "oscillating_flat_face")
 ORDERS = {"velocity": 1, "acceleration": 2, "jerk": 3}
+FORCES = ("contact_force", "hertz_pressure", "camshaft_torque")
 MEET = {**{kind: order - 1 for kind, order in ORDERS.items()},  # derivatives that may not jump
         "pressure_angle": 0, "face_width": 0, "profile_radius": 1, "cutter_radius": 1,
-        "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2}
+        "outer_radius": 0, "counter_base_radius": 0, "rms_acceleration": 1, "rms_jerk": 2,
+        **dict.fromkeys(FORCES, 1)}
 UNKNOWN = {"kind": "unknown"}  # a limit of which nothing is said
 SQUARES = {"rms_acceleration": 2, "rms_jerk": 3}
 TWINS = {name.format(one): name.format(other) for one, other in (("mm", "deg"), ("deg", "mm"))
@@ -135,8 +148,11 @@ def fields(kind):
     return {name.rstrip("?"): name[-1] != "?" for name in FIELDS[kind].split()}
 
 def kind_of(body, *kinds):
-    """What an object is, one of some kinds, without anything that this checker does not know."""
-    kind = kinds[0] if kinds == ("question",) else get(body, "kind", str)
+    """What an object is, one of some kinds, without anything that this checker does not know.
+
+    Where there is one kind alone its name may be left out.
+    """
+    kind = get(body, "kind", str) if kinds[1:] or "kind" in body else kinds[0]
     demand(kind in kinds, f"{ascii(kind)[:40]} is not covered")
     names = fields("named law" if kind in (*POLYNOMIALS, *SCCA) else kind)
     unknown = [k for k, v in body.items() if k not in ("kind", *names) and v not in (None, [], {})]
@@ -157,9 +173,9 @@ def choose(asked, chosen):
         demand(chosen in (None, asked), "a number of the cam is not that asked for")
         return asked
     demand(chosen is not None, "an angle or a lift is free: over all of them nothing is covered")
-    low, high = range_of(asked)
-    good = isinstance(chosen, Fraction) and low is not None and high is not None
-    demand(good and low <= chosen <= high, "a number is not within the range asked for")
+    good = isinstance(chosen, Fraction) and all(end is None or way * chosen <= way * end
+                                                for way, end in zip((-1, 1), range_of(asked)))
+    demand(good, "a number is not within the range asked for")
     return chosen
 
 # Step 2. The question. Levels are measured from the lowest position.
@@ -171,7 +187,7 @@ def turned(body):
 class Segment:
     def __init__(self, index, body, rate, chosen):
         kind = kind_of(body, "rise", "return", "dwell", "constant_velocity")
-        kind_of({**chosen, "kind": "chosen"}, "chosen")
+        kind_of(chosen, "chosen")
         body = {**body, **{name: choose(body.get(name), chosen.get(name))
                            for name in ("angle_deg", "lift_mm")}}
         self.index, self.free, self.degrees, self.law = index, False, body["angle_deg"], "line"
@@ -233,7 +249,7 @@ class Segment:
                  for each in enumerate(self.body.get(name) or ()))
         for name, number, each in asked:
             spend("coefficients", 8)
-            kind_of({**each, "kind": name}, name)
+            kind_of(each, name)
             ends = ["angle_deg"] * 2 if name == "points" else ["from_deg", "to_deg"]
             first, last = (get(each, end) / self.body["angle_deg"] for end in ends)
             demand(0 <= first <= last <= 1 + TYPED, f"{name} beyond the segment")
@@ -270,11 +286,13 @@ class Question:
         demand(len(chosen) in (0, len(program)), "the cam has not as many segments", 2)
         self.program = [Segment(i, s, rate, chosen[i] if chosen else {})
                         for i, s in enumerate(program)]
-        turn, level, levels = sum(s.degrees for s in self.program), ZERO, []
+        self.load, self.loaded = body.get("load"), None
+        turn, level, levels, at = sum(s.degrees for s in self.program), ZERO, [], ZERO
         demand(abs(turn - 360) <= Fraction(1, 10**6), "the angles do not sum to 360")
         self.smooth = 0 if body["continuity"] is None else whole(body, "continuity", 0, 4)
         for segment in self.program:  # angles typed with six decimals may miss the turn
             segment.degrees *= 360 / turn
+            segment.begin, at = at, at + segment.degrees
             segment.smooth = max(segment.smooth, self.smooth)
             levels.append(level)
             level += segment.lift
@@ -592,11 +610,31 @@ class Question:
             return -UNITY, 0, -1, UNITY * -get(limit, "min_mm")
         return None
 
+    def row_of_force(self, segment, limit, side):
+        """What a contact force asks of the motion of a slide: side F <= most, F = N cos alpha."""
+        try:
+            load = self.loaded = self.loaded or Load(self, {})
+        except Failure:  # the spring comes with the cam, or it is another load
+            return None
+        rest, ((low, high),) = [], self.cosine  # of a roller between 0 and 1
+        if limit["max_n"] is not None and any(
+                (-flank if path else flank) == side for flank, _, _, path in self.flanks):
+            rest.append(limit["max_n"] * Fraction(high, UNIT))
+        if limit["min_n"] is not None and self.flanks[0][0] == -side:
+            rest.append(-limit["min_n"] * Fraction(low * self.face, UNIT))
+        if not rest:
+            return None
+        course, ((constant, _),) = load.along(segment.begin, segment.degrees), load.constant * side
+        known = Fraction(constant, UNIT) + min(side * y for _, ends in course for y in ends)
+        return [*(side * f for f in load.factors), ZERO], [ZERO] * 2, min(rest) - known
+
     def row(self, segment, limit, side):
         """A row that every cam keeps, alpha . (s, v, a, j) + size . z <= rhs, or None."""
         none, found = [ZERO] * 2, self.row_of_motion(segment, limit, side)
         if limit["kind"] == "distance":
             return self.distance_row(side) if self.swung else None
+        if limit["kind"] == "contact_force":
+            return None if self.swung else self.row_of_force(segment, limit, side)
         if found:
             order, factor, most = found
             return [factor * ONE if i == order else ZERO for i in range(4)], none, most
@@ -811,11 +849,11 @@ def given(law, k, x):
 class Piece:
     """A piece of the motion: s, v, a, j and the next in Bernstein form, and where it lies [deg].
 
-    Of a path also the offset e, X, s' and s'' as lengths, and by how much of s' an arm turns; and
-    by how much of the cam's turn that of a face and the cam is.
+    Of a path also the offset e, X, s' and s'' as lengths, the arm's length, by how much of s' it
+    turns, and by how much of the cam's turn a face and the cam do.
     """
 
-    both = UNITY
+    both, arm = UNITY, ONE
 
     def __init__(self, segment, start, width, orders):
         self.segment, self.start, self.width, self.s = segment, start, width, orders
@@ -835,26 +873,32 @@ class Piece:
         face, so far away from the pivot, u is contact from the pivot's foot times ``both``, w, and
         X + s'' is w^3 times the profile's radius.
         """
-        parts, found = [(self.start, self.width, [b * way for b in self.s[:3]])], []
+        parts, found = [(self.start, self.width, self.s[:3])], []
         while parts:
             start, width, orders = parts.pop()
             spend("coefficients", 400)
-            y, v, a = map(cut, orders)
+            y, v, a = (cut(b) * way for b in orders)
             sine, cosine = waves(y)
             if any(high - low > SHARP for b in (y, v, a, sine, cosine) for low, high in b):
                 left, right = zip(*(split(b, Fraction(1, 2)) for b in orders))
                 parts += [(start + width / 2, width / 2, right), (start, width / 2, left)]
                 continue
-            part = Piece(self.segment, start, width, self.s)
+            part = Piece(self.segment, start, width, orders)
             part.x, along, a = q * cosine + p * sine, p * cosine - q * sine, a * PER_RADIAN
             part.e, part.turn = (along - arm) * sense, v * sense
-            part.slope, part.bend = v * arm, a * arm
+            part.slope, part.bend, part.arm = v * arm, a * arm, arm
             if away is not None:
                 w, high = part.turn + 1, part.x
                 part.x, part.e, part.slope, part.both = high - away, UNITY * 0, along, w
                 part.bend = high * (part.turn * 2 + 1) * w + along * a - w * w * w * away - part.x
             found.append(part)
         return found
+
+    def curve(self):
+        """W^2 and the numerator N of a roller's path; its curvature is N/W^3."""
+        u = self.slope - self.e
+        w = self.x * self.x + u * u
+        return w, w + self.slope * u * (self.turn + 1) - self.bend * self.x
 
     def spare(self, row):
         """What a row of its path leaves to spare."""
@@ -868,11 +912,43 @@ class Piece:
         spend("coefficients", len(b))
         return [self.width * Fraction(sum(ends), len(b) * UNIT) for ends in zip(*b)]
 
-    def show(self, test, *polynomials):
-        """Refuse unless the test, given lower coefficients, holds on parts that cover the piece.
+    def part(self, first, last):
+        """What lies between two places on [0, 1], rounded outwards; at one place numbers."""
+        def between(b):
+            b, _ = split(b, last)
+            return [*split(b, first / last)][1] if first < last else Polynomial(b[-1:])
 
-        The basis is nowhere negative: with smaller coefficients a polynomial is smaller.
+        if (first, last) == (0, 1):
+            return self
+        found, known = copy(self), vars(self).items()
+        vars(found).update({name: between(b) for name, b in known if isinstance(b, Polynomial)},
+                           start=self.start + first * self.width, s=[between(b) for b in self.s],
+                           width=(last - first) * self.width)
+        return found
+
+    def root(self, w, powers, least=0):
+        """Refuse unless the sum of p_k b^k is nowhere less, b a number next to the root of w.
+
+        ``powers``: polynomials p_k, or numbers, by k. There is another b on each part.
         """
+        known = [k for k, p in powers.items() if isinstance(p, Polynomial)]
+        top, size = max(powers), max(len(powers[k]) for k in known)
+
+        def test(near, *each):
+            b = isqrt(max(near[len(near) // 2], 1))  # over the root of UNIT
+            by = {k: b**k << BITS // 2 * (top - k) for k in powers}
+            rest = sum(UNIT * p * by[k] for k, p in powers.items() if k not in known) - least
+            return all(rest + sum(by[k] * p for k, p in zip(known, b)) >= 0 for b in zip(*each))
+
+        self.show(w, *(powers[k].raised(size) for k in known), test=test)
+
+    def show(self, *polynomials, least=0, test=None):
+        """Refuse unless a test of lower coefficients holds on parts that cover the piece.
+
+        The basis is nowhere negative: with smaller coefficients a polynomial is smaller. Without a
+        test all have to be at least so much, in integers: 1 is above 0.
+        """
+        test = test or (lambda *each: min(map(min, each)) >= least)
         spend("coefficients", sum(map(len, polynomials)))
         parts = [([[low for low, _ in p] for p in polynomials], 0, ZERO)]
         while parts:
@@ -917,11 +993,65 @@ def pieces_of(segment, law):
         found.append(Piece(segment, d * start, width, [enclose(s) for s in orders]))
     return found
 
+class Load:
+    """What loads a follower along its motion: in N, of what swings about its pivot in N mm."""
+
+    def __init__(self, question, chosen):
+        self.body, unit, speed = question.load, 1000 if question.swung else 1, question.rate
+        kind = kind_of(self.body, "arm" if question.swung else "slide")
+        mass, damping = (get(self.body, name) for name in [*fields(kind)][:2])
+        spring, rate, preload = self.body["spring"], ZERO, ZERO
+        if spring is not None:  # what is left open is not negative
+            rate, preload = (choose({"min": ZERO, "max": None} if spring[name] is None else
+                                    spring[name], chosen.get(name))
+                             for name in [*fields(kind_of(spring, f"{kind} spring"))][:2])
+        demand(min(mass, damping, rate, preload) >= 0, "a mass, a damping or a spring is negative")
+        turn, inert = (DEGREE * 1000,) * 2 if question.swung else (ONE, MILLI)
+        self.factors = turn * rate, inert * (damping * speed), inert * (mass * speed**2)
+        side, tilt = question.flanks[0][0], self.body.get("rise_from_vertical_deg")
+        self.constant = UNITY * (side * preload * unit)
+        if tilt is not None:
+            self.constant += enclosed(circle(tilt)[1]) * (mass * GRAVITY)
+        known = [[get(each, name) for name in fields(kind_of(each, f"{kind} process"))]
+                 for each in get(self.body, "process", list)]
+        known = [(x, y * unit) for x, y in known] or [(ZERO, ZERO)]
+        (x, y), (z, w) = known[0], known[-1]
+        self.process = [(z - 360, w), *known, (x + 360, y)]  # straight lines between
+        self.breaks = [x for x, _ in self.process]
+        good = self.breaks == sorted(self.breaks) and x >= 0 and z <= 360
+        demand(good, "the process force goes back, or lies beyond the turn")
+
+    def along(self, start, width):
+        """The process force on a part of the turn: ends of its straight lines there, and values."""
+        first = bisect(self.breaks, start) - 1
+        for (x, y), (z, w) in zip(self.process[first:], self.process[first + 1:]):
+            ends = [max(x - start, ZERO), min(z - start, width)]
+            if ends[0] >= width:
+                return
+            if ends[0] < ends[1]:
+                spend("coefficients")
+                yield ends, [y + (w - y) * (start + end - x) / (z - x) for end in ends]
+
+    def on(self, piece):
+        """A piece between the breaks of the process force, part by part, and the force there."""
+        for ends, process in self.along(piece.segment.begin + piece.start, piece.width):
+            part = piece.part(*(end / piece.width for end in ends))
+            yield part, sum((f * b for f, b in zip(self.factors, part.s)),
+                            self.constant + enclose(process))
+
+    def stiffness(self):
+        """Of the line contact: p^2 times this is the force, times the sum of both curvatures."""
+        width, *both = (self.body["contact"][each] for each in fields(
+            kind_of(self.body["contact"], "line contact")))
+        both = [[get(each, name) for name in fields(kind_of(each, "material"))] for each in both]
+        return PI * (width * sum((1 - n * n) / e for e, n in both))
+
 # Step 5. The cam of the file: what its limits say, at every cam angle.
 class Cam:
     def __init__(self, question, body):
         laws, size = get(body, "laws", list), [*numbers(get(body, "size", list))]
         self.question, follower, held = question, question.follower, question.held
+        self.spring = body.get("spring") or {}
         # what the size and the counter roller's place have to keep: a value and its range
         self.ranges, free = [], question.arm and isinstance(follower["arm_mm"], (dict, type(None)))
         good = len(laws) == len(question.program) and len(size) == (
@@ -954,8 +1084,7 @@ class Cam:
         self.paths = [[part for each in self.pieces for part in held_by(each, *path)]
                       for path in paths]
         for piece in self.paths[0] if question.swung and question.face else ():
-            for each in (piece.both, piece.slope, piece.x):  # else no contact on its own side
-                piece.show(lambda b: min(b) > 0, each)
+            piece.show(piece.both, piece.slope, piece.x, least=1)  # contact on its own side
 
     def join(self, order, limit=UNKNOWN):
         """Refuse jumps of derivatives up to an order; None: up to those that the question asks for.
@@ -1004,16 +1133,13 @@ class Cam:
                                for end in ("from", "to")) if "from" in limit else (ZERO, ONE)
                 if not found or last < 0 or first > 1:
                     continue
+                piece = piece.part(max(first, ZERO), min(last, ONE))
                 if of_motion:
                     order, factor, most = found
                     spare = most + JUMP * limit.get("scale", 0) - piece.s[order] * factor
                 else:
                     spare = piece.spare(found)
-                if (first, last) != (0, 1):
-                    first, last = max(first, ZERO), min(last, ONE)
-                    spare, _ = split(spare, last)
-                    spare = [*split(spare, first / last)][1] if first < last else spare[-1:]
-                piece.show(lambda b: min(b) >= 0, spare)
+                piece.show(spare)
 
     def bend(self, way, least, around=False):
         """X > 0, and the radius of every flank is at least so much where it is convex (way 1) or
@@ -1022,25 +1148,56 @@ class Cam:
         3 r W^2 - r^3 <= 2 W^3 for every r > 0. ``around``: X^2 - u e > reach W too, so that the
         profile runs once round the axis; 2 r W <= W^2 + r^2.
         """
-        def bends(w, n):
-            r = isqrt(max(w[len(w) // 2], 1))
-            return all(3 * r * p - r**3 + 2 * share * q >= 0 for p, q in zip(w, n))
-
-        def passes(w, less, along):
-            r = isqrt(max(w[len(w) // 2], 1))
-            return all(2 * r * p + far * (q - r * r) > 0 for p, q in zip(along, less))
-
         for flank, gap, _, path in self.question.flanks:
-            # the radius, and the reach, next to W, as r is in units of 1/sqrt(UNIT)
-            share, far = (max(x, ZERO) * (1 << BITS // 2) for x in (least + way * gap, flank * gap))
+            radius, far = max(least + way * gap, ZERO), max(flank * gap, ZERO)
             for piece in self.paths[path]:
-                x, slope, u = piece.x, piece.slope, piece.slope - piece.e
-                w = x * x + u * u
-                n = w + slope * u * (piece.turn + 1) - piece.bend * x
-                piece.show(lambda b: min(b) > 0, x)
-                piece.show(bends, w, n * -(way * flank))
+                w, n = piece.curve()
+                piece.show(piece.x, least=1)
+                piece.root(w, {1: w * 3, 3: -1, 0: n * (-2 * way * flank * radius)})
                 if around:
-                    piece.show(passes, w, -w, x * x - piece.e * u)
+                    along = piece.x * piece.x - piece.e * (piece.slope - piece.e)
+                    piece.root(w, {1: along * 2, 0: w * -far, 2: -far}, 1)
+
+    def press(self, limit):
+        """Contact force N and Hertz pressure p on every flank, and the camshaft's torque T.
+
+        Of a roller N = F W/lever with the lever l X, l the arm's length (1 of a slide), and
+        p^2 B = N (1/R + N_c/(W^3 - R N_c)), N_c the curvature's numerator; of a face N = F w/lever
+        with w = 1 and the cosine of the tilt, or as Piece.on_arm has both.
+        """
+        question, kind, load = self.question, limit["kind"], Load(self.question, self.spring)
+        high, low = get(limit, FIELDS[kind].split()[0], (Fraction, type(None))), limit.get("min_n")
+        for flank, gap, _, path in question.flanks[: 1 if kind == "camshaft_torque" else None]:
+            for piece, force in (part for each in self.paths[path] for part in load.on(each)):
+                if kind == "camshaft_torque":
+                    work = force * piece.s[1] * (UNITY if question.swung else PER_RADIAN) * MILLI
+                    piece.show(high - work, high + work)
+                    continue
+                force, w, lever = force * (-flank if path else flank), UNITY, question.cosine
+                if question.face:
+                    force, lever = force * piece.both, piece.slope if question.swung else lever
+                else:
+                    (w, n), lever = piece.curve(), piece.x * piece.arm
+                    piece.show(lever, least=1)
+                if kind == "contact_force":  # big >= less W, as 2 b W <= W^2 + b^2
+                    pairs = [] if high is None else [(lever * high, force)]
+                    pairs += [] if low is None else [(force * w, lever * low)]
+                    forms = [{1: big * 2, 0: -(less * w), 2: -less} for big, less in pairs]
+                elif question.face:
+                    both, most = piece.both * piece.both, load.stiffness() * high**2 * lever
+                    forms = [{0: most * (piece.x + piece.bend) - force * both * piece.both}]
+                else:  # 2 W^3 >= 3 b W^2 - b^3
+                    radius = get(question.held if path else question.follower, "roller_radius_mm")
+                    most = load.stiffness() * high**2 * lever * radius
+                    rest = (force * w * w + most * n * (gap * flank)) * -2
+                    forms = [{1: most * w * 3, 3: -most, 0: rest}]
+                    if gap > radius:  # W between w (3 b^2 - w)/(2 b^3) and (w + b^2)/(2 b)
+                        less = force * n * (flank * (gap - radius))
+                        forms = [{4: most * w * 3, 6: -most, 3: rest, 2: less * w * 3,
+                                  0: -(less * w * w)},
+                                 {2: most * w * 3 + less, 4: -most, 1: rest, 0: less * w}]
+                for form in forms:
+                    piece.root(w, form)
 
     def reach(self, way, radius):
         """X > 0, and every path is as near to the axis as its cam's largest radius allows (way 1),
@@ -1052,8 +1209,8 @@ class Cam:
             demand(most >= 0, "roller and rim alone are larger")
             for piece in pieces:
                 far = piece.x * piece.x + piece.e * piece.e
-                piece.show(lambda b: min(b) > 0, piece.x)
-                piece.show(lambda b: min(b) >= 0, way * (most * most - far))
+                piece.show(piece.x, least=1)
+                piece.show(way * (most * most - far))
 
     def mean(self, order, most):
         """A mean square, as a sum of integrals."""
@@ -1097,6 +1254,8 @@ class Cam:
                 self.bend(-1, get(limit, "radius_mm"))
             elif kind == "profile_radius" and not question.face:
                 self.bend(1, get(limit, "min_mm"), place == "self_crossing")
+            elif kind in FORCES:
+                self.press(limit)
             elif kind in SQUARES:
                 self.mean(SQUARES[kind], limit["most"])
             else:
@@ -1255,7 +1414,8 @@ def duration(question, segment, body):
     for group in get(body, "rows", list):
         limit, side = question.limits.get(get(group, "limit", str), UNKNOWN), get(group, "side")
         row = question.row(segment, limit, side)
-        good = row and side in (1, -1) and "from" not in limit and row[0][1] * segment.lift > 0
+        good = row and side in (1, -1) and "from" not in limit and (
+            row[0][1] * segment.lift > 0 and not any(row[0][2:]))
         demand(good, f"it does not limit how fast program/{segment.index} is")
         (steep, along, *_), size, most = row
         for low, high, q in map(numbers, get(group, "cells", list)):

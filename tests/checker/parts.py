@@ -26,13 +26,14 @@ PARTS = {  # by its functions; those of a class as Class.function
     "sine, cosine, tangent, roots": "circle tangent floor root",
     "polynomials as enclosures": "Polynomial.raised Polynomial.__add__ Polynomial.__neg__ "
     "Polynomial.__sub__ Polynomial.__rsub__ Polynomial.__mul__ enclose enclosed halves split "
-    "bernstein Piece.show",
+    "bernstein Piece.show Piece.root",
     "named laws": "sine parts_of given",
     "paths of arms and swinging faces": "cut waves Piece.on_arm",
     "splines and slides": "pieces_of Piece.on_slide Piece.spare Cam.__init__ Cam.check",
     "joints": "Cam.join Cam.meet",
-    "limits along a path": "Cam.keep",
-    "radii and self-crossing of rollers": "Cam.bend",
+    "limits along a path": "Cam.keep Piece.part",
+    "forces": "Load.__init__ Load.along Load.on Load.stiffness Cam.press Question.row_of_force",
+    "radii and self-crossing of rollers": "Cam.bend Piece.curve",
     "largest and least radii": "Cam.reach",
     "sizes": "Cam.fit",
     "mean squares": "Segment.square Question.room Piece.square Cam.mean",

@@ -89,7 +89,75 @@ def question(chance: random.Random) -> dict[str, Any]:
             "time_budget_s": 10.0}  # fmt: skip
     of_slide = any(each.get(name) for each in program for name in ("windows", "points"))
     of_slide = of_slide or body["follower"]["kind"] != "translating_roller"
-    return body if of_slide or chance.random() < 0.7 else on_arm(body, lift, chance)
+    body = body if of_slide or chance.random() < 0.7 else on_arm(body, lift, chance)
+    return loaded(body, lift, time, chance) if chance.random() < 0.3 else body
+
+
+def loaded(body: dict[str, Any], lift: float, time: float, chance: random.Random) -> dict[str, Any]:
+    """The same with a load and limits on forces, of which some cams keep none.
+
+    ``time``: of the shorter move [s]. Forces are sized by what accelerates the mass.
+    """
+    follower = body["follower"]
+    closure = follower.get("closure", {"kind": "force"})["kind"]
+    mass, arm = round(chance.uniform(0.2, 3.0), 2), follower.get("arm_mm")
+    metre = 1.0 if arm is None else 1e-3 * arm  # N m of an N at the end of the arm
+    inertia = mass * 6.0 * lift / time**2 * 1e-3  # N
+    preload = inertia * chance.uniform(1.0, 3.0)
+    rate = chance.choice((0.0, inertia / lift * chance.uniform(0.1, 2.0)))
+    press = chance.choice((0.0, 0.0, inertia * chance.uniform(-0.5, 2.0)))
+    most = 2.0 * inertia + preload + rate * lift + max(press, 0.0)
+    start = round(chance.uniform(0.0, 300.0), chance.randrange(2))
+
+    def figure(value: float) -> float:
+        return float(f"{value:.4g}")
+
+    names = ["moving_mass_kg", "damping_n_s_per_m", "rate_n_per_mm", "preload_n", "force_n"]
+    values = [mass, 0.0, rate, preload, press]
+    values[1] = chance.choice((0.0, 0.3 * inertia / (lift / time * 1e-3)))
+    if arm is not None:
+        names = ["moment_of_inertia_kg_m2", "damping_n_m_s_per_rad", "rate_n_m_per_rad",
+                 "preload_n_m", "moment_n_m"]  # fmt: skip
+        turn = 1e3 * metre  # mm of arc in a radian
+        units = (metre**2, metre**2, metre * turn, metre, metre)
+        values = [value * unit for value, unit in zip(values, units, strict=True)]
+    known = dict(zip(names, map(figure, values), strict=True))
+    force = known.pop(names[4])
+    spring: dict[str, Any] = {name: known.pop(name) for name in names[2:4]}
+    if closure == "force" and chance.random() < 0.3:  # chosen with the cam
+        low = spring[names[3]]
+        spring[names[3]] = chance.choice((None, {"min": 0.5 * low, "max": 2.0 * low}))
+        spring[names[2]] = chance.choice((None, spring[names[2]]))
+    load: dict[str, Any] = {"kind": "slide" if arm is None else "arm", "spring": spring, **known}
+    if force:
+        points = [(start, 0.0), (start + 20.0, force), (start + 50.0, force), (start + 50.0, 0.0)]
+        load["process"] = [{"angle_deg": x, names[4]: y} for x, y in points]
+    if arm is None and chance.random() < 0.4:
+        load["rise_from_vertical_deg"] = chance.choice((0.0, 30.0, 180.0))
+    load["contact"] = {"width_mm": 10.0}
+    limits: list[dict[str, Any]] = [{"kind": "camshaft_torque"}, {"kind": "hertz_pressure"},
+                                    {"kind": "contact_force", "max_n": None},
+                                    {"kind": "contact_force", "min_n": 0.0}]  # fmt: skip
+    if follower.get("roller_radius_mm") == 0.0:  # a knife edge has no Hertz pressure
+        limits = [each for each in limits if each["kind"] != "hertz_pressure"]
+    limits = chance.sample([each for each in limits if closure == "force" or "min_n" not in each],
+                           chance.choice((1, 1, 2)))  # fmt: skip
+    share = chance.choice((0.8, 1.0, 1.3, 2.0))
+    radius = follower.get("roller_radius_mm", lift) or lift
+    stiff = math.pi * 10.0 * 2.0 * 0.91 / 206e3
+    values_of = {"camshaft_torque": ("max_n_m", most * 3.0 * lift / time * 1e-3 * time_of(body)),
+                 "hertz_pressure": ("max_mpa", math.sqrt(2.0 * most / stiff / radius)),
+                 "contact_force": ("max_n", most)}  # fmt: skip
+    for each in limits:
+        name, value = values_of[each["kind"]]
+        if "min_n" not in each:
+            each[name] = figure(share * value)
+    return {**body, "load": load, "limits": [*body["limits"], *limits]}
+
+
+def time_of(body: dict[str, Any]) -> float:
+    """Seconds in which the cam turns by a radian."""
+    return 30.0 / math.pi / float(body["speed_rpm"])
 
 
 def on_arm(body: dict[str, Any], lift: float, chance: random.Random) -> dict[str, Any]:

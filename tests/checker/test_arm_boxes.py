@@ -10,9 +10,11 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, proof, synthesise
-from synthesis.pipeline.proof_file.checker import checker
+from synthesis.pipeline.proof_file.arms import in_boxes
+from synthesis.pipeline.proof_file.checker import as_bytes, checker
 from tests.checker.run import verdict
 from tests.checker.test_arms import arm
+from tests.checker.test_holes import ANGLE, SMOOTH, document, dwell, move
 from tests.hard.families import random_scene
 
 Json = dict[str, Any]
@@ -112,6 +114,19 @@ def test_rows_of_the_distance_hold_all_over_their_box(sense: str) -> None:
 def tree() -> Json:
     spec = {**random_scene("arm, laws given", 0), "tolerance": 1e-3}
     return json.loads(json.dumps(proof(synthesise(DesignSpec.model_validate(spec)))))
+
+
+def test_an_arm_whose_laws_meet_in_overshoot_has_its_file() -> None:
+    """Some multipliers say nothing, as where they start is not bounded; that is no error."""
+    program = [{**move(kind, 90, 0, overshoot=True), "lift_deg": 20} for kind in ("rise", "return")]
+    for each in program:
+        del each["lift_mm"]
+    follower = {"kind": "oscillating_roller", "roller_radius_mm": 1, "arm_mm": 22,
+                "centre_distance_mm": {"min": 20, "max": 30}, "sense": "same",
+                "pivot_direction_deg": 0}  # fmt: skip
+    limits = [{"kind": "jerk", "max_deg_per_s3": 1e5}, ANGLE]
+    question = document("", [*program, dwell(180)], None, *limits, follower=follower)["question"]
+    assert in_boxes(as_bytes(question), [SMOOTH, SMOOTH, None], 15.0) is not None
 
 
 def leaves(part: Json) -> list[Json]:

@@ -75,7 +75,7 @@ def test_the_checker_is_one_file_of_plain_python_without_floating_point() -> Non
         )
     }
     assert imported == {
-        "copy", "json", "re", "sys", "zipfile",
+        "bisect", "copy", "json", "re", "sys", "zipfile",
         "collections", "fractions", "functools", "itertools", "math",
     }  # fmt: skip
     assert not [

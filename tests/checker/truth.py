@@ -19,6 +19,7 @@ from scipy.interpolate import BSpline
 
 from synthesis import DesignSpec, synthesise
 from synthesis.errors import CamwrightError
+from tests.checker import truth_of_forces
 
 Json = dict[str, Any]
 SAMPLES = 4000  # of a segment
@@ -29,6 +30,7 @@ PARTS = {  # of sine, constant and cosine acceleration
     "cycloidal": (0.5, 0.0, 0.5), "modified_sine": (0.25, 0.0, 0.75),
     "modified_trapezoid": (0.25, 0.5, 0.25), "simple_harmonic": (0.0, 0.0, 1.0),
 }  # fmt: skip
+FORCES = ("contact_force", "camshaft_torque", "hertz_pressure")
 NEAR = 1e-6  # relative: what sampling and floating point may miss
 
 
@@ -101,6 +103,8 @@ def broken(proof: Json, place: str) -> str:
         jumps = [np.max(np.abs(np.diff(s[k]))) / max(np.ptp(s[k]), 1e-300) for k in (0, 1)]
         back = np.min(s[1] * sense * ~may_overshoot) / np.max(np.abs(s[1]))
         worst = max(max(jumps) - 0.05, -back)
+    elif kind in FORCES:
+        worst = truth_of_forces.broken(question, cam, limit, s)
     elif place.startswith("program/"):
         _, index, name = place.split("/")
         worst = outside_bounds(question, cam, int(index), name)
@@ -243,6 +247,13 @@ def broken_on_path(
     return worst
 
 
+def angles(question: Json) -> Any:
+    """The cam angles of the samples [deg]."""
+    moving = [each["angle_deg"] for each in question["program"] if each["angle_deg"]]
+    step = np.repeat(np.array(moving) / SAMPLES, SAMPLES)
+    return np.cumsum(step) - step / 2.0
+
+
 def face_contact(question: Json, cam: Json, s: Any) -> tuple[Any, Any, Any, float]:
     """Of a face that swings where contact is along it, the points of the cam, and its radius.
 
@@ -254,12 +265,11 @@ def face_contact(question: Json, cam: Json, s: Any) -> tuple[Any, Any, Any, floa
     d, f = math.hypot(p, q), follower["face_offset_mm"]
     psi, speed = math.atan2(q, p) + np.radians(s[0]), np.radians(s[1])
     along = d * np.cos(psi) / (1.0 + way * speed)
-    angles = np.radians([each["angle_deg"] for each in question["program"] if each["angle_deg"]])
-    step = np.repeat(angles / SAMPLES, SAMPLES)
-    theta = np.cumsum(step) - step / 2.0
+    moving = [each["angle_deg"] for each in question["program"] if each["angle_deg"]]
+    theta = np.radians(angles(question))
     turned = np.exp(1j * (psi + way * theta))
     points = -d * np.exp(1j * way * theta) + (along - 1j * f) * turned
-    ends = np.cumsum([0] + [SAMPLES] * len(angles))
+    ends = np.cumsum([0] + [SAMPLES] * len(moving))
     rate = np.concatenate([np.gradient(points[a:b], theta[a:b]) for a, b in pairwise(ends)])
     radius = -(np.conj(turned) * rate).real / (way + speed)
     return along, points, radius, f

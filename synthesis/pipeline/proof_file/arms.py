@@ -97,7 +97,11 @@ def _swings(program: Program) -> Iterator[tuple[Json, Any]]:
     for aim, (_, nu, z) in zip(aims, found or (), strict=False):
         step = {**aim, "multipliers": program.stated(nu, z, program.fixed)}
         judge.spent.clear()
-        yield step, judge.bound_of(question, judge.read(as_bytes(step)))
+        try:
+            bound = judge.bound_of(question, judge.read(as_bytes(step)))
+        except judge.Failure:  # where two laws meet that may overshoot, nothing bounds them
+            continue
+        yield step, bound
 
 
 def _fill(leaf: Leaf, knots: dict[int, Array], swing: Callable[[int, Array], Array]) -> None:
@@ -121,7 +125,10 @@ def _fill(leaf: Leaf, knots: dict[int, Array], swing: Callable[[int, Array], Arr
         stated = program.stated(nu, z, rows)
         judge.spent.clear()
         part, high = copy(question), value
-        constant, sizes = judge.half_plane(part, judge.read(as_bytes(stated)))
+        try:
+            constant, sizes = judge.half_plane(part, judge.read(as_bytes(stated)))
+        except judge.Failure:  # as in _swings
+            break
         for _ in range(TRIES):  # halve the gap between a radius that is excluded and one not
             if value <= reached:
                 break

@@ -58,14 +58,8 @@ Json = dict[str, Any]
 Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
 FORMAT, VERSION = "camwright-proof", 1
 OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
-LOSSES = (
-    1e-6,
-    1e-5,
-    1e-4,
-    1e-3,
-    3e-3,
-    1e-2,
-)  # of a bound, tried in turn: what rounding takes from it
+# of a bound, tried in turn: what rounding takes from it
+LOSSES = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2)
 FIGURES = 9  # of a bound in the file
 END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that
@@ -258,7 +252,11 @@ def _cam(design: Design) -> Json | None:
     for law in filter(None, laws):
         first, *inner, last = law["coefficients"]
         law["coefficients"] = [round(first, END_PLACES), *inner, round(last, END_PLACES)]
-    return {"size": _size(design), "laws": laws, "program": _chosen(design)}
+    found = {"size": _size(design), "laws": laws, "program": _chosen(design)}
+    load = design.spec.load
+    spring = load.free_spring if load is not None else {}
+    chosen = {name: design.free_parameters[f"load/spring/{name}"] for name in spring}
+    return {**found, "spring": chosen} if chosen else found
 
 
 def _has_cam(design: Design) -> bool:
@@ -363,7 +361,10 @@ def _without_cam(problem: Problem, spec: DesignSpec, length: float) -> Iterator[
 def _known(spec: DesignSpec) -> DesignSpec:
     """The question without what the checker has no rows of: other limits, and a counter cam."""
     follower, judge = spec.follower, checker()
-    known = judge.ORDERS if isinstance(follower, PivotedFollower) else judge.MEET
+    known = {*judge.ORDERS} if isinstance(follower, PivotedFollower) else {*judge.MEET}
+    known -= {"hertz_pressure", "camshaft_torque"}
+    if spec.load and (spec.load.free_spring or getattr(spec.load, "friction", None)):
+        known.discard("contact_force")
     kept = [each for each in spec.limits if each.kind in known]
     rollers = (TranslatingRoller, OscillatingRoller)
     if isinstance(follower, rollers) and follower.closure.counter_paths:

@@ -11,6 +11,7 @@ In a proof file cam angles are in degrees and lengths in mm. With c = π/180 the
     profile radius  −(a + c² s) − c² Rb ≤ …           under a flat face
     face width      ± v ≤ …
     forward         ∓ h v ≤ 0, h the lift
+    contact force   ± (k s + c v + m a) ≤ …  on a slide
 """
 
 from __future__ import annotations
@@ -253,7 +254,9 @@ def _share_at(segment: PlacedSegment, place: float) -> float:
 def _limit_of(row: LinearInequality, spec: DesignSpec, problem: Problem) -> tuple[str, str]:
     """The name in a proof file of the limit of a row, and its kind; "" where it has none."""
     source = SOURCES.get(row.source, row.source)
-    names = {f"limits/{k}": str(limit.kind) for k, limit in enumerate(spec.limits)}
+    asked = enumerate(spec.limits)  # of contact forces those that ask for this end
+    own = ((k, each) for k, each in asked if getattr(each, f"{source[-3:]}_n", 0) is not None)
+    names = {f"limits/{k}": str(limit.kind) for k, limit in own}
     for limit in problem.limits:  # windows and points have names of their own
         if isinstance(limit, SegmentBound) and limit.name == row.source:
             return f"program/{limit.segment}/{limit.place}/{limit.order}", str(limit.kind)
@@ -316,16 +319,18 @@ def _row(
     """The limit and side of a block's rows, and the factor on their multipliers."""
     assert block.origin is not None
     segment, row = block.origin.segment, block.origin.row
-    name, kind = _limit_of(row, spec, model.problem)
+    (name, kind), machine = _limit_of(row, spec, model.problem), spec.machine()
     if not name:
         return None
     if block.segment is not None:
-        # as large a share of the derivative that the checker's row has with the factor ±1
-        order = {"acceleration": 2, "profile_radius": 2}.get(kind, 1)
-        if kind == "segment_bound":
-            order = max(row.orders)
-        degrees = segment.angle / DEGREE
-        factor = abs(block.alpha[order]) * degrees**order / abs(segment.lift * length)
+        if not row.orders:
+            return None
+        # as large a share of the derivative as the checker's row has, with ±1 but for a force
+        order = 1 if kind == "jerk" else max(row.orders)
+        factor = abs(block.alpha[order]) * (segment.angle / DEGREE) ** order
+        factor /= abs(segment.lift * length)
+        if kind == "contact_force" and machine.load is not None:
+            factor /= machine.load.coefficients(machine.omega)[order] / DEGREE**order
         side = -1 if row.coefficients[order] < 0.0 and kind != "profile_radius" else 1
         return name, side, float(factor)
     if kind not in ("pressure_angle", "profile_radius") or not len(block.size):
@@ -337,8 +342,7 @@ def _row(
     if not name.startswith("limits/"):
         return None
     allowed = getattr(spec.limits[int(name.removeprefix("limits/"))], f"{segment.kind}_deg")
-    side = 1 if row.size[0] < 0.0 else -1
-    return name, side, share / (DEGREE * tan(allowed * DEGREE))
+    return name, 1 if row.size[0] < 0.0 else -1, share / (DEGREE * tan(allowed * DEGREE))
 
 
 def _linear(rows: WeightedRows, mass: Array) -> Array:
