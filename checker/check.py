@@ -172,7 +172,7 @@ def choose(asked, chosen):
     if not isinstance(asked, dict):
         demand(chosen in (None, asked), "a number of the cam is not that asked for")
         return asked
-    demand(chosen is not None, "an angle or a lift is free: over all of them nothing is covered")
+    demand(chosen is not None, "a number is free: over all of its values nothing is covered")
     good = isinstance(chosen, Fraction) and all(end is None or way * chosen <= way * end
                                                 for way, end in zip((-1, 1), range_of(asked)))
     demand(good, "a number is not within the range asked for")
@@ -611,12 +611,12 @@ class Question:
         return None
 
     def row_of_force(self, segment, limit, side):
-        """What a contact force asks of the motion of a slide: side F <= most, F = N cos alpha."""
+        """What a contact force asks of a slide: side G <= most, where sigma G = N cos alpha."""
         try:
             load = self.loaded = self.loaded or Load(self, {})
         except Failure:  # the spring comes with the cam, or it is another load
             return None
-        rest, ((low, high),) = [], self.cosine  # of a roller between 0 and 1
+        rest, ((low, high),) = [], self.cosine  # of a face; that of a roller is 1, or 0 at least
         if limit["max_n"] is not None and any(
                 (-flank if path else flank) == side for flank, _, _, path in self.flanks):
             rest.append(limit["max_n"] * Fraction(high, UNIT))
@@ -927,9 +927,10 @@ class Piece:
         return found
 
     def root(self, w, powers, least=0):
-        """Refuse unless the sum of p_k b^k is nowhere less, b a number next to the root of w.
+        """Refuse unless the sum of p_k b^k is at least so much everywhere, for some b > 0.
 
-        ``powers``: polynomials p_k, or numbers, by k. There is another b on each part.
+        ``powers``: polynomials p_k, or numbers, by k. Any b will do: on each part one next to the
+        root of w.
         """
         known = [k for k, p in powers.items() if isinstance(p, Polynomial)]
         top, size = max(powers), max(len(powers[k]) for k in known)
@@ -1044,6 +1045,8 @@ class Load:
         width, *both = (self.body["contact"][each] for each in fields(
             kind_of(self.body["contact"], "line contact")))
         both = [[get(each, name) for name in fields(kind_of(each, "material"))] for each in both]
+        good = width > 0 and all(e > 0 and n * n < 1 for e, n in both)
+        demand(good, "a width or a modulus is not positive")
         return PI * (width * sum((1 - n * n) / e for e, n in both))
 
 # Step 5. The cam of the file: what its limits say, at every cam angle.
@@ -1195,7 +1198,8 @@ class Cam:
                         less = force * n * (flank * (gap - radius))
                         forms = [{4: most * w * 3, 6: -most, 3: rest, 2: less * w * 3,
                                   0: -(less * w * w)},
-                                 {2: most * w * 3 + less, 4: -most, 1: rest, 0: less * w}]
+                                 {2: most * w * 3 + less, 4: -most, 1: rest, 0: less * w},
+                                 {1: w * 3, 3: -1, 0: n * (-2 * gap * flank)}]  # no undercut
                 for form in forms:
                     piece.root(w, form)
 

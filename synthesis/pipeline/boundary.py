@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
 from typing import Literal
 
-from synthesis.pipeline.largest_radius import ENOUGH, Smallest
+from synthesis.pipeline.largest_radius import Smallest, excluding_gap
 from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import slope_of, zero_of
@@ -210,19 +210,19 @@ class Boundary:
     def _exclude_stepwise(self) -> None:
         """Prove values impossible that lie ever nearer to the zero, by proofs ever longer.
 
-        Where the smallest cam exceeds its maximum by e, a gap of e/2 excludes all smaller ones. The
-        rough proofs, which are sure to end, come first.
+        The rough proofs, which are sure to end, come first: of values at which the smallest cam is
+        far too large.
         """
         assert self.nearest is not None
         excess = QUARTER * self.excesses.get(self.number.tightest, 0.0)
-        while excess >= COARSE / ENOUGH:
+        while excluding_gap(excess) >= COARSE:
             slope, left = self._slope(0.0), self.nearest[1].excess
             if slope <= 0.0 or left is None:
                 return
             way = self._beyond(self.number.tightest, self.nearest[0]) + (left - excess) / slope
             value = self.number.tightest + self.direction * way
             if self.excluded is not None and self._beyond(self.excluded, value) > 0.0:
-                self.tried(value, ENOUGH * excess, exactly=True)
+                self.tried(value, excluding_gap(excess), exactly=True)
             excess *= QUARTER
 
     @property

@@ -10,6 +10,9 @@ cam, and what is claimed to be impossible is proven.
        filter (Chinneck) over the others: leave out one after the other, for good where the rest
        still has no cam.
     3. The bounds: which values of each are proven impossible.
+    4. Changes of the program that mend it.
+    5. With the time that is left, both ends of the members' values once more, by longer proofs.
+    6. What the certificate refused on the cam at hand.
 """
 
 from __future__ import annotations
@@ -94,14 +97,16 @@ def explain(
             boundary.seek_bound()
             changes += _relaxations(boundary)
     # 5. With what time is left, both ends of the members' values as near as programs bring them.
-    for left, number in enumerate(reversed(members.numbers)):
+    #    A proof at numbers that were chosen is none over all of them.
+    bounded = [] if attempt.chosen_values else members.numbers[::-1]
+    for left, number in enumerate(bounded):
         boundaries[number].oracle = oracle.share(len(members.numbers) - left)
         boundaries[number].seek_bound(last=True)
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     limits = [str(number) for number in members.numbers]
-    evidence = _evidence(original, members)
-    # 6. What the certificate refused on the cam at hand, which no member may name.
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]
+    evidence = _evidence(original, members, "those named" if not refused else ", ".join(limits))
+    # 6. What the certificate refused on the cam at hand, which no member may name.
     if refused:
         values = ", ".join(
             f"{e.limit} {e.evidence if e.value is None else f'{e.value} {e.unit}'} "
@@ -155,8 +160,8 @@ def _irreducible(
     return Members(kept, shown, unconfirmed, not oracle.is_late())
 
 
-def _evidence(original: Trial, members: Members) -> str:
-    """How the conflict is known, and what of it is proven."""
+def _evidence(original: Trial, members: Members, named: str) -> str:
+    """How the conflict is known, and what of it is proven; ``named``: its members."""
     undecided = [search.undecided for search in original.attempt.searches[-1:]]
     known = (original.proof, members.trial.proof, *undecided)
     parts = [reason for reason in known if reason][:1]
@@ -175,7 +180,7 @@ def _evidence(original: Trial, members: Members) -> str:
     if not members.numbers:
         parts.append("leaving out all that the spec limits, none was found either")
     elif not members.unconfirmed:
-        parts.append("leaving out any one of those named, a cam was found")
+        parts.append(f"leaving out any one of {named}, a cam was found")
     else:
         names = ", ".join(number.name for number in members.unconfirmed)
         parts.append(f"whether there is a cam without {names} is not known")

@@ -35,11 +35,19 @@ from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclude every cam
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
-ENOUGH = 0.5  # of what a smallest cam exceeds its maximum by: a gap that excludes smaller ones
+ENOUGH = 0.5  # of the way from a smallest cam to its maximum: a bound there lies above the latter
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
 LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
+
+
+def excluding_gap(excess: float) -> float:
+    """A gap, relative to the smallest cam, whose bound lies above the maximum.
+
+    ``excess``: by how much, relative to the maximum, that cam is larger.
+    """
+    return ENOUGH * excess / (1.0 + excess)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,17 +179,16 @@ def complete(
 def _decided(
     spec: DesignSpec, smallest: Smallest | None, goal: Goal, stages: list[Effort]
 ) -> Smallest | None:
-    """The smallest cam, with a finer tolerance while the maximum lies in a gap that is closed.
+    """The smallest cam, with ever finer tolerances while the maximum lies between bound and cam.
 
-    Where the quick proof leaves a gap larger than the tolerance (limits that bind are not convex),
-    the spec's own proof is repeated once: a gap of half of what the cam is too large excludes all
-    that are small enough.
+    Where the quick proof does not close a finer gap (limits that bind are not convex), the spec's
+    own proof is tried once, in half of the time that is left, for a gap that excludes the maximum.
     """
     tolerance, proof = spec.tolerance, "quick"
     while smallest is not None and clock.now() < goal.stop and proof == "quick":
         known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
-        decided = known.certified or smallest.excludes
+        decided = known.certified or smallest.excludes or smallest.radius <= smallest.most
         if decided or not smallest.is_bounded or tolerance <= FINEST:
             break
         if known.chosen_values:
@@ -189,7 +196,9 @@ def _decided(
         if gap <= tolerance:
             tolerance = max(tolerance * FINER, FINEST)
         elif tolerance < spec.tolerance and spec.proof != "quick":
-            tolerance, proof = ENOUGH * (1.0 - smallest.most / smallest.radius), spec.proof
+            excess, now = smallest.radius / smallest.most - 1.0, clock.now()
+            tolerance, proof = max(excluding_gap(excess), FINEST), spec.proof
+            goal = replace(goal, stop=now + 0.5 * (goal.stop - now))
         else:
             break
         changes = {"tolerance": tolerance, "proof": proof}

@@ -23,7 +23,7 @@ from synthesis.pipeline.infeasibility import (
     infeasibility_proof,
     mean_velocity_excess,
 )
-from synthesis.pipeline.largest_radius import ANY, ENOUGH, Smallest, compare
+from synthesis.pipeline.largest_radius import ANY, FINEST, Smallest, compare, excluding_gap
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
@@ -185,8 +185,9 @@ class Oracle:
         known, spec = self.without(numbers), without(self.spec, numbers)
         if known.certified or known.proof or spec.proof == "quick" or self.is_late():
             return known
-        # A bound half-way from the maximum to the smallest cam excludes all that are small enough.
-        tolerance = max(spec.tolerance, ENOUGH * (known.excess or 0.0))
+        tolerance = spec.tolerance
+        if known.smallest is not None and known.excess:
+            tolerance = max(excluding_gap(known.excess), FINEST)
         trial = self.ask(spec, tolerance, exactly=True, proof=spec.proof)
         self.known[frozenset(numbers)] = trial if trial.certified or trial.proof else known
         return self.known[frozenset(numbers)]

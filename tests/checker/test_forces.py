@@ -314,6 +314,53 @@ def test_rows_of_forces_hold_for_the_cam_and_nearly_bind(name: str) -> None:
         assert (row is not None) == (side in sides)
 
 
+@pytest.mark.parametrize("level", [50.0, 45.0])
+def test_a_flank_that_is_undercut_has_no_finite_pressure(level: float) -> None:
+    """A groove with clearance: where force and acceleration jump together to beyond the undercut,
+    the inequality that is multiplied by the sign of the radius holds for the wrong side."""
+    steel = {"elastic_modulus_mpa": 200000, "poisson_ratio": 0}
+    process = ((0, 1), (31.5, 1), (31.5, 1000), (45, 1000), (45, 1), (360, 1))
+    spline = {"kind": "spline", "smoothness": 1, "overshoot": False}
+    polynomial = {"kind": "polynomial_3_4_5", "inflection": 0.5}
+    question = {
+        "speed_rpm": 60, "base_radius_mm": None, "continuity": None, "objective": None,
+        "program": [{"kind": "rise", "angle_deg": 45, "lift_mm": 10, "law": spline},
+                    {"kind": "dwell", "angle_deg": 60},
+                    {"kind": "return", "angle_deg": 200, "lift_mm": 10, "law": polynomial},
+                    {"kind": "dwell", "angle_deg": 55}],
+        "follower": {"kind": "translating_roller", "roller_radius_mm": 5, "offset_mm": 0,
+                     "closure": {"kind": "groove", "clearance_mm": 60, "rim_mm": 0}},
+        "load": {"kind": "slide", "moving_mass_kg": 0, "damping_n_s_per_m": 0, "spring": None,
+                 "rise_from_vertical_deg": None,
+                 "process": [{"angle_deg": x, "force_n": y} for x, y in process],
+                 "contact": {"width_mm": 10, "cam": steel, "follower": steel}},
+        "limits": [{"kind": "hertz_pressure", "max_mpa": 437}],
+    }  # fmt: skip
+    law = {"degree": 2, "knots": [0, 0.7, 1], "coefficients": [0, 0, 1, 1]}
+    cam = {"size": [0, level], "laws": [law, None, None, None]}
+    others = ("objective/0", "no_undercut", "self_crossing", "motion", "size")
+    claims_of = [{"place": each, "proven": False, "reason": "not asked"} for each in others]
+    file = {"format": "camwright-proof", "version": 1, "question": question, "cam": cam,
+            "claims": [{"place": "limits/0", "proven": True}, *claims_of]}  # fmt: skip
+    code, said = verdict(file)
+    assert (code, "limits/0" in said) == (1, True)
+
+
+@pytest.mark.parametrize("wrong", [{"poisson_ratio": 1}, {"elastic_modulus_mpa": -1}])
+def test_a_contact_that_is_nowhere_stiff_is_refused(wrong: Json) -> None:
+    steel = {"elastic_modulus_mpa": 206000.0, "poisson_ratio": 0.3}
+    judge = checker()
+    found = object.__new__(judge.Load)
+    for cam, width in ((steel, 12.0), (steel | wrong, 12.0), (steel, -12.0)):
+        contact = {"width_mm": width, "cam": cam, "follower": steel}
+        found.body = judge.read(json.dumps({"contact": contact}).encode())
+        if (cam, width) == (steel, 12.0):
+            assert found.stiffness()
+        else:
+            with pytest.raises(judge.Failure, match="not positive"):
+                found.stiffness()
+
+
 def test_a_row_with_an_acceleration_says_nothing_of_durations() -> None:
     """It limits no speed: what a least duration rests on are rows of s and v alone."""
     body, own = BOUND["face, most"]

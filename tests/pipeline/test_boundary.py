@@ -235,7 +235,8 @@ def test_rough_proofs_come_first_where_a_gap_is_open() -> None:
     known.nearest = 1301.0, trial_at(1301.0, 0.0)
     known.excesses[1301.0] = -0.2 / 300.0
     known.seek_bound(last=True)
-    assert tolerances == pytest.approx([0.025, 0.2 / 32.0, 0.2 / 128.0])
+    excesses = [0.2 / 4.0**k for k in (1, 2, 3)]
+    assert tolerances == pytest.approx([0.5 * e / (1.0 + e) for e in excesses])
     assert known.at_least == pytest.approx(least - 300.0 / 16.0)
 
 

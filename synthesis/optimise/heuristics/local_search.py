@@ -34,7 +34,8 @@ Vector = tuple[float, ...]
 Violations = tuple[list[Array], float]
 
 FAR = 1.5  # value over the bound from which an incumbent is not the only start that is tried
-SHARE_STEP = 0.3  # from one share of the caps on the highest derivative to the next smaller one
+SHARE_STEP, LEAST_SHARE = 0.3, 1e-6
+"""From one share of the caps on the highest derivative to the next smaller one, and their end."""
 FAR_GAP = 0.2  # gap above which further starts are tried
 EXCHANGES = 3  # runs of IPOPT at most, each with points where the run before violated rows
 GROWTH = 0.1  # share of the tolerance that IPOPT may leave to the final enlargement; it saves a run
@@ -76,9 +77,12 @@ def _continue_from_tighter_caps(state: SolveState) -> SolveState:
     if not _gap_is_far(state):
         return state
     # 1. The law under the smallest share. Whatever satisfies a share satisfies every larger one,
-    #    so the first share that has no law ends the series, and one does: a move takes some jerk.
+    #    so the first share that has no law ends the series; a straight law keeps all of them.
     start, shares = None, [1.0]
-    while tighter := with_tighter_caps(state.problem, shares[0] * SHARE_STEP):
+    while shares[0] > LEAST_SHARE:
+        tighter = with_tighter_caps(state.problem, shares[0] * SHARE_STEP)
+        if tighter is None:
+            break
         tighter_cam = _relaxed_cam(replace(state, problem=tighter))
         if tighter_cam is None:
             break

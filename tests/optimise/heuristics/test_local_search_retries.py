@@ -117,3 +117,27 @@ def test_caps_are_tightened_as_far_as_a_law_keeps_them(times: float, monkeypatch
     assert shares[-1] == 1.0
     for share, wider in pairwise(shares):
         assert wider == pytest.approx(share / local_search.SHARE_STEP, rel=0.05)
+
+
+def test_the_series_ends_where_a_law_keeps_every_share(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a straight one does, between two straight segments."""
+    labels, solve_relaxation, kept = list[str](), local_search._relaxed_cam, list[Any]()
+
+    def noted(state: SolveState, _laws: Any, _size: Any, label: str = "tangents") -> Any:
+        labels.append(label)
+        return state, False
+
+    def any_share(state: SolveState) -> Any:
+        kept.extend([] if kept else [solve_relaxation(state)])
+        return kept[0]
+
+    monkeypatch.setattr(local_search, "scp_search", noted)
+    monkeypatch.setattr(local_search, "improve_from", lambda state, _start: state)
+    monkeypatch.setattr(local_search, "_relaxed_cam", any_share)
+    body = random_scene("slide, splines of class C4", 104)
+    (cap,) = (limit for limit in body["limits"] if limit["kind"] == "jerk")
+    cap["max_mm_per_s3"] *= 20.0
+    spec = NondimensionalSpec.of(DesignSpec.model_validate(body)).scaled
+    optimise(formulate_problem(spec, spec.objectives()[0]), TOLERANCE, proof=QUICK)
+    assert kept[0] is not None
+    assert 0 < sum(label.endswith("of the caps") for label in labels) < 20
