@@ -47,11 +47,13 @@ waiting := $(patsubst %,tests/service/%.py,sweeps/test_kills test_deployment \
              sweeps/test_leases workers/test_trouble test_benchmark \
              resources/test_cam_sets commands/test_sweep_and_export commands/test_commands)
 service := $(filter-out $(waiting),$(wildcard tests/service/test_*.py tests/service/*/test_*.py))
-waiting += tests/catalogue tests/exporters tests/machines tests/validation
+arms    := $(wildcard $(patsubst %,tests/pipeline/test_%.py,*arm* oscillating*))
+waiting += tests/catalogue tests/exporters tests/machines tests/validation $(arms)
 service += tests/certify
-core    := tests/pipeline tests/checker
+core    := tests/checker $(filter-out $(arms),$(wildcard tests/pipeline/test_*.py \
+             tests/pipeline/*/test_*.py))
 rest    := --ignore=tests/architecture/test_quality.py $(filter-out \
-             tests/service $(waiting) $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
+             tests/service tests/pipeline $(waiting) $(service) $(core),$(patsubst %/,%,$(wildcard tests/*/)))
 test: $(DEV)  ## run everything: style, types, layers and the tests (ARGS="-k name")
 ifneq ($(ARGS),)
 	@$(MAKE) --no-print-directory lint
