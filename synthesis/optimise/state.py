@@ -100,6 +100,7 @@ class SolveState:
         incumbent: best cam that satisfies all limits.
         relaxed: best cam of the relaxation, which may violate nonconvex limits.
         lower, valid_for: best lower bound [problem units] and the cams that it holds for.
+        bound: the dual bound that it is; None where it was proven elsewhere.
         infeasible: the relaxation has no point.
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
         undecided: what is known where neither a law nor a proof that there is none was found.
@@ -132,6 +133,7 @@ class SolveState:
     relaxed: Candidate | None = None
     lower: float = -inf
     valid_for: str = ""
+    bound: Bound | None = None
     infeasible: bool = False
     infeasibility_proof: str = ""
     undecided: str = ""
@@ -236,14 +238,25 @@ class SolveState:
         if self.problem.omits_curved_rows:
             valid_for += "; limits of the face on free laws left out: the cam a local optimum"
         all_laws = bool(bound.switching) or not self.grids
-        return replace(self, lower=value, valid_for=valid_for, covers_all_laws=all_laws)
+        return replace(
+            self, lower=value, valid_for=valid_for, bound=bound, covers_all_laws=all_laws
+        )
 
     def raise_bound(self, lower: float, valid_for: str) -> SolveState:
         """Take a lower bound that was proven elsewhere, if it is better."""
         value = self._with_least_radius(lower)
         if value <= self.lower:
             return self
-        return replace(self, lower=value, valid_for=valid_for)
+        return replace(self, lower=value, valid_for=valid_for, bound=None)
+
+    def bound_of_neighbour(self, problem: Problem) -> float:
+        """A lower bound over all laws of a problem with other numbers [its units]; −inf: none.
+
+        By the multipliers of the best bound known: it is the nearer, the less the numbers differ.
+        """
+        again = None if self.bound is None else self.bound.of_neighbour
+        found = None if again is None else again(problem)
+        return found.value if found is not None and found.switching else -inf
 
     def _with_least_radius(self, lower: float) -> float:
         """The bound, or the least prime radius where that is larger and bounds the same norm."""

@@ -24,12 +24,12 @@ from typing import Literal
 from synthesis.pipeline.largest_radius import Smallest, excluding_gap
 from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable
-from synthesis.pipeline.secants import slope_of, zero_of
+from synthesis.pipeline.secants import WIDENING, approach_zero, slope_of, zero_of
 
-FINE, FINEST = 1e-4, {"quick": (1e-4,), "auto": (1e-5, 3e-7), "thorough": (1e-6, 3e-7)}
+FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
 """Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
-than the spec's ``proof`` allows, at first and at last, and no smaller than the first where a gap is
-open anyway. Cone programs reach the last one, and no less."""
+than the spec's ``proof`` allows, and no smaller than the first where a gap is open anyway. Cone
+programs reach the last one, and no less."""
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
 ROUGH, ACCURACY = 1e-2, 4e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
@@ -47,8 +47,8 @@ LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that i
 BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
 far will do."""
+CLOSE = 0.1  # of the width of a bracket: how near the zero of a bound is come to
 QUARTER = 0.25  # of an excess, from one proof to the next and longer one
-WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
 
 LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
@@ -108,25 +108,24 @@ class Boundary:
     def seek_bound(self, last: bool = False) -> None:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3.
 
-        ``last`` (step 5 of ``conflict``): where no gap is open, once more with the finest
-        tolerance. Where one is (limits that bind are not convex), by the spec's own proof, which
-        divides the domain; to ``COARSE``, and only with a time budget or a thorough proof.
+        ``last`` (step 5 of ``conflict``): where a gap is open (limits that bind are not convex), by
+        the spec's own proof, which divides the domain; to ``COARSE``, and only with a time budget
+        or a thorough proof.
         """
         if self.nearest is None:
             return
         spec, is_open = self.oracle.spec, self.open_gap > FINE
         has_time = spec.time_budget_s is not None or spec.proof == "thorough"
-        tolerances = FINEST[spec.proof]
-        if last and (tolerances[-1] == self.finest or (is_open and not has_time)):
+        self.finest = FINEST[spec.proof]
+        if last and not (is_open and has_time):
             return
-        self.finest = tolerances[-1 if last else 0]
-        if last and is_open:
+        if last:
             self.proof, self.finest = spec.proof, COARSE
         try:
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
-                if last and is_open:
+                if last:
                     self._exclude_stepwise()
                 self._close_in()
         except TimeoutError:
@@ -175,7 +174,7 @@ class Boundary:
         good = self._beyond(start, self.nearest[0])
         found = zero(good, self.nearest[1].excess)
         cam_zero, bound_zero = good if found is None else found, None
-        before, proven = None, False
+        before, proven, any_cam = None, False, self.proof == "quick"
         for _ in range(CLOSING):
             good = self._beyond(start, self.nearest[0])
             bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
@@ -191,21 +190,40 @@ class Boundary:
             reach = REACH * max(width, open_gap)
             if good - bad <= reach:
                 return
-            exactly = not nearer or self.proof != "quick"
+            exactly = not (nearer and any_cam)
             trial = self.tried(start + self.direction * way, self.fine, exactly=exactly)
             if before is not None and trial.excess is not None and before[0] != way:
                 local = (trial.excess - before[1]) / (before[0] - way)
                 slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
             slope = slope if slope > 0.0 else self._slope(noise)
             found = zero(way, trial.excess)
-            if found is not None:
+            if found is not None and (exactly or found < cam_zero):
                 cam_zero = found
-            elif trial.certified:
+            elif found is None and trial.certified:
                 cam_zero = min(cam_zero, max(way, bad))
             if nearer:
+                any_cam = False  # one found at once was not as near, or is not near enough
                 continue
             before = None if trial.excess is None else (way, trial.excess)
             bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
+            if bound_zero is not None:
+                proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
+
+    def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
+        """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
+
+        Weak duality: they bound the smallest cam whatever the number is. ``zero``: where its bound
+        comes to zero, by the slope.
+        """
+
+        def excess(at: float) -> float:
+            value = self.number.tightest + self.direction * at
+            result = self.oracle.bound_excess(trial, self.number, value)
+            if result > 0.0:
+                self.exclude(value)
+            return max(result, -1.0)
+
+        return approach_zero(excess, way, zero, CLOSE * width)
 
     def _exclude_stepwise(self) -> None:
         """Prove values impossible that lie ever nearer to the zero, by proofs ever longer.

@@ -208,8 +208,19 @@ def _decided(
         mesh = known.mesh(FINEST)
         near = replace(goal, warm_start=None, mesh=mesh, sufficient=enough)
         found = with_bound_of(known, solve_spec(finer, near, stages))
-        smallest = _smallest(spec, found) or smallest
+        smallest = _smaller(smallest, _smallest(spec, found))
     return smallest
+
+
+def _smaller(known: Smallest, other: Smallest | None) -> Smallest:
+    """The smaller of two cams, with the bound of the other one, which is no lower.
+
+    On a finer mesh a cam may be farther from the best: the solver's last digits are lost there.
+    """
+    if other is None or other.radius <= known.radius:
+        return other or known
+    attempt = with_bound_of(other.attempt, known.attempt)
+    return replace(known, attempt=attempt, lower=other.lower, valid_for=other.valid_for)
 
 
 def _minimises_radius(spec: DesignSpec) -> bool:

@@ -15,15 +15,23 @@ from pydantic import ValidationError
 from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAcceleration
 from synthesis.certify import certify, certify_size
 from synthesis.numerics import clock
-from synthesis.pipeline.assembly import in_wire_units
-from synthesis.pipeline.attempt import Attempt, Goal
+from synthesis.pipeline.assembly import Bounded, in_wire_units
+from synthesis.pipeline.attempt import Attempt, Goal, prepare, unsolved
 from synthesis.pipeline.infeasibility import (
     contains_angle,
     gentlest_law,
     infeasibility_proof,
     mean_velocity_excess,
 )
-from synthesis.pipeline.largest_radius import ANY, FINEST, Smallest, compare, excluding_gap
+from synthesis.pipeline.largest_radius import (
+    ANY,
+    FINEST,
+    ROUNDING,
+    Smallest,
+    compare,
+    excluding_gap,
+    first_question,
+)
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
@@ -202,6 +210,26 @@ class Oracle:
         if trial.certified:
             self.known.setdefault(frozenset([number]), trial)
         return trial
+
+    def bound_excess(self, trial: Trial, number: Relaxable, value: float) -> float:
+        """A trial's ``bound_excess`` with another value of a number, by the same multipliers.
+
+        −∞ where they say nothing: where no size is bounded, or by other means than by one program.
+        """
+        attempt, smallest = trial.attempt, trial.smallest
+        if smallest is None or attempt.chosen_values:
+            return -inf
+        changes = {"objective": BaseRadius(), "tolerance": attempt.solved_spec.tolerance}
+        spec = relaxed(self.spec, number, value)
+        other = prepare(first_question(spec.model_copy(update=changes)), Goal(self.stop), [])
+        # The place of a counter roller is fixed after the size: it is no part of the first search.
+        other, objective = unsolved(other, other.solved_spec.without_deferred()), BaseRadius()
+        problem = other.problem(objective, (), Goal(inf).smallest)
+        lower = attempt.searches[0].bound_of_neighbour(problem)
+        (bounded,) = in_wire_units(
+            other.question, other.final_spec, [Bounded(objective, lower, "")]
+        )
+        return bounded.lower / spec.requested_radii()[1] - 1.0 - ROUNDING
 
     def is_valid(self, number: Relaxable, value: float) -> bool:
         """Whether a spec may have this value of a number."""

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
+
+from scipy.optimize import brentq
+
+WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
+STEPS_BACK = 4  # from a point that proves nothing
 
 
 def slope_of(excesses: Mapping[float, float], noise: float) -> float:
@@ -43,3 +48,31 @@ def zero_of(
         return None
     (excess, near), (further, far) = known[:2]
     return near - excess * (far - near) / (further - excess)
+
+
+def approach_zero(
+    falling: Callable[[float], float], at: float, expected: float, step: float
+) -> bool:
+    """Evaluate a falling function ever nearer to its zero, on the side where it is positive.
+
+    A bound by fixed multipliers is such a function, known best at one point. Where a limit binds
+    along an arc it has a kink there: from a point where it is positive it leads nearly to the zero
+    that the slope says; from one where it is not, a few steps back show whether it turns positive.
+
+    Args:
+        at: the point. expected: where its slope says that the zero is. step: the accuracy.
+
+    Returns:
+        whether the function was positive anywhere. Negative arguments are not tried.
+    """
+    low, high = min(at, expected), max(at, expected)
+    if falling(at) <= 0.0:
+        steps = (low - step * WIDENING**k for k in range(STEPS_BACK))
+        tried = (one for one in steps if one > 0.0)
+        low, high = next((one for one in tried if falling(one) > 0.0), 0.0), at
+    if low <= 0.0:
+        return False
+    if falling(high) <= 0.0:
+        root = float(brentq(falling, low, high, xtol=step))
+        falling(root - step)
+    return True

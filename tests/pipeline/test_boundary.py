@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -12,7 +12,9 @@ from synthesis import synthesise
 from synthesis.catalogue.fields import Range
 from synthesis.design.design import Conflict
 from synthesis.pipeline import boundary, conflict, outwards
+from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.largest_radius import solve_with_maximum
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
@@ -193,6 +195,7 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
         spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gaps={}, is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
         ask_as_it_stands=lambda *_: SimpleNamespace(certified=True),
+        bound_excess=lambda *_: -inf,
     )  # fmt: skip
     number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
     known = Boundary(cast(Oracle, oracle), number, trial_at(request))
@@ -203,6 +206,40 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     assert known.excluded < least <= known.nearest[0]
     near = NEAR if slope else 5.0 * NEAR  # halved alone
     assert known.nearest[0] - known.excluded <= near * (known.nearest[0] - request)
+
+
+def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:
+    """Two trials bring both ends within the accuracy: one without a cam and one with a cam."""
+    spec = scene(PLAIN, angles(27.1, 31.3), jerk(53.0, 71.7), base={"max": 26.9})
+    spec = spec.model_copy(update={"proof": "auto"})
+    oracle, question = Oracle(spec, spec, inf), solve_with_maximum(spec, Goal(inf), [])
+    original = Trial(*question, True)
+    (number,) = (each for each in relaxable_numbers(spec) if each.name == "jerk")
+    known = Boundary(oracle, number, original)
+    outwards.seek_value(known)
+    known.narrow()
+    before = len(known.trials)
+    known.seek_bound()
+    assert 1 <= len(known.trials) - before <= 3
+    assert known.needed is not None
+    assert known.excluded is not None
+    assert known.excluded < known.needed
+    assert known.needed - known.excluded <= NEAR * (known.needed - number.tightest)
+    # It is no trial's own value: multipliers of another one exclude it. And it is the least there.
+    assert known.excluded not in known.trials
+    shown = oracle.relaxed(number, known.excluded, 1e-6, original, exactly=True, proof="quick")
+    assert not shown.certified
+
+
+def test_the_place_of_a_counter_roller_is_no_part_of_a_bound() -> None:
+    body = random_scene("slide, conjugate", 5)
+    spec = DesignSpec.model_validate({**body, "base_radius_mm": {"max": 30.0}})
+    oracle, trial = Oracle(spec, spec, inf), Trial(*solve_with_maximum(spec, Goal(inf), []), True)
+    (number, *_) = (each for each in relaxable_numbers(spec) if each.name == "jerk")
+    assert trial.smallest is not None
+    found = oracle.bound_excess(trial, number, number.tightest)
+    assert trial.bound_excess is not None
+    assert found <= trial.bound_excess + 1e-6
 
 
 def test_rough_proofs_come_first_where_a_gap_is_open() -> None:

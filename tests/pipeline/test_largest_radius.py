@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from math import inf
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, synthesise
+from synthesis.catalogue.fields import Range
 from synthesis.design.design import Design
 from synthesis.pipeline import largest_radius
 from synthesis.pipeline.assembly import in_wire_units
@@ -305,3 +307,25 @@ def test_a_maximum_in_a_gap_of_the_quick_proof_is_excluded_by_the_spec_s_own() -
         assert smallest.lower <= 7.4503 <= smallest.radius  # the cam of a proof ten times finer
         excluded[proof] = smallest.excludes
     assert excluded == {"quick": False, "auto": True}
+
+
+def test_a_finer_search_that_comes_to_a_larger_cam_leaves_the_smaller_one() -> None:
+    """On many knots the solver's last digits are lost; its bound is the better one all the same."""
+    spec = DesignSpec.model_validate(CONVEX)
+    spec = spec.model_copy(update={"base_radius_mm": Range(max=1.0), "proof": "quick"})
+    rough, fine = (
+        largest_radius.solve_with_maximum(
+            spec.model_copy(update={"tolerance": tolerance}), Goal(inf), []
+        )[1]
+        for tolerance in (0.1, 1e-3)
+    )
+    assert rough is not None
+    assert fine is not None
+    assert fine.radius < rough.radius
+    assert rough.lower < fine.lower
+    worse = replace(rough, lower=fine.lower + 1e-6)
+    kept = largest_radius._smaller(fine, worse)
+    assert (kept.radius, kept.attempt.cam) == (fine.radius, fine.attempt.cam)
+    assert kept.lower == worse.lower
+    assert largest_radius._smaller(rough, fine) is fine
+    assert largest_radius._smaller(rough, None) is rough

@@ -31,8 +31,9 @@ all terms.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, sqrt
 
 import numpy as np
@@ -59,18 +60,17 @@ from synthesis.optimise.dual_bound.costates import (
     project_costates,
 )
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.sensitivity import neighbour
+from synthesis.optimise.dual_bound.spline_family import WORSE, family_name, spline_family_bound
 from synthesis.optimise.dual_bound.switching import Switching, absolute_integrals
 from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
+from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.closed_form import inverse_matrix
 
 ROUNDING = 1e-12
 """Relative to the sum of absolute values: sums of 1e3 terms are in error by 1e3 · 1.1e-16."""
 INITIAL_VALUE_BOUND = 12.0
 """|g'(0)| and |g''(0)| of a law from 0 to 1 are at most this times 1 + R: see where it is used."""
-FAMILY_BOX = 10.0
-"""Coefficients of a law that may overshoot lie within this, so the family of splines is said."""
-WORSE = 2.0
-"""Factor on the solution's objective: no cam whose energy or norm is larger has to be covered."""
 RAYS = (1e2, 1e4, 1e6)
 """Factors on an infeasibility certificate: any multiple of it is dual feasible."""
 NAMES = {2: "acceleration", 3: "jerk"}
@@ -86,12 +86,15 @@ class Bound:
             spline family only.
         order: m, the highest derivative that is capped or weighed: the control of every law.
         controls: the caps and weights of every free law, caps at the level found.
+        of_neighbour: the bound of another problem by the same multipliers (``sensitivity``), None
+            where its rows are others; None where that is not to be had.
     """
 
     value: float
     valid_for: str
     switching: tuple[Switching, ...] = ()
     controls: tuple[Control, ...] = ()
+    of_neighbour: Callable[[Problem], Bound | None] | None = None
 
     @property
     def order(self) -> int:
@@ -100,13 +103,28 @@ class Bound:
 
 
 def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None = None) -> Bound:
-    """The lower bound that the multipliers of a solution give.
+    """The lower bound that the multipliers of a solution give, of its problem and of neighbours.
 
     Any multipliers give a valid one: over all laws; over the splines of the model's mesh alone
     where nothing caps or weighs a derivative of every law. ``costates``: (1, laws, m), needed where
     the rows at hand are those that were solved at many more points (``MultiplierDensity``); None:
     those of ``boundary_multipliers``.
     """
+    bound = _bound_of_multipliers(model, solution, costates)
+    again = None if costates is not None else partial(_bound_of_neighbour, model, solution)
+    return replace(bound, of_neighbour=again)
+
+
+def _bound_of_neighbour(
+    model: ConicModel, solution: ConeSolution, problem: Problem
+) -> Bound | None:
+    other = neighbour(model, problem)
+    return None if other is None else dual_bound(other, solution)
+
+
+def _bound_of_multipliers(
+    model: ConicModel, solution: ConeSolution, costates: Array | None
+) -> Bound:
     controls, dense = law_controls(model), costates is not None
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)
@@ -119,7 +137,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
         model, z = densities
     if controls is None:
         value = spline_family_bound(model, solution)
-        return Bound(in_problem_units(model, value), _family_name(model))
+        return Bound(in_problem_units(model, value), family_name(model))
     order = controls[0].order if controls else 3
     if costates is None:
         costates = boundary_multipliers(model, solution, order, z)
@@ -200,7 +218,7 @@ def bound_from_lagrangian(
     lagrangian.reduce()
     model, psi = lagrangian.model, lagrangian.psi()
     total = _minimum(solution, lagrangian, controls, psi)
-    valid_for = all_laws(lagrangian.order) if controls else _family_name(model)
+    valid_for = all_laws(lagrangian.order) if controls else family_name(model)
     level = 0.0 if model.epigraph is None else abs(float(solution.x[model.epigraph]))
     result = tuple(replace(c, cap=c.rate * level) if c.rate else c for c in controls)
     return Bound(in_problem_units(model, total), valid_for, psi, result)
@@ -209,13 +227,6 @@ def bound_from_lagrangian(
 def all_laws(order: int) -> str:
     """What a bound with a control of some order covers."""
     return f"all motion laws with a bounded {NAMES[order]}"
-
-
-def _family_name(model: ConicModel) -> str:
-    parts = {f"degree {g.space.degree} on {len(g.space.breaks) - 1} intervals" for g in model.grids}
-    wild = any(law.free is not None and law.free.overshoot for law in model.problem.free)
-    far = f", overshooting by {FAMILY_BOX - 1.0:g} lifts at most" if wild else ""
-    return "splines of " + " and ".join(sorted(parts)) + far if parts else "the given laws"
 
 
 def in_problem_units(model: ConicModel, value: float) -> float:
@@ -342,50 +353,3 @@ def unknown_initial_values(lagrangian: Lagrangian, integrals: Sequence[float]) -
         else:
             lost += rest * INITIAL_VALUE_BOUND * (1.0 + r)
     return lost
-
-
-def spline_family_bound(model: ConicModel, solution: ConeSolution) -> float:
-    """A bound over the splines of the model's mesh, where no control is known.
-
-    The dual objective, less what its residual r could gain: |r| · box (``_family_box``). Dual
-    cones: the head of a cone's multiplier is raised to the norm of its tail.
-    """
-    program, z, x = model.program, nonnegative_multipliers(model, solution), solution.x
-    rhs, at = program.rhs.copy(), program.equalities
-    # the right-hand sides of the limits themselves, without the tightening for the solver
-    for block in model.blocks:
-        own = slice(at, at + len(block.rhs))
-        rhs[own] += block.tightening
-        z[own], at = np.maximum(z[own], 0.0), own.stop
-    for cone in model.cone_blocks:
-        rhs[at] += cone.radius * cone.tightening
-        z[at] = max(z[at], float(np.linalg.norm(z[at + 1 : at + 1 + len(cone.shift)])))
-        at += 1 + len(cone.shift)
-    curved = program.quadratic @ x  # its matrix is diagonal
-    residual = curved + program.linear + program.matrix.T @ z
-    box, worst = _family_box(model, solution)
-    value = -0.5 * x @ curved - rhs @ z - np.abs(residual) @ box
-    return min(float(value), worst)
-
-
-def _family_box(model: ConicModel, solution: ConeSolution) -> tuple[Array, float]:
-    """What the unknowns of cams are at most that have a value of the program up to ``worst``.
-
-    Cams above that value need no bound. Coefficients of laws that never move backwards rise from 0
-    to 1; the size is in its ranges, or out of what a bound may rest on; the epigraph and the terms
-    of a mean square are no larger than the value allows.
-    """
-    x, problem = solution.x, model.problem
-    worst = WORSE * max(model.program.value(x), 0.0)
-    box = np.full(len(x), max(worst, 0.0))
-    for columns, segment in zip(model.columns, problem.free, strict=True):
-        wild = segment.free is not None and segment.free.overshoot
-        box[columns] = FAMILY_BOX if wild else 1.0
-    sizes = np.abs(np.array(problem.sizing.bounds)).max(axis=1) / model.scales.size
-    norm = problem.objective.norm(problem.machine)
-    if norm is not None and len(norm.matrix) == np.shape(norm.matrix)[1]:
-        shift = float(np.linalg.norm(norm.shift)) / model.scales.size
-        sizes = np.minimum(sizes, np.linalg.norm(inverse_matrix(norm.matrix), 2) * (worst + shift))
-    box[model.size] = 0.0 if problem.for_every_size else sizes
-    box[model.energy_columns] = sqrt(worst)
-    return box, worst

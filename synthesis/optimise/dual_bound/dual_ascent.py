@@ -9,8 +9,8 @@ one cone program; its answer is one more set of multipliers, and as little trust
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from math import factorial
 from typing import Any
 
@@ -28,8 +28,10 @@ from synthesis.optimise.dual_bound import row_functionals as terms
 from synthesis.optimise.dual_bound.bound import Bound, add_costates, bound_from_lagrangian
 from synthesis.optimise.dual_bound.costates import stationarity_conditions
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, shared_derivatives, sums_at_start
+from synthesis.optimise.dual_bound.sensitivity import neighbour
 from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 from synthesis.optimise.problem.grid import SplineLaw
+from synthesis.optimise.problem.problem import Problem
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
 BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change of sign
@@ -50,7 +52,8 @@ def improve_multipliers(
     controls = law_controls(model)
     if not controls or any(control.weight for control in controls):
         return known  # of a weighed derivative the end costates alone make the bound exact
-    task = _DualProgram.of(model, solution, controls)
+    slack = model.program.rhs - model.program.matrix @ solution.x
+    task = _DualProgram.of(model, solution, controls, slack <= BINDING)
     best, result, until = known, known, clock.now() + time_limit
     sign_changes = [_control_steps(law, task.order) for law in model.recover(solution.x)[0]]
     for _ in range(MAX_ITERATIONS):
@@ -81,6 +84,7 @@ class _DualProgram:
 
     Attributes:
         groups: the rows, the last ones g to g^(m−1) at the ends of the laws, times their costates.
+        close: which of the program's rows may bind, (m,).
         fixed: what has its multipliers already. psi_error: of vibrations, as in ``Lagrangian``.
     """
 
@@ -89,24 +93,23 @@ class _DualProgram:
     controls: Sequence[Control]
     order: int
     groups: tuple[terms.WeightedRows, ...]
+    close: NDArray[np.bool_]
     fixed: terms.Terms
     psi_error: Array
 
     @classmethod
     def of(
-        cls, model: ConicModel, solution: ConeSolution, controls: Sequence[Control]
-    ) -> _DualProgram:
-        order = controls[0].order
-        slack = model.program.rhs - model.program.matrix @ solution.x
-        groups = []
+        cls, model: ConicModel, solution: ConeSolution, controls: Sequence[Control],
+        close: NDArray[np.bool_],
+    ) -> _DualProgram:  # fmt: skip
+        order, groups = controls[0].order, list[terms.WeightedRows]()
         # Rows that bind, or nearly: by complementary slackness the others have no multiplier. Where
         # two neighbours bind, a density between them (hat functions) may carry the limit.
         for one in terms.row_functionals(model, order):
-            close = slack[one.first_row : one.first_row + one.count] <= BINDING
-            close |= one.block.exact
-            groups.append(one.point_rows(close))
+            own = close[one.first_row : one.first_row + one.count] | one.block.exact
+            groups.append(one.point_rows(own))
             if one.uniform:
-                groups.append(one.hat_rows(one.block.x).select(np.tile(close[:-1] & close[1:], 2)))
+                groups.append(one.hat_rows(one.block.x).select(np.tile(own[:-1] & own[1:], 2)))
         z = solution.multipliers
         groups += [
             rows for rows, _ in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z))
@@ -125,7 +128,9 @@ class _DualProgram:
         vibrations, psi_error = vibration_terms(model, order, z)
         tangents = terms.energy_tangents(model, solution, order)
         fixed = [*tangents, *((rows, mass[0]) for rows, mass in vibrations)]
-        return cls(model, solution, controls, order, tuple(groups), fixed, psi_error)
+        return cls(
+            model, solution, controls, order, tuple(groups), close, fixed, psi_error,
+        )  # fmt: skip
 
     @cached_property
     def first(self) -> list[int]:
@@ -142,18 +147,30 @@ class _DualProgram:
         """One program, its cells close about these turns of ψ; the bound that it gives."""
         # Its point is as little trusted as any: nothing is gained by exact equalities.
         result = solve(self._program(sign_changes), time_limit, project=False)
-        if result.stopped not in USABLE:
-            return None
+        return self.bound(result.x) if result.stopped in USABLE else None
+
+    def bound(self, x: Array) -> Bound:
+        """The bound of the masses and costates that a point of such a program begins with."""
         lagrangian, laws = Lagrangian(self.model, self.order), len(self.model.grids)
         for rows, mass in self.fixed:
             lagrangian.add_rows(rows, mass)
         lagrangian.psi_error += self.psi_error
         for at, rows in zip(self.first[:-1], self.groups[:-laws], strict=False):
-            mass = result.x[at : at + len(rows.rhs)]
+            mass = x[at : at + len(rows.rhs)]
             mass = mass if rows.signed else np.maximum(mass, 0.0)
             lagrangian.add_rows(rows.select(mass != 0.0), mass[mass != 0.0])
-        add_costates(lagrangian, self.controls, result.x[self.end_costates][None])
-        return bound_from_lagrangian(self.solution, lagrangian, self.controls)
+        add_costates(lagrangian, self.controls, x[self.end_costates][None])
+        bound = bound_from_lagrangian(self.solution, lagrangian, self.controls)
+        return replace(bound, of_neighbour=partial(self.bound_of_neighbour, x[: self.first[-1]]))
+
+    def bound_of_neighbour(self, x: Array, problem: Problem) -> Bound | None:
+        """The bound of the same masses and costates for another problem (``sensitivity``)."""
+        other = neighbour(self.model, problem)
+        controls = None if other is None else law_controls(other)
+        if other is None or not controls:
+            return None
+        task = _DualProgram.of(other, self.solution, controls, self.close)
+        return task.bound(x) if task.first[-1] == len(x) else None
 
     def _program(self, sign_changes: Sequence[Array]) -> ConeProgram:
         """Unknowns: masses and costates, ψ piece by piece, |ψ| at all nodes, y of the norm."""
