@@ -66,8 +66,7 @@ class Boundary:
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
-        excesses: by the values tried. levels: the same, with signs where none is known.
-        trials: by the values tried.
+        excesses, trials: by the values tried. levels: excesses, with signs where none is known.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
         proof: how far a bound is sought by trials that go to the end.
@@ -109,8 +108,7 @@ class Boundary:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3.
 
         ``last`` (step 5 of ``conflict``): where a gap is open (limits that bind are not convex), by
-        the spec's own proof, which divides the domain; to ``COARSE``, and only with a time budget
-        or a thorough proof.
+        the spec's own proof, to ``COARSE``; only with a time budget or a thorough proof.
         """
         if self.nearest is None:
             return
@@ -156,8 +154,8 @@ class Boundary:
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
 
-        Values are measured by their way from the request. With the slope of the excess a trial
-        tells where the cam's excess, and where its bound, comes to zero.
+        Values are measured by their way from the request. With the slope of the excess a trial says
+        where the cam's excess, and where its bound, comes to zero.
         """
         assert self.nearest is not None
         start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
@@ -202,7 +200,7 @@ class Boundary:
             elif found is None and trial.certified:
                 cam_zero = min(cam_zero, max(way, bad))
             if nearer:
-                any_cam = False  # one found at once was not as near, or is not near enough
+                any_cam = False  # next time the nearest
                 continue
             before = None if trial.excess is None else (way, trial.excess)
             bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
@@ -212,8 +210,7 @@ class Boundary:
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
 
-        Weak duality: they bound the smallest cam whatever the number is. ``zero``: where its bound
-        comes to zero, by the slope.
+        Weak duality: they bound all cams whatever the number is. ``zero``: where, by the slope.
         """
 
         def excess(at: float) -> float:

@@ -52,8 +52,7 @@ def improve_multipliers(
     controls = law_controls(model)
     if not controls or any(control.weight for control in controls):
         return known  # of a weighed derivative the end costates alone make the bound exact
-    slack = model.program.rhs - model.program.matrix @ solution.x
-    task = _DualProgram.of(model, solution, controls, slack <= BINDING)
+    task = _DualProgram.of(model, solution, controls)
     best, result, until = known, known, clock.now() + time_limit
     sign_changes = [_control_steps(law, task.order) for law in model.recover(solution.x)[0]]
     for _ in range(MAX_ITERATIONS):
@@ -100,8 +99,10 @@ class _DualProgram:
     @classmethod
     def of(
         cls, model: ConicModel, solution: ConeSolution, controls: Sequence[Control],
-        close: NDArray[np.bool_],
+        close: NDArray[np.bool_] | None = None,
     ) -> _DualProgram:  # fmt: skip
+        if close is None:
+            close = model.program.rhs - model.program.matrix @ solution.x <= BINDING
         order, groups = controls[0].order, list[terms.WeightedRows]()
         # Rows that bind, or nearly: by complementary slackness the others have no multiplier. Where
         # two neighbours bind, a density between them (hat functions) may carry the limit.
