@@ -210,7 +210,7 @@ class Boundary:
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
 
-        Weak duality: they bound all cams whatever the number is. ``zero``: where, by the slope.
+        Weak duality: they bound cams at any value. ``zero``: the bound's, as its slope says.
         """
 
         def excess(at: float) -> float:

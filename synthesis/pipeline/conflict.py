@@ -96,7 +96,7 @@ def explain(
             boundary.narrow()
             boundary.seek_bound()
             changes += _relaxations(boundary)
-    # 5. With what time is left, both ends of the members' values as near as programs bring them.
+    # 5. With what time is left, the members' values once more where a gap is open: longer proofs.
     #    A proof at numbers that were chosen is none over all of them.
     bounded = [] if attempt.chosen_values else members.numbers[::-1]
     for left, number in enumerate(bounded):

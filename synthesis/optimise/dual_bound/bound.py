@@ -118,6 +118,7 @@ def dual_bound(model: ConicModel, solution: ConeSolution, costates: Array | None
 def _bound_of_neighbour(
     model: ConicModel, solution: ConeSolution, problem: Problem
 ) -> Bound | None:
+    """The bound of another problem by the same multipliers; None where its rows are others."""
     other = neighbour(model, problem)
     return None if other is None else dual_bound(other, solution)
 
@@ -125,6 +126,7 @@ def _bound_of_neighbour(
 def _bound_of_multipliers(
     model: ConicModel, solution: ConeSolution, costates: Array | None
 ) -> Bound:
+    """``dual_bound`` of the model's own problem."""
     controls, dense = law_controls(model), costates is not None
     # Dual feasibility: λ ≥ 0 of inequalities. Noise is left out, which is valid and saves time.
     z = nonnegative_multipliers(model, solution)

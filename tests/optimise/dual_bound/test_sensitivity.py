@@ -146,7 +146,7 @@ def test_a_bound_for_every_size_has_no_multipliers_of_rows_with_the_size() -> No
     assert state.bound_of_neighbour(problem(given)) <= best.value * (1.0 + 1e-9)
 
 
-def test_rows_of_curved_limits_hold_near_their_own_cams_alone() -> None:
+def test_a_program_with_tangent_rows_at_its_own_cams_has_other_rows_than_a_neighbour() -> None:
     question = problem(DesignSpec.model_validate(random_scene("arm, pivot given", 1)))
     assert question.has_curved_limits
     state = optimise(question, 1e-2)
