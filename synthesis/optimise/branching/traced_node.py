@@ -28,7 +28,8 @@ from synthesis.optimise.branching.traced_relaxation import (
     solve_relaxation,
 )
 from synthesis.optimise.conic.program import formulate, with_rows
-from synthesis.optimise.heuristics.local_search import improve_from
+from synthesis.optimise.heuristics.local_search import improve_from, offer_local_optimum
+from synthesis.optimise.problem.grid import grid_through
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
@@ -107,15 +108,17 @@ class TracedNode(TracedBox):
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
         if not self.is_first:
-            node = replace(self, upper_half=False)
+            node = _about_incumbent(state, replace(self, upper_half=False))
             if self.caps_mean_square:
                 inside, node = _process_sparingly(inside, node)
             else:
                 node = tighten(inside, node, ITERATIONS)
+                inside, node = _offer_relaxation(inside, node)
             return replace(inside, deadline=state.deadline), node._processed()
         node, gained = solve_relaxation(inside, self), True
         for iterations in (FIRST_ITERATIONS, ITERATIONS):
             node = tighten(inside, node, iterations)
+            inside, node = _offer_relaxation(inside, node)
             if node.is_pruned(state) or inside.time_left <= 0.0 or not state.thorough:
                 break
             if gained:  # where one search found nothing better, none later does
@@ -214,8 +217,6 @@ def _process_sparingly(state: SolveState, node: TracedNode) -> tuple[SolveState,
     slowly: so they are sought anew, on few knots, where the sizes have become much narrower. Under
     such a cap the root's rows are loose, and knots for a better cam are known in small parts alone.
     """
-    if state.incumbent is not node.task.incumbent:  # found in another part: its target is lower
-        node = replace(node, task=_task_about(state, node.task))
     node = _tighten_sparingly(state, node)
     missing = 1.0 - node.lower / node.largest_value
     if not node.is_empty and missing < min(WIDE, SEARCHED * node.searched_at) and state.thorough:
@@ -241,6 +242,30 @@ def _tighten_sparingly(state: SolveState, node: TracedNode) -> TracedNode:
         node = replace(node, laws_bounded_at=node.region.widest_size, grids=coarse_mesh(node))
         node = tighten(state, node, 1)
     return node
+
+
+def _offer_relaxation(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:
+    """The relaxation's cam, enlarged until all limits hold, as an incumbent.
+
+    A narrow region's rows are nearly the limits themselves, so that little is added to its size.
+    """
+    if node.relaxation is None:
+        return state, node
+    laws, size = node.relaxation[0].laws, node.relaxation[0].size
+    every = list(zip(state.problem.free, laws, node.violated, strict=True))
+    if any(s.free and s.free.smoothness >= law.space.degree for s, law, _ in every):
+        return state, node  # its laws may jump where those of the problem must not
+    grids = tuple(grid_through(s, law.space.breaks).with_points(x) for s, law, x in every)
+    found, _ = offer_local_optimum(replace(state, grids=grids), laws, size)
+    state = replace(found, grids=state.grids)
+    return state, _about_incumbent(state, node)
+
+
+def _about_incumbent(state: SolveState, node: TracedNode) -> TracedNode:
+    """The node with a lower target where a better cam was found, in this part or in another."""
+    if state.incumbent is node.task.incumbent:
+        return node
+    return replace(node, task=_task_about(state, node.task))
 
 
 def _task_about(state: SolveState, task: BoundTask) -> BoundTask:
@@ -298,7 +323,7 @@ def _tighten_region(
     A law for which the coarse mesh has no spline under the capped value says nothing. For those the
     cap is raised by what the incumbent is above the target, then their intervals are halved.
     """
-    task, grids = node.task, tuple(grid.knots_only for grid in node.grids)
+    task, grids = node.task, node.with_points(node.grids)
     region = node.region.with_closer_nodes(among)
     region = region.restrict(size_rows.tighten_sizes(task.problem, region.sizes))
     if region.is_empty:
@@ -313,7 +338,8 @@ def _tighten_region(
         if number == 2:
             finer = halve_intervals(task.problem, grids)
             both = enumerate(zip(grids, finer, strict=True))
-            grids = tuple(new.knots_only if k in pending else old for k, (old, new) in both)
+            grids = tuple(new if k in pending else old for k, (old, new) in both)
+            grids = node.with_points(grids)
         problem = with_value_cap(task.problem, node.largest_value + extra)
         model = formulate(problem, grids)
         model = with_rows(model, rows_of_size(replace(node, region=region), model.scales))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
 
+from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node
@@ -21,6 +23,7 @@ from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uni
 from synthesis.optimise.propagation.improving_region import ImprovingRegion
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
+from synthesis.optimise.refinement.row_violations import row_violation_peaks
 from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state import SolveState
 
@@ -31,6 +34,10 @@ cam any more: then nothing but knots keeps the bound low."""
 VERY_COSTLY = 8.0  # of the mean loss of intervals: halving one takes away seven eighths, as a rule
 EARLY_MESHES = 2
 """Of these, up to the first whose knots are kept for the node, and refined for small losses."""
+MOST_KEPT = 120  # knots of a law: linear programs on more take longer than their bounds gain
+KEPT_LOSS = 2.0
+"""Of what is missing: a mesh that loses more says too little of the laws, so a finer one is kept.
+"""
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 """Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
 which take longer."""
@@ -46,6 +53,8 @@ class TracedBox(Node):
         region: what every better cam of the node satisfies.
         grids: few knots, where the bound asks for them.
         relaxation: the cam of the last one solved, its mesh, and the bound that it gave.
+        violated: places on every free law where the cams of relaxations broke linear rows between
+            knots: rows are written there too.
         least, most: range of the values of its cams, as far as they belong to no other node.
     """
 
@@ -53,6 +62,7 @@ class TracedBox(Node):
     region: ImprovingRegion
     grids: tuple[Grid, ...] = ()
     relaxation: tuple[Candidate, tuple[Grid, ...], Bound] | None = None
+    violated: tuple[Array, ...] = ()
     least: float = -inf
     most: float = inf
 
@@ -65,6 +75,11 @@ class TracedBox(Node):
     def is_empty(self) -> bool:
         """Whether it holds no such cam."""
         return self.lower >= self.largest_value
+
+    def with_points(self, grids: Sequence[Grid]) -> tuple[Grid, ...]:
+        """The meshes with rows at their knots and at ``violated`` alone."""
+        both = zip(grids, self.violated or [np.zeros(0) for _ in grids], strict=True)
+        return tuple(grid.knots_only.with_points(more) for grid, more in both)
 
     @property
     def caps_mean_square(self) -> bool:
@@ -96,10 +111,10 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
     grown = (sizes[-1][0], task.problem.sizing.bounds[-1][1])
     inside = replace(task.problem.sizing, bounds=(*sizes[:-1], grown))
     problem = replace(task.problem, sizing=inside)
-    grids, before = coarse_mesh(node), Bound(-inf, "")
+    grids, before, kept_loss = coarse_mesh(node), Bound(-inf, ""), inf
     for number in range(MORE_MESHES):
         # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
-        grids = tuple(grid.knots_only for grid in grids)
+        grids = node.with_points(grids)
         bare = formulate(problem, grids)
         given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
         given += size_rows.least_norm_rows(problem, sizes, bare.scales)
@@ -137,8 +152,14 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
             binding |= BindingLimits.on([cam]).pairs
         region = replace(node.region, reference=reference, binding=binding)
         node = replace(node.with_bound(bound), region=region)
-        if number <= EARLY_MESHES:
-            node = replace(node, grids=grids)
+        #    Linear rows are written at more points next time: where it breaks them between these.
+        points = row_violation_peaks(replace(state, grids=grids), cam)
+        both = zip(points, node.violated or points, strict=True)
+        node = replace(node, violated=tuple(np.union1d(*each) for each in both))
+        most = max(len(grid.space.breaks) for grid in grids)
+        is_loose = kept_loss > KEPT_LOSS * (node.largest_value - node.lower)
+        if number <= EARLY_MESHES or (is_loose and most <= MOST_KEPT):
+            node, kept_loss = replace(node, grids=grids), cam.value - bound.value
         node = replace(node, relaxation=(cam, grids, bound))
         # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
         if node.is_empty or state.time_left <= 0.0:

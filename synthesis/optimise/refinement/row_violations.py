@@ -42,6 +42,19 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
     return points, worst
 
 
+def row_violation_peaks(state: SolveState, cam: Candidate) -> list[Array]:
+    """Points x of every free law where a cam violates a linear row between their points most."""
+    laws, points = {segment.index: segment for segment in cam.problem.segments}, []
+    for free, grid in zip(state.problem.free, state.grids, strict=True):
+        peaks = [np.zeros(0)]
+        for x, excess in _row_excesses(state.problem, free, laws[free.index], grid, cam):
+            beside = np.pad(excess, 1, constant_values=-inf)
+            is_peak = (excess > ALLOWED) & (excess >= beside[:-2]) & (excess >= beside[2:])
+            peaks.append(x[is_peak])
+        points.append(sorted_unique(np.concatenate(peaks)))
+    return points
+
+
 def breaks_exact_rows(state: SolveState, cam: Candidate) -> bool:
     """Whether a cam breaks rows that a spline keeps all along once its coefficients keep them.
 
@@ -74,22 +87,37 @@ def _excesses(
     """Per row of one law: points between its own, the relative excess there, and whether the row
     could be written at them.
     """
-    rows = [row for row in problem.limit_rows(free) if _can_be_violated(row, grid, cam)]
+    for x, excess in _row_excesses(problem, free, law, grid, cam):
+        yield x, excess, True
     curves = list(problem.curved_limits_on(free))
-    if not rows and not curves:
+    if not curves:
         return
-    # three points inside every interval of the mesh
-    gaps = np.diff(grid.points)[:, None] * np.array([0.25, 0.5, 0.75])
-    x = np.asarray((grid.points[:-1, None] + gaps).ravel())
-    scales, curve, theta = natural_scales(problem), law.placed(), free.start + free.angle * x
-    s = curve.jet(theta, curve.piece_of(theta), 3)
-    for row in rows:
-        size = sum(a * v for a, v in zip(row.size, cam.size, strict=False))
-        excess = np.array(row.coefficients) @ s + (size - row.upper)
-        yield x, np.where(applies_at(row, x), excess / row_scale(row, free, scales), -inf), True
+    x, s = _between_points(free, law, grid)
     for limit in curves:
         for value in limit.excess(s, cam.size):
             yield x, value, limit.linearises
+
+
+def _row_excesses(
+    problem: Problem, free: PlacedSegment, law: PlacedSegment, grid: Grid, cam: Candidate
+) -> Iterator[tuple[Array, Array]]:
+    """Per linear row of one law: points between its own, and the relative excess there."""
+    rows = [row for row in problem.limit_rows(free) if _can_be_violated(row, grid, cam)]
+    if not rows:
+        return
+    scales, (x, s) = natural_scales(problem), _between_points(free, law, grid)
+    for row in rows:
+        size = sum(a * v for a, v in zip(row.size, cam.size, strict=False))
+        excess = np.array(row.coefficients) @ s + (size - row.upper)
+        yield x, np.where(applies_at(row, x), excess / row_scale(row, free, scales), -inf)
+
+
+def _between_points(free: PlacedSegment, law: PlacedSegment, grid: Grid) -> tuple[Array, Array]:
+    """Three points inside every interval of a mesh, and the motion there: (n,) and (4, n)."""
+    gaps = np.diff(grid.points)[:, None] * np.array([0.25, 0.5, 0.75])
+    x = np.asarray((grid.points[:-1, None] + gaps).ravel())
+    curve, theta = law.placed(), free.start + free.angle * x
+    return x, curve.jet(theta, curve.piece_of(theta), 3)
 
 
 def _can_be_violated(row: LinearInequality, grid: Grid, cam: Candidate) -> bool:

@@ -1,0 +1,120 @@
+"""A relaxation of a node without rows between its knots is too loose for a fine tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synthesis import DesignSpec
+from synthesis.optimise.branching import traced_node, traced_relaxation
+from synthesis.optimise.branching.traced_node import TracedNode
+from synthesis.optimise.branching.traced_relaxation import solve_relaxation
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.grid import grid_through
+from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.optimise.refinement.row_violations import row_violation_peaks, row_violations
+from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
+from tests.hard.families import random_scene
+
+FINE = 1e-4
+SCENE = random_scene("slide, centred", 5)
+
+
+def searched(tolerance: float, proof: ProofBudget) -> SolveState:
+    spec = DesignSpec.model_validate(SCENE)
+    problem = formulate_problem(spec, spec.objectives()[0])
+    return optimise(problem, tolerance, proof=proof)
+
+
+@pytest.fixture(scope="module")
+def close() -> SolveState:
+    return searched(FINE, THOROUGH)
+
+
+@pytest.fixture(scope="module")
+def root(close: SolveState) -> TracedNode:
+    node = TracedNode.root(replace(close, tolerance=0.1 * FINE, proof_deadline=inf))
+    assert node is not None
+    return node
+
+
+def test_it_is_met_by_the_first_node(close: SolveState) -> None:
+    """With rows at the knots alone, 34 boxes and 20 s left 2.05e-4 of the base radius."""
+    assert close.gap_between(close.incumbent, close.lower) <= FINE
+    assert close.stages[-1].nodes == 1
+
+
+def test_rows_are_added_where_the_relaxation_breaks_them(
+    close: SolveState, root: TracedNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = solve_relaxation(close, root)
+    assert any(len(points) for points in first.violated)
+    again = solve_relaxation(close, first)
+    monkeypatch.setattr(traced_relaxation, "row_violation_peaks", lambda *_: [np.zeros(0)] * 2)
+    without = solve_relaxation(close, solve_relaxation(close, root))
+    assert without.relaxation is not None
+    assert again.relaxation is not None
+    loosest = row_violations(replace(close, grids=first.grids), without.relaxation[0])[1]
+    assert row_violations(replace(close, grids=first.grids), again.relaxation[0])[1] < 0.1 * loosest
+
+
+def test_one_place_is_named_of_every_violation(close: SolveState, root: TracedNode) -> None:
+    node = solve_relaxation(close, root)
+    assert node.relaxation is not None
+    cam, grids, _ = node.relaxation
+    state = replace(close, grids=tuple(grid.knots_only for grid in grids))
+    every, _ = row_violations(state, cam)
+    for peaks, points in zip(row_violation_peaks(state, cam), every, strict=True):
+        assert set(peaks) <= set(points)
+        assert len(peaks) <= len(points)
+    assert sum(map(len, row_violation_peaks(state, cam))) < sum(map(len, every))
+
+
+def test_the_cam_of_a_relaxation_is_an_incumbent(
+    close: SolveState, root: TracedNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No local search is needed to find a better one than the root of the driver did."""
+    monkeypatch.setattr(traced_node, "_improve_incumbent", lambda state, node: (state, node))
+    worse = searched(5e-3, QUICK).incumbent
+    assert worse is not None
+    found, _ = root.process(replace(close, incumbent=worse, tolerance=0.1 * FINE))
+    assert found.incumbent is not None
+    assert found.incumbent.value < worse.value * (1.0 - 1e-4)
+    # all rows hold on it, on many more points too
+    laws = found.incumbent.laws
+    grids = tuple(
+        grid_through(s, np.union1d(law.space.breaks, np.linspace(0.0, 1.0, 701)))
+        for s, law in zip(found.problem.free, laws, strict=True)
+    )
+    assert row_violations(replace(found, grids=grids), found.incumbent)[1] <= 1e-9
+
+
+def test_laws_that_may_jump_are_none_of_a_smoother_problem(
+    close: SolveState, root: TracedNode
+) -> None:
+    node: Any = solve_relaxation(close, root)
+    smoother = [
+        replace(s, free=replace(s.free, smoothness=3)) if s.free else s
+        for s in close.problem.segments
+    ]
+    state = replace(close, problem=replace(close.problem, segments=tuple(smoother)), incumbent=None)
+    assert traced_node._offer_relaxation(replace(close, incumbent=None), node)[0].incumbent
+    assert traced_node._offer_relaxation(state, node)[0].incumbent is None
+
+
+def test_a_finer_mesh_is_kept_where_knots_lose_more_than_is_missing(
+    close: SolveState, root: TracedNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = replace(close, deadline=inf)
+
+    def kept() -> int:
+        node = solve_relaxation(state, replace(root, lower=0.999 * root.task.target))
+        return sum(len(grid.space.breaks) for grid in node.grids)
+
+    fine = kept()
+    monkeypatch.setattr(traced_relaxation, "KEPT_LOSS", inf)
+    assert kept() < fine
