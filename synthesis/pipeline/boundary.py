@@ -108,7 +108,7 @@ class Boundary:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3.
 
         ``last`` (step 5 of ``conflict``): where a gap is open (limits that bind are not convex), by
-        the spec's own proof, to ``COARSE``; only with a time budget or a thorough proof.
+        the spec's own proof, to ``FINE``; only with a time budget or a thorough proof.
         """
         if self.nearest is None:
             return
@@ -118,16 +118,14 @@ class Boundary:
         if last and not (is_open and has_time):
             return
         if last:
-            self.proof, self.finest = spec.proof, COARSE
-        try:
+            self.proof, self.finest = spec.proof, FINE
+        with suppress(TimeoutError):
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
                 if last:
                     self._exclude_stepwise()
                 self._close_in()
-        except TimeoutError:
-            pass
         self.confirm()
 
     def _minimise_radius(self) -> bool:
@@ -143,8 +141,9 @@ class Boundary:
     @property
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        excess, finest = self.excesses.get(self.number.tightest, 1.0), self.finest
-        return min(max(self.accuracy * excess, finest, self.open_gap), max(FINE, finest))
+        sought = self.accuracy * self.excesses.get(self.number.tightest, 1.0)
+        most = FINE if self.proof == "quick" else COARSE
+        return min(max(sought, self.finest, self.open_gap), most)
 
     @property
     def open_gap(self) -> float:
@@ -230,7 +229,7 @@ class Boundary:
         """
         assert self.nearest is not None
         excess = QUARTER * self.excesses.get(self.number.tightest, 0.0)
-        while excluding_gap(excess) >= COARSE:
+        while excluding_gap(excess) >= self.fine:
             slope, left = self._slope(0.0), self.nearest[1].excess
             if slope <= 0.0 or left is None:
                 return

@@ -29,7 +29,7 @@ def bent() -> Design:
     """An answer with everything in it: a relaxation, local searches, a proof without its end."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(attempt, "AUTO_PROGRAMS", 50)
-        return synthesise(HARD.model_copy(update={"tolerance": 1.5e-4}))
+        return synthesise(HARD.model_copy(update={"tolerance": 3e-6}))
 
 
 def test_each_stage_says_which_gap_it_has_left(bent: Design) -> None:
@@ -60,7 +60,7 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     rough = {"limits": [PRESSURE], "objective": LEAST_MEAN, "base_radius_mm": 60.0}
     assert exits(synthesise(spec(**rough, tolerance=1e-6))) == ["the lowest node is not divided"]
     monkeypatch.setattr(attempt, "THOROUGH_PROGRAMS", 50)
-    sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 1e-4})
+    sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 3e-6})
     assert exits(synthesise(sharp)) == ["budget of the proof"]
 
 
