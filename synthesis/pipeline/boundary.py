@@ -270,7 +270,7 @@ class Boundary:
         What knots and solvers leave is none: another trial may come nearer.
         """
         if trial.excess is not None and trial.bound_excess is not None:
-            gap = trial.excess - trial.bound_excess
+            gap = (trial.excess - trial.bound_excess) / (1.0 + trial.excess)  # of the cam
             if gap > max(tolerance, FINE):
                 self.oracle.open_gaps[self.proof] = LEFT * gap
 

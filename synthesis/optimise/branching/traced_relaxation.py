@@ -152,8 +152,9 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
             binding |= BindingLimits.on([cam]).pairs
         region = replace(node.region, reference=reference, binding=binding)
         node = replace(node.with_bound(bound), region=region)
-        #    Linear rows are written at more points next time: where it breaks them between these.
-        points = row_violation_peaks(replace(state, grids=grids), cam)
+        #    Linear rows are written at more points next time, where it breaks them between these;
+        #    but for those at which multipliers make ψ jump: with more of them these alternate.
+        points = row_violation_peaks(replace(state, grids=grids), cam, task.order - 1)
         both = zip(points, node.violated or points, strict=True)
         node = replace(node, violated=tuple(np.union1d(*each) for each in both))
         most = max(len(grid.space.breaks) for grid in grids)

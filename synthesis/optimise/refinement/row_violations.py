@@ -6,7 +6,7 @@ written at collocation points, and the points of largest violation join the mesh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import inf
 
 import numpy as np
@@ -42,12 +42,18 @@ def row_violations(state: SolveState, cam: Candidate) -> tuple[list[Array], floa
     return points, worst
 
 
-def row_violation_peaks(state: SolveState, cam: Candidate) -> list[Array]:
-    """Points x of every free law where a cam violates a linear row between their points most."""
+def row_violation_peaks(state: SolveState, cam: Candidate, below: int) -> list[Array]:
+    """Points x of every free law where a cam violates a linear row between their points most.
+
+    ``below``: rows of derivatives of a lower order alone.
+    """
     laws, points = {segment.index: segment for segment in cam.problem.segments}, []
     for free, grid in zip(state.problem.free, state.grids, strict=True):
         peaks = [np.zeros(0)]
-        for x, excess in _row_excesses(state.problem, free, laws[free.index], grid, cam):
+        own = (state.problem, free, laws[free.index], grid, cam)
+        for orders, x, excess in _row_excesses(*own):
+            if max(orders) >= below:
+                continue
             beside = np.pad(excess, 1, constant_values=-inf)
             is_peak = (excess > ALLOWED) & (excess >= beside[:-2]) & (excess >= beside[2:])
             peaks.append(x[is_peak])
@@ -87,7 +93,7 @@ def _excesses(
     """Per row of one law: points between its own, the relative excess there, and whether the row
     could be written at them.
     """
-    for x, excess in _row_excesses(problem, free, law, grid, cam):
+    for _, x, excess in _row_excesses(problem, free, law, grid, cam):
         yield x, excess, True
     curves = list(problem.curved_limits_on(free))
     if not curves:
@@ -100,8 +106,8 @@ def _excesses(
 
 def _row_excesses(
     problem: Problem, free: PlacedSegment, law: PlacedSegment, grid: Grid, cam: Candidate
-) -> Iterator[tuple[Array, Array]]:
-    """Per linear row of one law: points between its own, and the relative excess there."""
+) -> Iterator[tuple[Sequence[int], Array, Array]]:
+    """Per linear row of one law: its orders, points between its own, the relative excess there."""
     rows = [row for row in problem.limit_rows(free) if _can_be_violated(row, grid, cam)]
     if not rows:
         return
@@ -109,7 +115,8 @@ def _row_excesses(
     for row in rows:
         size = sum(a * v for a, v in zip(row.size, cam.size, strict=False))
         excess = np.array(row.coefficients) @ s + (size - row.upper)
-        yield x, np.where(applies_at(row, x), excess / row_scale(row, free, scales), -inf)
+        relative = np.where(applies_at(row, x), excess / row_scale(row, free, scales), -inf)
+        yield row.orders, x, relative
 
 
 def _between_points(free: PlacedSegment, law: PlacedSegment, grid: Grid) -> tuple[Array, Array]:
