@@ -134,6 +134,19 @@ def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
     assert 0.0 <= ways["thorough"] < 0.05
 
 
+@pytest.mark.parametrize(("share", "is_open"), [(0.99, False), (1.01, True)])
+def test_a_gap_is_open_where_it_is_wider_than_the_tolerance_of_the_cam(
+    share: float, is_open: bool
+) -> None:
+    """Excesses are relative to the maximum, a tolerance to the cam, which is larger."""
+    excess, tolerance = 0.37, 9e-3
+    below = excess - share * tolerance * (1.0 + excess)
+    trial: Any = SimpleNamespace(excess=excess, bound_excess=below)
+    boundary: Any = SimpleNamespace(oracle=SimpleNamespace(open_gaps={}), proof="auto")
+    Boundary._note_gap(boundary, trial, tolerance)
+    assert bool(boundary.oracle.open_gaps) is is_open
+
+
 LEAST = 1300.0  # of a number that is asked to be 1000 at most
 
 
