@@ -17,7 +17,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import grid_through
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.refinement.row_violations import row_violation_peaks, row_violations
-from synthesis.optimise.state import QUICK, THOROUGH, ProofBudget, SolveState
+from synthesis.optimise.state import QUICK, ProofBudget, SolveState
 from tests.hard.families import random_scene
 
 FINE = 1e-4
@@ -32,7 +32,7 @@ def searched(tolerance: float, proof: ProofBudget) -> SolveState:
 
 @pytest.fixture(scope="module")
 def close() -> SolveState:
-    return searched(FINE, THOROUGH)
+    return searched(FINE, ProofBudget(300, 1.0))
 
 
 @pytest.fixture(scope="module")
