@@ -207,7 +207,7 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     assert best is not None
     if best.value >= node.task.incumbent.value:
         return state, node
-    return state, replace(node, task=_task_about(state, node.task))
+    return state, _about_incumbent(state, node)
 
 
 def _process_sparingly(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:
@@ -263,15 +263,10 @@ def _offer_relaxation(state: SolveState, node: TracedNode) -> tuple[SolveState, 
 
 def _about_incumbent(state: SolveState, node: TracedNode) -> TracedNode:
     """The node with a lower target where a better cam was found, in this part or in another."""
-    if state.incumbent is node.task.incumbent:
+    best, task = state.incumbent, node.task
+    if best is None or best is task.incumbent:
         return node
-    return replace(node, task=_task_about(state, node.task))
-
-
-def _task_about(state: SolveState, task: BoundTask) -> BoundTask:
-    """The task with the state's incumbent."""
-    best = state.incumbent
-    return (best and BoundTask.of(state, best, task.deadline)) or task
+    return replace(node, task=BoundTask.of(state, best, task.deadline) or task)
 
 
 def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:

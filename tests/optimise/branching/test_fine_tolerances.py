@@ -77,7 +77,7 @@ def test_one_place_is_named_of_every_violation(close: SolveState, root: TracedNo
 
 
 def test_where_the_acceleration_is_capped_no_rows_are_added() -> None:
-    """With them 1.5 % was left after 10 s; it is one box without."""
+    """With them 0.69 % was left after 10 s; without, the first box closes it."""
     body = random_scene("slide, acceleration and profile radius", 7)
     spec = DesignSpec.model_validate({**body, "proof": "thorough", "time_budget_s": 60.0})
     design = synthesise(spec)
