@@ -102,6 +102,7 @@ def optimise(
     warm_start: WarmStart | None = None,
     earlier: Candidate | None = None,
     sufficient: float = -inf,
+    sufficient_bound: float = inf,
     mesh: Sequence[Array] = (),
 ) -> SolveState:
     """Minimise one objective under all limits, to a relative gap.
@@ -117,6 +118,8 @@ def optimise(
             incumbent, and its knots are those of the first mesh.
         sufficient: a value of the objective at which to stop, whatever the gap, in the problem's
             spec's units.
+        sufficient_bound: a lower bound of the objective at which to stop, whatever the gap, in the
+            same units.
         mesh: knots of every free law to begin with, those of a neighbouring problem; none, or
             those of other laws: equal intervals.
 
@@ -126,6 +129,7 @@ def optimise(
     now = clock.now()
     state = SolveState(
         problem, tolerance, deadline, tighten, warm_start=warm_start, sufficient=sufficient,
+        sufficient_bound=sufficient_bound,
         programs=proof.programs, proof_deadline=now + proof.share * (deadline - now),
     ).with_proof_begun()  # fmt: skip
     if problem.objective.equivalent_limits(1.0, problem.machine):
@@ -173,7 +177,8 @@ def _exit(state: SolveState, tree: Tree) -> str:
     """Why the loop has ended, for the report."""
     tests = ((name, holds(state, tree, tree.next_node)) for name, holds in EXITS)
     if state.is_good_enough:
-        return SUFFICIENT if state.suffices else TOLERANCE
+        is_open = state.gap_between(state.incumbent, state.lower) > state.tolerance
+        return SUFFICIENT if state.suffices or is_open else TOLERANCE
     name = next((name for name, holds in tests if holds), UNDIVIDED)
     # What only a longer proof would raise: more nodes, or any at all where curvature decides.
     short = name == NODE_LIMIT or (name == UNDIVIDED and state.needs_local_search)

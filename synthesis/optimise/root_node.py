@@ -39,7 +39,7 @@ from synthesis.optimise.separation.mesh_relaxation import (
     solve_and_separate,
 )
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
-from synthesis.optimise.state import QUICK, SolveState, over_bound, program_stage
+from synthesis.optimise.state import QUICK, SolveState, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
 from synthesis.optimise.strategy.idle_caps import Optimise, search_without_idle_caps
 from synthesis.optimise.strategy.phase_one import minimise_excess
@@ -120,7 +120,7 @@ class RootNode(Node):
         if failed or _needs_no_finer_mesh(state, model, solution, bound):
             mesh = _mesh_for_local_search(state, cam, bound, violations)
             return self._finish(replace(state, grids=mesh))
-        idle = IDLE * over_bound(gap_before) < over_bound(state.relaxation_gap) < inf
+        idle = IDLE * _over_bound(gap_before) < _over_bound(state.relaxation_gap) < inf
         fine = state.relaxation_gap <= FINE_ENOUGH * state.tolerance  # for the local search
         intervals = _count(state.grids)
         many_added = intervals >= GROWTH * self.previous_interval_count
@@ -359,3 +359,8 @@ def _bound_without_vibration(state: SolveState) -> SolveState:
     model = formulate(problem.without_vibration, state.grids, 0.0, state.tightening)
     solution = solve(model.program, state.time_left)
     return state.with_bound(dual_bound(model, solution)) if solution.stopped in USABLE else state
+
+
+def _over_bound(gap: float) -> float:
+    """(value − bound)/bound of a gap (value − bound)/value: near 1 the gap shows no progress."""
+    return gap / (1.0 - gap) if gap < 1.0 else inf

@@ -26,6 +26,7 @@ DEFAULT_TIGHTENING = 1e-7
 """Relative tightening of the rows as long as the certificate has refused no cam."""
 SINGLE_SHARE = 0.4
 """Of the tolerance, for the gap at chosen angles and lifts: the rest is for all others."""
+AIM = 0.985  # share of the tolerance: the gap that is to be proven
 AT_END = 4.0 * CLEARANCE
 """Relative: by how much a cam's size may lie above the least that is sought, and count as that."""
 
@@ -96,6 +97,7 @@ class SolveState:
         last_program: ``clock.programs_solved()`` from which on only a quick proof is made.
         proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop.
         sufficient: a value of the objective [wire] at which to stop, whatever the gap.
+        sufficient_bound: a lower bound [wire] at which to stop, whatever the gap.
         margin: relative tightening of rows written at points, against their excess in between.
         incumbent: best cam that satisfies all limits.
         relaxed: best cam of the relaxation, which may violate nonconvex limits.
@@ -128,6 +130,7 @@ class SolveState:
     last_program: float = -inf
     proof_deadline: float = inf
     sufficient: float = -inf
+    sufficient_bound: float = inf
     margin: float = 0.0
     incumbent: Candidate | None = None
     relaxed: Candidate | None = None
@@ -282,9 +285,19 @@ class SolveState:
         return self.gap_between(self.relaxed, self.lower)
 
     def is_close(self, cam: Candidate | None, lower: float | None = None) -> bool:
-        """Whether a cam is within the tolerance of a lower bound; by default of the best one."""
-        gap = self.gap_between(cam, self.lower if lower is None else lower)
-        return gap <= 0.99 * self.tolerance
+        """Whether a cam is within the tolerance of a lower bound, or that bound is enough."""
+        lower = self.lower if lower is None else lower
+        return cam is not None and (
+            lower >= self._problem_value(self.sufficient_bound)
+            or self.gap_between(cam, lower) <= 0.99 * self.tolerance
+        )
+
+    def bound_to_prove(self, cam: Candidate) -> float:
+        """The lower bound [problem units] that closes the gap of a cam, or is sufficient."""
+        objective, machine = self.problem.objective, self.problem.machine
+        value = objective.to_wire(cam.value, machine)
+        closing = value - AIM * self.tolerance * abs(value)
+        return objective.from_wire(min(closing, self.sufficient_bound), machine)
 
     @cached_property
     def is_good_enough(self) -> bool:
@@ -315,9 +328,12 @@ class SolveState:
     @property
     def sufficient_value(self) -> float:
         """The value at which to stop in problem units; −inf where there is none."""
-        if not isfinite(self.sufficient):
-            return -inf
-        return self.problem.objective.from_wire(self.sufficient, self.problem.machine)
+        return self._problem_value(self.sufficient)
+
+    def _problem_value(self, value: float) -> float:
+        """A value of the objective [wire] in problem units; one that is infinite stays so."""
+        objective, machine = self.problem.objective, self.problem.machine
+        return objective.from_wire(value, machine) if isfinite(value) else value
 
     def problem_tolerance(self, value: float) -> float:
         """The tolerance about a value of the objective, relative, both in problem units.
@@ -380,8 +396,3 @@ def solvers_of(state: SolveState, known: tuple[str, ...] = ()) -> tuple[str, ...
     """The solvers that a solve's stages have used, after those known, each named once."""
     used = (name for stage in state.stages for name in stage.solver.split(", ") if name != "none")
     return tuple(dict.fromkeys((*known, *used)))
-
-
-def over_bound(gap: float) -> float:
-    """(value − bound)/bound of a gap (value − bound)/value: near 1 the gap shows no progress."""
-    return gap / (1.0 - gap) if gap < 1.0 else inf

@@ -59,7 +59,8 @@ class Goal:
     Attributes:
         stop: ``clock.now()`` at which to stop with the best so far.
         warm_start: where a neighbouring question's local search ended.
-        sufficient: a value of the first objective [wire] that is good enough, proven best or not.
+        sufficient, sufficient_bound: a value, and a lower bound, of the first objective [wire] that
+            are good enough, whatever the gap.
         smallest: base radius from which on cams are sought where it is open below [strokes].
         mesh: knots of every free law to begin with, those of a neighbouring question.
     """
@@ -67,6 +68,7 @@ class Goal:
     stop: float
     warm_start: WarmStart | None = None
     sufficient: float = -inf
+    sufficient_bound: float = inf
     smallest: float = SMALLEST
     mesh: tuple[Array, ...] = ()
 
@@ -228,9 +230,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     tables = smooth_tables(question.scaled.placed_segments(), goal.stop)
     stages += [Effort(**vars(stage)) for stage in tables.stages]
     scaled = question.scaled
-    return Attempt(
-        question, chosen_values, tables, scaled, scaled, number_bound=bounded, start=start
-    )
+    return Attempt(question, chosen_values, tables, scaled, scaled, None, bounded, start)
 
 
 def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> Attempt:
@@ -240,7 +240,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     bound is the best of all: it is that of the limits as they are.
     """
     question, attempt = prepared.question, prepared
-    spec, sufficient = question.scaled, goal.sufficient / question.units.length
+    spec, unit = question.scaled, question.units.length
     for tighten in TIGHTENINGS:
         known = attempt
         next_attempt: Attempt | None = unsolved(prepared, spec.without_deferred())
@@ -255,7 +255,8 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                     proof=_proof_budget(spec, is_last=rank >= len(spec.objectives()) - 1),
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else start,
-                    sufficient=max(sufficient, _value(start)) if from_start else -inf,
+                    sufficient=max(goal.sufficient / unit, _value(start)) if from_start else -inf,
+                    sufficient_bound=goal.sufficient_bound / unit if from_start else inf,
                     mesh=goal.mesh if from_start else (),
                 )  # fmt: skip
                 attempt.searches.append(state)
@@ -289,10 +290,8 @@ def _value(cam: Candidate | None) -> float:
 
 def unsolved(attempt: Attempt, spec: DesignSpec, first: Attempt | None = None) -> Attempt:
     """An attempt at the same question, to be solved with another spec."""
-    return Attempt(
-        attempt.question, attempt.chosen_values, attempt.tables, spec, spec, first,
-        attempt.number_bound,
-    )  # fmt: skip
+    given = attempt.question, attempt.chosen_values, attempt.tables
+    return Attempt(*given, spec, spec, first, attempt.number_bound)
 
 
 def _place_counter_roller(attempt: Attempt, stop: float) -> Attempt | None:

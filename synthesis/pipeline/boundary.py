@@ -8,8 +8,8 @@ maximum, or the gentlest law's derivative over its cap. Its zero is the least va
     2. Inwards: the bracket of the zero is narrowed, every value tried being a question.
     3. To the end, at a fine tolerance: what the smallest cam exceeds vanishes at the least value
        known to suffice, its lower bound at the farthest one known to be impossible. Both are
-       zeros of functions that fall alike. Where the quick proof leaves a gap open, at last by the
-       proof that the spec asks for, if the spec has a time budget or asks for a thorough one.
+       zeros of functions that fall alike. Where the quick proof leaves a gap open, longer ones
+       follow (``longer_proofs``).
 
 A value is named only if the question with it, put as it stands, has a certified cam.
 """
@@ -19,17 +19,15 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
-from typing import Literal
 
-from synthesis.pipeline.largest_radius import Smallest, excluding_gap
+from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
 from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import WIDENING, approach_zero, slope_of, zero_of
 
 FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
 """Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
-than the spec's ``proof`` allows, and no smaller than the first where a gap is open anyway. Cone
-programs reach the last one, and no less."""
+than the spec's ``proof`` allows. Cone programs reach the last one, and no less."""
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
 ROUGH, ACCURACY = 1e-2, 4e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
@@ -48,7 +46,6 @@ BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
 far will do."""
 CLOSE = 0.1  # of the width of a bracket: how near the zero of a bound is come to
-QUARTER = 0.25  # of an excess, from one proof to the next and longer one
 
 LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
@@ -69,7 +66,6 @@ class Boundary:
         excesses, trials: by the values tried. levels: excesses, with signs where none is known.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
-        proof: how far a bound is sought by trials that go to the end.
     """
 
     oracle: Oracle
@@ -83,7 +79,6 @@ class Boundary:
     confirmed: float | None = None
     note: str = LATE
     finest: float = FINE
-    proof: Literal["quick", "auto", "thorough"] = "quick"
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
     trials: dict[float, Trial] = field(default_factory=dict)
@@ -104,27 +99,15 @@ class Boundary:
             self._narrow()
         self.confirm()
 
-    def seek_bound(self, last: bool = False) -> None:
-        """Bring the value that suffices, and one that is impossible, to the zero: step 3.
-
-        ``last`` (step 5 of ``conflict``): where a gap is open (limits that bind are not convex), by
-        the spec's own proof, to ``FINE``; only with a time budget or a thorough proof.
-        """
+    def seek_bound(self) -> None:
+        """Bring the value that suffices, and one that is impossible, to the zero: step 3."""
         if self.nearest is None:
             return
-        spec, is_open = self.oracle.spec, self.open_gap > FINE
-        has_time = spec.time_budget_s is not None or spec.proof == "thorough"
-        self.finest = FINEST[spec.proof]
-        if last and not (is_open and has_time):
-            return
-        if last:
-            self.proof, self.finest = spec.proof, FINE
+        self.finest = FINEST[self.oracle.spec.proof]
         with suppress(TimeoutError):
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
-                if last:
-                    self._exclude_stepwise()
                 self._close_in()
         self.confirm()
 
@@ -142,13 +125,7 @@ class Boundary:
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
         sought = self.accuracy * self.excesses.get(self.number.tightest, 1.0)
-        most = FINE if self.proof == "quick" else COARSE
-        return min(max(sought, self.finest, self.open_gap), most)
-
-    @property
-    def open_gap(self) -> float:
-        """What is left between a smallest cam and its bound for all the tolerance asked."""
-        return self.oracle.open_gaps.get(self.proof, 0.0)
+        return min(max(sought, self.finest, self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -157,10 +134,9 @@ class Boundary:
         where the cam's excess, and where its bound, comes to zero.
         """
         assert self.nearest is not None
-        start, near = self.number.tightest, self.original.attempt.mesh(COARSE)
-        noise = ON_KNOTS if near else 0.0
+        noise = ON_KNOTS if self.original.attempt.mesh(COARSE) else 0.0
         slope = self._slope(noise)
-        gap, value = max(self.fine, self.open_gap), abs(self.nearest[0])
+        gap, value = max(self.fine, self.oracle.open_gap), abs(self.nearest[0])
         step = gap / slope if slope > 0.0 else gap * value
         width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
 
@@ -168,13 +144,13 @@ class Boundary:
             """The way at which an excess falls to 0."""
             return way + excess / slope if slope > 0.0 and excess is not None else None
 
-        good = self._beyond(start, self.nearest[0])
+        good = self.way_to(self.nearest[0])
         found = zero(good, self.nearest[1].excess)
         cam_zero, bound_zero = good if found is None else found, None
-        before, proven, any_cam = None, False, self.proof == "quick"
+        before, proven, any_cam = None, False, True
         for _ in range(CLOSING):
-            good = self._beyond(start, self.nearest[0])
-            bad = 0.0 if self.excluded is None else self._beyond(start, self.excluded)
+            good = self.way_to(self.nearest[0])
+            bad = 0.0 if self.excluded is None else self.way_to(self.excluded)
             nearer = proven and good > cam_zero + width
             if nearer:
                 way = cam_zero + 0.5 * width
@@ -188,7 +164,7 @@ class Boundary:
             if good - bad <= reach:
                 return
             exactly = not (nearer and any_cam)
-            trial = self.tried(start + self.direction * way, self.fine, exactly=exactly)
+            trial = self.tried(self.value_at(way), self.fine, exactly=exactly)
             if before is not None and trial.excess is not None and before[0] != way:
                 local = (trial.excess - before[1]) / (before[0] - way)
                 slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
@@ -213,31 +189,13 @@ class Boundary:
         """
 
         def excess(at: float) -> float:
-            value = self.number.tightest + self.direction * at
+            value = self.value_at(at)
             result = self.oracle.bound_excess(trial, self.number, value)
             if result > 0.0:
                 self.exclude(value)
             return max(result, -1.0)
 
         return approach_zero(excess, way, zero, CLOSE * width)
-
-    def _exclude_stepwise(self) -> None:
-        """Prove values impossible that lie ever nearer to the zero, by proofs ever longer.
-
-        The rough proofs, which are sure to end, come first: of values at which the smallest cam is
-        far too large.
-        """
-        assert self.nearest is not None
-        excess = QUARTER * self.excesses.get(self.number.tightest, 0.0)
-        while excluding_gap(excess) >= self.fine:
-            slope, left = self._slope(0.0), self.nearest[1].excess
-            if slope <= 0.0 or left is None:
-                return
-            way = self._beyond(self.number.tightest, self.nearest[0]) + (left - excess) / slope
-            value = self.number.tightest + self.direction * way
-            if self.excluded is not None and self._beyond(self.excluded, value) > 0.0:
-                self.tried(value, excluding_gap(excess), exactly=True)
-            excess *= QUARTER
 
     @property
     def at_least(self) -> float | None:
@@ -253,10 +211,7 @@ class Boundary:
         if self.oracle.is_late():
             raise TimeoutError
         _, near = min(self.trials.items(), key=lambda pair: abs(pair[0] - value))
-        proof = self.proof if exactly else "quick"
-        trial = self.oracle.relaxed(
-            self.number, value, tolerance, near, exactly=exactly, proof=proof
-        )
+        trial = self.oracle.relaxed(self.number, value, tolerance, near, exactly=exactly)
         self.record(value, trial)
         if not trial.on_time:
             raise TimeoutError
@@ -272,7 +227,7 @@ class Boundary:
         if trial.excess is not None and trial.bound_excess is not None:
             gap = (trial.excess - trial.bound_excess) / (1.0 + trial.excess)  # of the cam
             if gap > max(tolerance, FINE):
-                self.oracle.open_gaps[self.proof] = LEFT * gap
+                self.oracle.open_gap = LEFT * gap
 
     def record(self, value: float, trial: Trial) -> None:
         self.trials[value] = trial
@@ -301,6 +256,14 @@ class Boundary:
             return  # values nearer to the request might do
         if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
             self.excluded = value
+
+    def way_to(self, value: float) -> float:
+        """How far a value allows more than the request."""
+        return self._beyond(self.number.tightest, value)
+
+    def value_at(self, way: float) -> float:
+        """The value that allows as much more than the request."""
+        return self.number.tightest + self.direction * way
 
     def _beyond(self, value: float, other: float) -> float:
         """How far another value allows more than a value."""
@@ -351,10 +314,11 @@ class Boundary:
         near = ROUGH * self.excesses.get(self.number.tightest, 0.0)
         return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
-    def confirm(self) -> None:
+    def confirm(self, proof: str = "quick") -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the same question as will be asked with the value put back, and the same answer.
+        ``proof``: by which its cam is found, the spec's own or a shorter one.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
@@ -373,7 +337,7 @@ class Boundary:
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
-            found = self.oracle.ask_as_it_stands(self.number, value, self.proof)
+            found = self.oracle.ask_as_it_stands(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed, self.confirmed = value, nearest

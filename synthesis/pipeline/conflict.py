@@ -11,7 +11,8 @@ cam, and what is claimed to be impossible is proven.
        still has no cam.
     3. The bounds: which values of each are proven impossible.
     4. Changes of the program that mend it.
-    5. With the time that is left, both ends of the members' values once more, by longer proofs.
+    5. With the time that is left, both ends of the members' values once more, by longer proofs
+       (``longer_proofs``).
     6. What the certificate refused on the cam at hand.
 """
 
@@ -25,8 +26,9 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
 from synthesis.pipeline.attempt import Attempt
-from synthesis.pipeline.boundary import LATE, ROUGH, Boundary
+from synthesis.pipeline.boundary import FINE, LATE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
+from synthesis.pipeline.longer_proofs import close_in
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.outwards import seek_value
 from synthesis.pipeline.program_numbers import program_numbers
@@ -88,7 +90,7 @@ def explain(
     #    is left. Numbers that are free stay so. A gap that another program leaves open says nothing
     #    of the one asked for.
     changes = list[Relaxation]()
-    changed = replace(oracle.share(2), spec=own, open_gaps=dict(oracle.open_gaps), known={})
+    changed = replace(oracle.share(2), spec=own, known={})
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)
         seek_value(boundary)
@@ -98,10 +100,9 @@ def explain(
             changes += _relaxations(boundary)
     # 5. With what time is left, the members' values once more where a gap is open: longer proofs.
     #    A proof at numbers that were chosen is none over all of them.
-    bounded = [] if attempt.chosen_values else members.numbers[::-1]
-    for left, number in enumerate(bounded):
-        boundaries[number].oracle = oracle.share(len(members.numbers) - left)
-        boundaries[number].seek_bound(last=True)
+    has_time = spec.time_budget_s is not None or spec.proof == "thorough"
+    if oracle.open_gap > FINE and has_time and spec.proof != "quick" and not attempt.chosen_values:
+        close_in(oracle, [boundaries[number] for number in members.numbers])
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     limits = [str(number) for number in members.numbers]
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]

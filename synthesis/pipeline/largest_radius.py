@@ -50,6 +50,11 @@ def excluding_gap(excess: float) -> float:
     return ENOUGH * excess / (1.0 + excess)
 
 
+def above(most: float) -> float:
+    """A lower bound of the base radius that excludes every cam with a maximum [mm]."""
+    return most * (1.0 + 2.0 * ROUNDING)
+
+
 @dataclass(frozen=True, eq=False)
 class Smallest:
     """The smallest cam found without the maximum, as an answer to the question with it.
@@ -204,9 +209,11 @@ def _decided(
         changes = {"tolerance": tolerance, "proof": proof}
         finer = first_question(spec.model_copy(update=changes))
         # Its laws are next to the best: on their knots one that is small enough is found at once.
-        enough = smallest.most if len(spec.objectives()) == 1 else -inf
-        mesh = known.mesh(FINEST)
-        near = replace(goal, warm_start=None, mesh=mesh, sufficient=enough)
+        alone, most = len(spec.objectives()) == 1, smallest.most
+        near = replace(
+            goal, warm_start=None, mesh=known.mesh(FINEST), sufficient=most if alone else -inf,
+            sufficient_bound=above(most) if alone and proof != "quick" else inf,
+        )  # fmt: skip
         found = with_bound_of(known, solve_spec(finer, near, stages))
         smallest = _smaller(smallest, _smallest(spec, found))
     return smallest

@@ -28,6 +28,7 @@ from synthesis.pipeline.largest_radius import (
     FINEST,
     ROUNDING,
     Smallest,
+    above,
     compare,
     excluding_gap,
     first_question,
@@ -117,15 +118,15 @@ class Oracle:
         asked: the question as it stands.
         stop: ``clock.now()`` after which nothing more is tried. last_program: the same, counted in
             programs that are solved.
-        open_gaps: relative, what was left between a smallest cam and its bound for all the
-            tolerance that was asked, by the proof.
+        open_gap: relative, what quick proofs have left between a smallest cam and its bound for
+            all the tolerance that was asked.
     """
 
     spec: DesignSpec
     asked: DesignSpec
     stop: float
     last_program: float = inf
-    open_gaps: dict[str, float] = field(default_factory=dict)
+    open_gap: float = 0.0
     known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
 
     def is_late(self) -> bool:
@@ -142,7 +143,8 @@ class Oracle:
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
         is sought to the tolerance though any that is small enough would do. ``proof``: how far that
-        there is none is sought.
+        there is none is sought; a longer one than the quick one ends where its bound excludes the
+        maximum.
         """
         low, high = spec.requested_radii()
         limited = low < high < inf
@@ -154,7 +156,8 @@ class Oracle:
         if mesh and not exactly:  # a cam next to the best comes first, whatever the bound
             tolerance = max(tolerance, ON_KNOTS)
         changes = {**QUICK, "objective": objective, "tolerance": tolerance, "proof": proof}
-        goal = Goal(self.stop, sufficient=enough, mesh=mesh)
+        bound = above(high) if limited and proof != "quick" else inf
+        goal = Goal(self.stop, sufficient=enough, sufficient_bound=bound, mesh=mesh)
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
     def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Trial:
@@ -168,7 +171,13 @@ class Oracle:
         spec = relaxed(self.asked, number, value)
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 
-    def share(self, parts: int) -> Oracle:
+    @property
+    def left(self) -> float:
+        """Seconds that are left, or programs where those are counted."""
+        seconds = self.stop - clock.now()
+        return seconds if seconds < inf else self.last_program - clock.programs_solved()
+
+    def share(self, parts: float) -> Oracle:
         """The same oracle with an equal part of the time and the programs that are left.
 
         What one part leaves is shared by the parts after it.
@@ -201,8 +210,8 @@ class Oracle:
         return self.known[frozenset(numbers)]
 
     def relaxed(
-        self, number: Relaxable, value: float, tolerance: float, near: Trial, *, exactly: bool,
-        proof: str,
+        self, number: Relaxable, value: float, tolerance: float, near: Trial | None = None, *,
+        exactly: bool, proof: str = "quick",
     ) -> Trial:  # fmt: skip
         """The question with one number relaxed to a value; its cam is one without the number."""
         changed = relaxed(self.spec, number, value)

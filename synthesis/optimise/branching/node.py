@@ -34,7 +34,6 @@ SAMPLES = 200  # points of a segment at which limits are looked at
 JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
 BINDS = -0.02  # a smooth limit above this, relative, binds or soon will
 JERK = 3  # order of the derivative: laws with it capped have two continuous ones
-AIM = 0.985  # share of the tolerance: the gap that is to be proven
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -152,9 +151,7 @@ class BoundTask:
     @classmethod
     def of(cls, state: SolveState, incumbent: Candidate, deadline: float) -> Self | None:
         """The task about an incumbent; None where no cap is known of every free law's control."""
-        objective, machine = state.problem.objective, state.problem.machine
-        value = objective.to_wire(incumbent.value, machine)
-        target = objective.from_wire(value - AIM * state.tolerance * abs(value), machine)
+        objective, target = state.problem.objective, state.bound_to_prove(incumbent)
         smooth = _with_smoothness(state.problem, JERK - 1)
         coarse = [uniform_grid(segment, INTERVALS) for segment in smooth.free]
         controls = capped_controls(formulate(with_value_cap(smooth, target), coarse))

@@ -14,7 +14,7 @@ import numpy as np
 
 from synthesis.numerics.box_search import BoxSearch, Budget
 from synthesis.numerics.piecewise import Array, Mask
-from synthesis.optimise.branching.node import AIM, is_traced
+from synthesis.optimise.branching.node import is_traced
 from synthesis.optimise.recovery.candidate import cam_at_size
 from synthesis.optimise.recovery.closed_form import half_planes
 from synthesis.optimise.relaxation.size_rows import is_excluded, norm_range
@@ -69,11 +69,8 @@ class SizeSearch(BoxSearch[Array]):
     @property
     def target(self) -> float:
         """The value below which no cam is to be left [problem units]."""
-        state, best = self.state, self.state.incumbent
-        assert best is not None
-        objective, machine = state.problem.objective, state.problem.machine
-        value = objective.to_wire(best.value, machine)
-        return objective.from_wire(value - AIM * state.tolerance * abs(value), machine)
+        assert self.state.incumbent is not None
+        return self.state.bound_to_prove(self.state.incumbent)
 
     def split(self, boxes: Array, keep: Mask) -> Array:
         """Each halved across its widest size."""

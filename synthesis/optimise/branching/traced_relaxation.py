@@ -13,7 +13,7 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
 from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node
-from synthesis.optimise.conic.linear_rows import LinearBlock, Scales
+from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
 from synthesis.optimise.dual_bound.batch import MultiplierDensity
@@ -113,9 +113,10 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
     problem = replace(task.problem, sizing=inside)
     grids, before, kept_loss = coarse_mesh(node), Bound(-inf, ""), inf
     for number in range(MORE_MESHES):
-        # 1. The relaxation: the problem's own rows and those that limits imply at the knots.
+        # 1. The relaxation: the problem's own rows and those that limits imply at the knots. They
+        #    are drawn in as for any cam: this one is offered. The bound is that of the rows asked.
         grids = node.with_points(grids)
-        bare = formulate(problem, grids)
+        bare = formulate(problem, grids, 0.0, Tightening(state.tighten))
         given = list(size_rows.fixed_motion_rows(problem, sizes, bare.scales))
         given += size_rows.least_norm_rows(problem, sizes, bare.scales)
         implied = node.region.rows(bare, SPREAD, sparing=True)

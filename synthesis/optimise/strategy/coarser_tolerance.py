@@ -31,11 +31,12 @@ def retry_at_coarser_tolerance(
     wide = inf > state.gap_between(state.incumbent, state.lower) > coarser
     has_ended = 0.0 < proof.programs < inf and not state.thorough and state.time_left > 0.0
     searched = problem.machine.follower.fixable_dimension() is not None
-    if not (wide and has_ended and problem.free) or searched or state.suffices:
+    if not (wide and has_ended and problem.free) or searched or state.is_good_enough:
         return state
     found = optimise(
-        problem, coarser, state.deadline, state.tighten, proof=proof, sufficient=state.sufficient
-    )
+        problem, coarser, state.deadline, state.tighten, proof=proof,
+        sufficient=state.sufficient, sufficient_bound=state.sufficient_bound,
+    )  # fmt: skip
     state = replace(state, stages=(*state.stages, *found.stages))
     if found.incumbent is not None:
         state = state.with_incumbent(found.incumbent)

@@ -32,7 +32,7 @@ def search_without_idle_caps(state: SolveState, optimise: Optimise) -> SolveStat
     if wider is not None and state.thorough and not any(x.needs_load for x in problem.limits):
         found = optimise(
             wider, state.tolerance, state.deadline, state.tighten, proof=QUICK,
-            sufficient=state.sufficient,
+            sufficient=state.sufficient, sufficient_bound=state.sufficient_bound,
         )  # fmt: skip
         if found.incumbent is not None and _keeps(found.incumbent, problem, state.tighten):
             known = state.covers_all_laws and found.covers_all_laws

@@ -64,6 +64,7 @@ def test_a_finer_tolerance_has_no_wider_gap(
         "near",
         "rough",
         "sufficient",
+        "sufficient bound",
         "laws given",
         "searched",
     ],
@@ -82,6 +83,7 @@ def test_nothing_is_tried_where_it_would_say_nothing(
         "near": replace(fine, lower=best(fine).value * (1.0 - 1e-3)),
         "rough": replace(fine, tolerance=ROUGH),
         "sufficient": replace(fine, sufficient=1e9),
+        "sufficient bound": replace(fine, sufficient_bound=1e-9),
         "laws given": replace(fine, problem=given),
     }.get(case, fine)
     with pytest.raises(AssertionError):

@@ -10,13 +10,18 @@ import numpy as np
 import pytest
 
 from synthesis import DesignSpec, synthesise
+from synthesis.numerics import clock
 from synthesis.optimise.branching import traced_node, traced_relaxation
 from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.branching.traced_relaxation import solve_relaxation
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import grid_through
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.refinement.row_violations import row_violation_peaks, row_violations
+from synthesis.optimise.refinement.row_violations import (
+    exact_excess,
+    row_violation_peaks,
+    row_violations,
+)
 from synthesis.optimise.state import QUICK, ProofBudget, SolveState
 from tests.hard.families import random_scene
 
@@ -46,6 +51,34 @@ def test_it_is_met_by_the_first_node(close: SolveState) -> None:
     """With rows at the knots alone, 34 boxes and 20 s left 2.05e-4 of the base radius."""
     assert close.gap_between(close.incumbent, close.lower) <= FINE
     assert close.stages[-1].nodes == 1
+
+
+def test_a_bound_that_is_sufficient_ends_the_proof(close: SolveState) -> None:
+    """A maximum below every cam: only that the bound lies above it is to be proven."""
+    to_wire, machine = close.problem.objective.to_wire, close.problem.machine
+    enough, before = to_wire(close.lower, machine) * (1.0 - 2e-4), clock.programs_solved()
+    proof = ProofBudget(300, 1.0)
+    found = optimise(close.problem, 0.01 * FINE, proof=proof, sufficient_bound=enough)
+    assert enough <= to_wire(found.lower, machine) < enough * (1.0 + 1e-9)
+    assert found.gap_between(found.incumbent, found.lower) > FINE
+    assert found.stages[-1].exit == "sufficient"
+    assert clock.programs_solved() - before < 200
+    # it is none without a cam: the search for one goes on
+    assert not replace(found, incumbent=None).is_good_enough
+    assert not replace(found, sufficient_bound=enough * 1.01).is_good_enough
+
+
+def test_a_cam_that_a_node_offers_keeps_its_rows_by_as_much_as_any(
+    close: SolveState, root: TracedNode
+) -> None:
+    """The certificate refuses a jerk above its cap by a rounding error."""
+    node = solve_relaxation(close, root)
+    found = traced_node._offer_relaxation(replace(close, incumbent=None), node)[0]
+    cam = found.incumbent
+    assert cam is not None
+    both = zip(close.problem.free, cam.laws, strict=True)
+    grids = tuple(grid_through(segment, law.space.breaks) for segment, law in both)
+    assert exact_excess(replace(close, grids=grids), cam) < -0.5 * close.tighten
 
 
 def test_rows_are_added_where_the_relaxation_breaks_them(

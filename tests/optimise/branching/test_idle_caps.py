@@ -64,7 +64,9 @@ def test_the_search_takes_none_of_the_proof_s_programs(monkeypatch: pytest.Monke
     """So the proof has as many as that of the question without these caps."""
     question = problem(scene(PLAIN, *LIMITS, *IDLE))
     state = replace(begun(question, monkeypatch), programs=2.0).with_proof_begun()
+    state = replace(state, sufficient_bound=1e9)
     found = search_without_idle_caps(state, optimise)
+    assert found.sufficient_bound == 1e9  # the proof goes on from there
     assert found.last_program == clock.programs_solved() + 2.0 > state.last_program
 
 

@@ -1,0 +1,233 @@
+"""Where a quick proof leaves a gap open: values that suffice, and values proven impossible, brought
+near to each other by longer proofs.
+
+The excess of the smallest cam over its maximum falls as a number is relaxed. A value is impossible
+where a lower bound of that excess is above 0, and it suffices where a cam has none. Where limits
+that bind are not convex no multiplier carries a bound from one value to another: each value takes a
+branch and bound of its own, and the nearer it is to the zero of the excess, the longer that takes.
+
+    1. Of all members, that one is next whose two values are farthest apart, as shares of the way.
+       A trial of it may take an equal share of what time is left to them.
+    2. Its first trial is a rough proof, of a value far from the zero: it takes the least time.
+    3. Then a smallest cam at the value that suffices: by its excess, and the slope of the excess,
+       the zero is known to the tolerance.
+    4. Then values short of the zero, to be proven impossible, each nearer than the one before. The
+       bound has to come above the maximum, and no farther.
+    5. Where the value that suffices is farther from the zero than such a step, a nearer one with a
+       cam is sought first.
+
+A proof that ends with its gap open says how wide that is: the next value is one that such a gap
+excludes. Where this promises too little, the member waits until its share of the time has grown.
+At the end every value with a cam that is not named yet is put as it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
+
+from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.oracle import Oracle
+
+ACCURACY = 8e-3  # of the way: how near to each other both values are brought
+SIDE = 0.3 * ACCURACY  # for each of both, on its side of the zero
+FIRST_STEP, STEP = 0.25, 1.0 / 8.0
+"""Of the way from an excluded value to the zero: what the first proof, and each later one, leaves
+of it."""
+WITHIN = 0.6, 0.8
+"""Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
+FAR_OUT = 1.5  # steps from the zero to a value that suffices: then one that is nearer is sought
+NEARER = 0.25  # of what the values are apart: a value with a cam as much nearer is put as it stands
+IDLE, FINER, WIDER = 4, 0.5, 3.0
+"""Trials that bring neither value nearer, one after the other, at most; after each of them the
+tolerance is finer, and a value to be excluded lies farther from the zero, by these factors."""
+WORSE = 1.3  # of a gap that was left open: the excess of a value that it excludes
+GAIN = 0.1  # of the way from the excluded value to the zero: what a trial has to promise
+FINEST = 1e-6  # relative: the least tolerance
+LAST = 0.1  # of the time, for questions as they stand at the end
+MORE = 1.0 + 1e-6  # of a share: what counts as more of it, against rounding
+
+
+class Point(NamedTuple):
+    """The way to a value, the excess of its smallest cam, and to which tolerance that is known."""
+
+    way: float
+    excess: float
+    tolerance: float
+
+
+@dataclass(eq=False)
+class Closing:
+    """A boundary whose two values are brought near to each other.
+
+    Values are measured by their way from the request.
+
+    Attributes:
+        boundary: what is known of the number.
+        slope: by how much the excess falls per unit of the way, near its zero.
+        zero: the way at which it is 0.
+        point: the last smallest cam; the request as long as none is known.
+        open_gap: what the last proof that excluded nothing has left.
+        idle: trials that have brought neither value nearer, one after the other.
+        waits_for: the share of the time beyond which another trial is made.
+    """
+
+    boundary: Boundary
+    slope: float
+    zero: float
+    point: Point
+    open_gap: float = 0.0
+    idle: int = 0
+    waits_for: float = 0.0
+
+    @classmethod
+    def of(cls, boundary: Boundary) -> Closing | None:
+        """None where the request is not proven impossible, or no value with a cam is known."""
+        excess = boundary.excesses.get(boundary.number.tightest)
+        if boundary.nearest is None or boundary.excluded is None or excess is None:
+            return None
+        way = boundary.way_to(boundary.nearest[0])
+        if way <= 0.0 or boundary.way_to(boundary.excluded) < 0.0:
+            return None
+        return cls(boundary, excess / way, way, Point(0.0, excess, 0.0))
+
+    @property
+    def good(self) -> float:
+        """The way to the nearest value with a cam."""
+        assert self.boundary.nearest is not None
+        return self.boundary.way_to(self.boundary.nearest[0])
+
+    @property
+    def bad(self) -> float:
+        """The way to the farthest value that is proven impossible."""
+        assert self.boundary.excluded is not None
+        return self.boundary.way_to(self.boundary.excluded)
+
+    @property
+    def named(self) -> float:
+        """The way to the value that is known to suffice as it stands."""
+        needed = self.boundary.needed
+        return self.good if needed is None else self.boundary.way_to(needed)
+
+    @property
+    def apart(self) -> float:
+        """How far both values are apart, as a share of the way."""
+        return (self.named - self.bad) / self.named
+
+    def advance(self, oracle: Oracle, share: float) -> None:
+        """Put the nearest value as it stands, or make one more trial.
+
+        ``share``: of the time that is left, what the oracle has.
+        """
+        self.boundary.oracle = oracle
+        if self._is_worth_confirming:
+            self.boundary.confirm(oracle.spec.proof)
+            if oracle.is_late():
+                self._wait(share)
+            return
+        trial, zero, known = self._next_trial(), self.zero, (self.good, self.bad, self.open_gap)
+        if trial is None:
+            self._wait(share)
+            return
+        had_point = self._has_point
+        self._try(*trial)
+        self.zero = min(self.zero, self.good)
+        if self.zero <= self.bad:  # the excess is no straight line so far from its zero
+            self.zero = 0.5 * (self.bad + self.good)
+        if (self.good, self.bad) != known[:2] or self._has_point != had_point:
+            self.idle = 0
+        elif oracle.is_late():
+            # Only of another value more can be hoped for: one that the gap excludes.
+            if trial[0] >= zero or self.open_gap == known[2]:
+                self._wait(share)
+        else:
+            self.idle += 1
+            if self.idle >= IDLE:
+                self._wait(share)
+
+    @property
+    def _has_point(self) -> bool:
+        """Whether a smallest cam is known, besides that of the request."""
+        return self.point.way > 0.0
+
+    def _next_trial(self) -> tuple[float, float, bool] | None:
+        """The way to a value, a tolerance, and whether any cam will do; None: nothing is promised.
+
+        The tolerance is a part of the excess that is expected there.
+        """
+        number, excesses = self.boundary.number, self.boundary.excesses
+        begins = self.bad <= 0.0 and not self._has_point
+        part = FIRST_STEP if begins else STEP
+        finer, step = FINER**self.idle, max(part * (self.zero - self.bad), SIDE * self.good)
+        exclusion, cam = (within * finer * self.slope for within in WITHIN)
+        if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
+            return self.good, SIDE * finer * excesses[number.tightest], False
+        if self.good - self.zero > FAR_OUT * step:
+            return self.zero + step, cam * step, True
+        if not (self._has_point or begins):
+            return self.good, exclusion * step, False
+        tolerance, widest = exclusion * step, 0.5 * (self.zero - self.bad)
+        step = max(min(step * WIDER**self.idle, widest), WORSE * self.open_gap / self.slope)
+        if step > (1.0 - GAIN) * (self.zero - self.bad):
+            return None
+        return self.zero - step, tolerance, False
+
+    @property
+    def _is_worth_confirming(self) -> bool:
+        """Whether a cam is known with a value much nearer than the one that is named."""
+        boundary = self.boundary
+        assert boundary.nearest is not None
+        if boundary.nearest[0] == boundary.confirmed:
+            return False
+        return boundary.needed is None or self.named - self.good > NEARER * (self.named - self.bad)
+
+    def _wait(self, share: float) -> None:
+        """Make no further trial until there is more time for it.
+
+        Where programs are counted there is none: the same trial would come to the same again.
+        """
+        counts = self.boundary.oracle.stop == inf
+        self.idle, self.open_gap, self.waits_for = 0, 0.0, inf if counts else share
+
+    def _try(self, way: float, tolerance: float, any_cam: bool) -> None:
+        """Look for the smallest cam at a value, or for one that is small enough.
+
+        Either ends where the bound excludes the value.
+        """
+        boundary, tolerance = self.boundary, max(tolerance, FINEST)
+        value = boundary.value_at(way)
+        trial = boundary.oracle.relaxed(
+            boundary.number, value, tolerance, exactly=not any_cam, proof="thorough"
+        )
+        boundary.record(value, trial)
+        excess, bound = trial.excess, trial.bound_excess
+        if excess is None or bound is None or trial.proof:
+            return  # a proof ends before its cam is the smallest
+        is_smallest = excess - bound <= (1.0 + excess) * tolerance
+        if is_smallest:
+            before, former, rougher = self.point
+            if abs(former - excess) > 2.0 * max(tolerance, rougher):
+                self.slope = (former - excess) / (way - before)
+            self.point = Point(way, excess, tolerance)
+        elif not trial.certified:
+            self.open_gap = excess - bound
+        if is_smallest or trial.certified:
+            self.zero = way + excess / self.slope
+
+
+def close_in(oracle: Oracle, boundaries: Sequence[Boundary]) -> None:
+    """Bring both values of every boundary near to each other, as far as the time goes."""
+    closings = [each for each in map(Closing.of, boundaries) if each is not None]
+    working = oracle.share(1.0 / (1.0 - LAST))
+    while not working.is_late():
+        far = [each for each in closings if each.apart > ACCURACY]
+        share = working.left / max(len(far), 1)
+        ready = [each for each in far if share > MORE * each.waits_for]
+        if not ready:
+            break
+        max(ready, key=lambda each: each.apart).advance(working.share(len(far)), share)
+    for left, each in zip(range(len(closings), 0, -1), closings, strict=True):
+        each.boundary.oracle = oracle.share(left)
+        each.boundary.confirm(oracle.spec.proof)

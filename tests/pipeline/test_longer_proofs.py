@@ -1,0 +1,417 @@
+"""Longer proofs bring a value that suffices and an impossible one near: on a known excess."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import inf, sqrt
+from random import Random
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from synthesis.pipeline import longer_proofs
+from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.longer_proofs import ACCURACY, Closing, Point, close_in
+from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.relaxable import Relaxable
+
+REQUEST = 1000.0
+ROUGH = 1e-2  # a gap that a proof closes in a second; a hundredth of it takes ten
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The excess of the smallest cam over the way from the request: it falls to 0 at ``way``."""
+
+    excess: float
+    way: float
+    bend: float = 0.0
+
+    def at(self, way: float) -> float:
+        left = 1.0 - way / self.way
+        return self.excess * left * (1.0 + self.bend * left) / (1.0 + self.bend)
+
+
+@dataclass(eq=False)
+class Questions:
+    """Answers as an oracle's; a proof takes the longer, the finer its tolerance.
+
+    Attributes:
+        curves: by the number's name. seconds: left to all. part: left to this one.
+        asked: names, values, tolerances and whether any cam would do. as_it_stands: values put.
+    """
+
+    curves: dict[str, Curve]
+    seconds: list[float]
+    part: float = inf
+    asked: list[tuple[str, float, float, bool]] = field(default_factory=list)
+    as_it_stands: list[float] = field(default_factory=list)
+    spec: Any = field(default_factory=lambda: SimpleNamespace(proof="auto", tolerance=5e-3))
+    open_gap: float = 0.0
+    began: float = 0.0
+    asking: float = 0.0
+    stop: float = 1e9
+    random: Random = field(default_factory=lambda: Random(7))
+
+    @property
+    def left(self) -> float:
+        return min(self.seconds[0], self.part - (self.began - self.seconds[0]))
+
+    def is_late(self) -> bool:
+        return self.left <= 0.0
+
+    def share(self, parts: float) -> Questions:
+        return replace(self, part=self.left / parts, began=self.seconds[0])
+
+    def relaxed(
+        self, number: Relaxable, value: float, tolerance: float, *, exactly: bool, proof: str
+    ) -> Any:
+        assert proof == "thorough"
+        self.asked.append((number.name, value, tolerance, not exactly))
+        assert len(self.asked) < 200
+        excess = self.curves[number.name].at(number.direction * (value - REQUEST))
+        took = sqrt(ROUGH / min(tolerance, ROUGH))
+        gap = tolerance
+        if took > self.left:  # it ends with a gap that is wider
+            took, gap = self.left, tolerance * (took / max(self.left, 1e-3)) ** 2
+        self.seconds[0] -= took
+        gap *= 1.0 + min(excess, 0.0)
+        return answer(excess, gap, self.random.uniform(0.0, 0.95), any_cam=not exactly)
+
+    def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Any:
+        assert proof == "auto"
+        self.as_it_stands.append(value)
+        took = min(self.asking, self.left)
+        self.seconds[0] -= took
+        if took < self.asking:
+            return SimpleNamespace(certified=False, excess=None)
+        return answer(self.curves[number.name].at(number.direction * (value - REQUEST)), 1e-9)
+
+    def is_valid(self, *_: Any) -> bool:
+        return True
+
+    def value_on(self, *_: Any) -> tuple[None, str]:
+        return None, ""
+
+
+def answer(excess: float, gap: float, part: float = 0.4, *, any_cam: bool = False) -> Any:
+    """A trial whose cam and whose bound are a gap apart, if neither decides before.
+
+    ``part``: of the gap, by which the cam is larger than the smallest.
+    """
+    upper, lower = excess + part * gap, excess - (0.95 - part) * gap
+    if lower > 0.0:
+        upper, lower = excess + 0.3 * abs(excess), 1e-9
+    elif any_cam and upper <= 0.0:
+        lower = excess - 1.0
+    return SimpleNamespace(
+        excess=upper, bound_excess=lower, certified=upper <= 0.0, smallest=None, on_time=True,
+        proof="proven" if lower > 0.0 else "", attempt=SimpleNamespace(mesh=lambda _: ()),
+    )  # fmt: skip
+
+
+def known(questions: Questions, sense: str = "≤") -> list[Boundary]:
+    """What earlier steps have found of every number: a value far from the least that suffices."""
+    boundaries = []
+    for name, curve in questions.curves.items():
+        number = Relaxable(name, (f"limits/0/{name}",), (REQUEST,), "mm/s³", sense)
+        request = answer(curve.excess, 1e-9)
+        boundary = Boundary(cast(Oracle, questions), number, cast(Trial, request))
+        far = REQUEST + number.direction * 1.15 * curve.way
+        boundary.record(far, cast(Trial, answer(curve.at(1.15 * curve.way), 1e-9)))
+        boundary.needed = boundary.confirmed = far
+        assert boundary.excluded == REQUEST
+        boundaries.append(boundary)
+    return boundaries
+
+
+def shares(questions: Questions, boundaries: list[Boundary]) -> list[float]:
+    """How far the two values of each are apart; each is on its side of the zero."""
+    apart = []
+    for boundary in boundaries:
+        zero = questions.curves[boundary.number.name].way
+        assert boundary.needed is not None
+        assert boundary.excluded is not None
+        good, bad = boundary.way_to(boundary.needed), boundary.way_to(boundary.excluded)
+        assert bad < zero <= good
+        apart.append((good - bad) / good)
+    return apart
+
+
+def closed(curves: dict[str, Curve], seconds: float, sense: str = "≤") -> tuple[list[float], int]:
+    """How far the two values of each number are apart at the end; the most trials of one search.
+
+    Of some searches, whose cams are larger than the smallest by other parts of the gap.
+    """
+    apart, most = list[float](), 0
+    for seed in range(30):
+        questions = Questions(curves, [seconds], random=Random(seed))
+        boundaries = known(questions, sense)
+        close_in(cast(Oracle, questions), boundaries)
+        apart += shares(questions, boundaries)
+        most = max(most, len(questions.asked))
+    return apart, most
+
+
+SHAPES = [(0.0037, 211.0, 0.0), (0.0123, 83.0, 0.7), (0.031, 211.0, -0.4), (0.0061, 57.0, 2.0)]
+
+
+def pair(excess: float, way: float, bend: float) -> dict[str, Curve]:
+    return {"a": Curve(excess, way, bend), "b": Curve(0.4 * excess, 0.7 * way, bend)}
+
+
+@pytest.mark.parametrize("sense", ["≤", "≥"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_both_come_near_on_every_curve(shape: tuple[float, float, float], sense: str) -> None:
+    apart, most = closed(pair(*shape), 1e6, sense)
+    assert max(apart) <= 1.2 * ACCURACY  # all but a few to the accuracy
+    assert sum(apart) <= 0.9 * ACCURACY * len(apart)
+    assert most <= 60
+
+
+def test_an_excess_that_falls_ever_more_slowly_takes_longer() -> None:
+    """Its slope at the request is seven times that at its zero."""
+    apart, most = closed(pair(0.0061, 57.0, 6.0), 1e6)
+    assert max(apart) <= 2.0 * ACCURACY
+    assert most <= 80
+
+
+@pytest.mark.parametrize(("seconds", "mean"), [(21.0, 0.33), (63.0, 0.2)])
+def test_little_time_brings_them_as_near_as_it_goes(seconds: float, mean: float) -> None:
+    """The accuracy takes minutes; rough proofs, of values farther away, come first."""
+    apart = [share for shape in SHAPES for share in closed(pair(*shape), seconds)[0]]
+    assert sum(apart) <= mean * len(apart)
+
+
+def test_no_proof_is_finer_than_the_accuracy_asks() -> None:
+    questions = Questions({"jerk": Curve(0.031, 211.0)}, [1e6])
+    close_in(cast(Oracle, questions), known(questions))
+    finest = min(tolerance for _, _, tolerance, _ in questions.asked)
+    assert finest >= 0.1 * ACCURACY * 0.031
+
+
+def test_the_farthest_apart_comes_first() -> None:
+    questions = Questions({"near": Curve(0.05, 211.0), "far": Curve(0.05, 83.0)}, [1e6])
+    near, far = known(questions)
+    near.exclude(REQUEST + 0.9 * 211.0)
+    close_in(cast(Oracle, questions), [near, far])
+    names = [name for name, *_ in questions.asked]
+    assert names[0] == "far"
+    assert names.index("near") > 1
+
+
+def test_a_gap_that_time_has_left_says_which_value_it_excludes() -> None:
+    """No trial is made twice, and the next one lies where the gap excludes it."""
+    curve = Curve(0.0037, 211.0)
+    questions = Questions({"jerk": curve}, [40.0])
+    boundaries = known(questions)
+    close_in(cast(Oracle, questions), boundaries)
+    assert ACCURACY < max(shares(questions, boundaries)) < 0.3
+    assert len(set(questions.asked)) == len(questions.asked)
+
+
+def test_time_that_one_number_leaves_is_given_to_another() -> None:
+    """The one is near at once; the other one's proofs take more than half of the time."""
+    curves = {"easy": Curve(0.8, 211.0), "hard": Curve(0.012, 83.0)}
+    questions = Questions(curves, [150.0])
+    boundaries = known(questions)
+    close_in(cast(Oracle, questions), boundaries)
+    assert max(shares(questions, boundaries)) <= ACCURACY
+
+
+def test_a_number_of_which_nothing_is_learnt_is_not_asked_for_ever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Proofs that come to nothing are repeated with finer tolerances, then left alone."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e9])
+    nothing = answer(0.1, 1.0)
+    nothing.excess = nothing.bound_excess = None
+    monkeypatch.setattr(
+        Questions, "relaxed",
+        lambda self, number, value, tolerance, **_: (
+            self.asked.append((number.name, value, tolerance, False)), nothing
+        )[1],
+    )  # fmt: skip
+    close_in(cast(Oracle, questions), known(questions))
+    tolerances = [tolerance for _, _, tolerance, _ in questions.asked]
+    assert len(tolerances) == longer_proofs.IDLE
+    assert tolerances == sorted(tolerances, reverse=True)
+
+
+def test_a_cam_that_is_found_is_named_if_the_question_as_it_stands_has_one() -> None:
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e6])
+    (boundary,) = known(questions)
+    close_in(cast(Oracle, questions), [boundary])
+    assert boundary.needed in questions.as_it_stands
+    assert boundary.nearest is not None
+    assert boundary.confirmed == boundary.nearest[0]  # the last one too, however little it gains
+    assert len(questions.as_it_stands) <= 5
+
+
+def test_no_tolerance_is_finer_than_cone_programs_reach() -> None:
+    questions = Questions({"jerk": Curve(1e-4, 211.0)}, [1e6])
+    close_in(cast(Oracle, questions), known(questions))
+    assert min(tolerance for _, _, tolerance, _ in questions.asked) == longer_proofs.FINEST
+
+
+def closing(questions: Questions) -> Closing:
+    (boundary,) = known(questions)
+    found = Closing.of(boundary)
+    assert found is not None
+    return found
+
+
+def test_a_gap_that_was_left_moves_the_next_value_until_it_promises_nothing() -> None:
+    """Then another trial is made as soon as there is more time for it."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e6])
+    hard = closing(questions)
+    hard.point = Point(1.0, 0.05, 1e-3)
+    near, *_ = hard._next_trial() or [0.0]
+    hard.open_gap = 0.02
+    farther, *_ = hard._next_trial() or [0.0]
+    assert 0.0 < farther < near
+    assert hard.slope * (hard.zero - farther) > 0.02
+    hard.open_gap = 0.05
+    assert hard._next_trial() is None
+    for _ in range(2):
+        hard.advance(cast(Oracle, questions.share(2)), 10.0)
+    assert len(questions.asked) == 1
+
+
+def test_no_value_beyond_one_that_suffices_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A search at that value may find a worse cam than the one that is known."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e6])
+    found = closing(questions)
+    found.boundary.exclude(REQUEST + 150.0)
+    worse = answer(2e-5, 1e-4)
+    monkeypatch.setattr(Questions, "relaxed", lambda *_, **__: worse)
+    found.advance(cast(Oracle, questions), 10.0)
+    assert found.point.way == found.good == found.zero
+
+
+def test_where_no_value_is_known_there_is_nothing_to_bring_near() -> None:
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e6])
+    (boundary,) = known(questions)
+    assert Closing.of(boundary) is not None
+    assert Closing.of(replace(boundary, nearest=None)) is None
+    unproven = replace(boundary, original=cast(Trial, answer(0.05, 1.0)), excluded=None)
+    assert Closing.of(unproven) is None
+
+
+def test_a_question_as_it_stands_that_takes_long_is_not_put_again_at_once() -> None:
+    """The others are tried first; it is put again when there is more time for it."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [100.0], asking=60.0)
+    found = closing(questions)
+    cam = answer(-1e-6, 1e-9)
+    found.boundary.record(REQUEST + 1.001 * 211.0, cast(Trial, cam))
+    for _ in range(2):
+        found.boundary.exclude(REQUEST + 0.9 * 211.0)
+        found.advance(cast(Oracle, questions.share(2)), 10.0)
+        assert found.waits_for == 10.0
+    assert len(questions.as_it_stands) == 2
+
+
+def test_what_was_found_last_is_named_too() -> None:
+    """A tenth of the time is kept for that, an equal part of it for each number."""
+    questions = Questions(pair(0.0123, 83.0, 0.7), [63.0], asking=3.0)
+    boundaries = known(questions)
+    close_in(cast(Oracle, questions), boundaries)
+    for boundary in boundaries:
+        assert boundary.nearest is not None
+        assert boundary.confirmed == boundary.nearest[0]
+
+
+def test_where_programs_are_counted_no_trial_is_repeated() -> None:
+    """It would come to the same again, however many more are left to it."""
+    questions = Questions(pair(0.0037, 211.0, 0.0), [40.0], stop=inf)
+    close_in(cast(Oracle, questions), known(questions))
+    assert len(set(questions.asked)) == len(questions.asked)
+    waiting = closing(Questions({"jerk": Curve(0.05, 211.0)}, [1e6], stop=inf))
+    waiting._wait(10.0)
+    assert waiting.waits_for == inf
+
+
+def test_a_trial_that_ends_late_without_a_gain_is_not_made_again_at_once() -> None:
+    """Of a cam, or of a smallest cam: with a finer tolerance it would take longer still."""
+    questions = Questions({"jerk": Curve(0.0037, 211.0)}, [1e6])
+    found = closing(questions)
+    found.boundary.exclude(REQUEST + 150.0)
+    found.advance(cast(Oracle, replace(questions, part=0.5, began=questions.seconds[0])), 0.5)
+    assert not found.bad > 150.0
+    assert found.waits_for == 0.5
+
+
+def test_a_smallest_radius_is_sought_at_the_value_itself() -> None:
+    """Its own cam is the value that suffices, and its bound the one that is impossible."""
+    questions = Questions({"base radius": Curve(0.05, 211.0)}, [1e6])
+    found = closing(questions)
+    path = ("base_radius_mm/max",)
+    found.boundary.number = replace(found.boundary.number, paths=path, dimension="base_radius_mm")
+    assert found.boundary.number.minimised
+    way, tolerance, any_cam = found._next_trial() or (0.0, 0.0, True)
+    assert way == found.good
+    assert not any_cam
+    excess = found.boundary.excesses[REQUEST]
+    assert tolerance == pytest.approx(longer_proofs.SIDE * excess)
+
+
+def test_a_bound_short_of_the_request_is_none_to_begin_with() -> None:
+    (boundary,) = known(Questions({"jerk": Curve(0.05, 211.0)}, [1e6]))
+    boundary.excluded = REQUEST - 1.0
+    assert Closing.of(boundary) is None
+
+
+def test_one_that_is_never_confirmed_leaves_the_others_their_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    questions = Questions({"a": Curve(0.05, 211.0), "b": Curve(0.05, 83.0)}, [10.0], asking=2.0)
+    ask, boundaries = Questions.ask_as_it_stands, known(questions)
+
+    def never_a(self: Questions, number: Relaxable, value: float, proof: str) -> Any:
+        found = ask(self, number, value, proof)
+        return found if number.name == "b" else SimpleNamespace(certified=False, excess=None)
+
+    monkeypatch.setattr(Questions, "ask_as_it_stands", never_a)
+    for boundary in boundaries:
+        way = questions.curves[boundary.number.name].way
+        boundary.exclude(REQUEST + 0.9999 * way)
+        boundary.needed = REQUEST + 1.003 * way
+        boundary.record(REQUEST + 1.002 * way, cast(Trial, answer(-1e-6, 1e-9)))
+    boundaries[0].needed = None
+    close_in(cast(Oracle, questions), boundaries)
+    assert boundaries[1].needed == pytest.approx(REQUEST + 1.002 * 83.0)
+
+
+def test_each_trial_has_an_equal_part_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    questions, parts = Questions(pair(0.0037, 211.0, 0.0), [60.0]), list[float]()
+    relaxed = Questions.relaxed
+
+    def noted(self: Questions, *given: Any, **more: Any) -> Any:
+        parts.append(self.left / self.seconds[0])
+        return relaxed(self, *given, **more)
+
+    monkeypatch.setattr(Questions, "relaxed", noted)
+    close_in(cast(Oracle, questions), known(questions))
+    assert max(parts[:4]) <= 0.5
+
+
+def test_a_trial_that_takes_all_its_time_and_shows_nothing_is_made_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [60.0])
+    nothing = answer(0.1, 1.0)
+    nothing.excess = nothing.bound_excess = None
+
+    def late(self: Questions, number: Relaxable, value: float, *_: Any, **__: Any) -> Any:
+        self.asked.append((number.name, value, 0.0, False))
+        self.seconds[0] -= self.left
+        return nothing
+
+    monkeypatch.setattr(Questions, "relaxed", late)
+    found = closing(questions)
+    for _ in range(2):
+        share = questions.left / 2
+        if share > found.waits_for:
+            found.advance(cast(Oracle, questions.share(2)), share)
+    assert len(questions.asked) == 1

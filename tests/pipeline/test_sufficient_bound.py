@@ -1,0 +1,114 @@
+"""A proof that is to exclude a maximum of the base radius ends when its bound lies above it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from synthesis.catalogue.objectives import BaseRadius
+from synthesis.certify import SELF_CROSSING
+from synthesis.pipeline import largest_radius, oracle, radius_search
+from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify
+from synthesis.pipeline.largest_radius import Smallest, above, compare, first_question
+from synthesis.pipeline.oracle import Oracle
+from synthesis.pipeline.radius_search import enlarge_until_simple
+from synthesis.spec.design_spec import DesignSpec
+from tests.hard.families import random_scene
+
+LEAST = 6.9709  # mm, a little below the smallest base radius of the scene
+SCENE = {
+    **random_scene("slide, centred", 5), "base_radius_mm": {"max": LEAST}, "tolerance": 1e-5,
+    "proof": "thorough",
+}  # fmt: skip
+
+
+def question(**changes: Any) -> DesignSpec:
+    return DesignSpec.model_validate({**SCENE, **changes})
+
+
+def smallest_of(spec: DesignSpec, goal: Goal) -> tuple[Attempt, Smallest | None]:
+    return compare(spec.model_copy(update={"objective": BaseRadius()}), goal, [])
+
+
+def test_it_is_a_length_of_the_question() -> None:
+    """Not of the scaled one that is solved."""
+    attempt, smallest = smallest_of(question(), Goal(inf, sufficient_bound=above(LEAST)))
+    assert attempt.searches[0].stages[-1].exit == "sufficient"
+    assert smallest is not None
+    assert smallest.excludes
+    assert LEAST < smallest.lower < LEAST * (1.0 + 1e-7)
+    assert smallest.radius > smallest.lower * (1.0 + 1e-5)  # the gap is open
+
+
+def test_later_objectives_have_none() -> None:
+    spec = question(
+        base_radius_mm=None, proof="quick", tolerance=5e-3,
+        objective=[{"kind": "base_radius"}, {"kind": "rms_jerk"}],
+    )  # fmt: skip
+    goal = Goal(inf, sufficient_bound=1e-3)
+    attempt = solve_and_certify(prepare(first_question(spec), goal, []), goal, [])
+    first, second = attempt.searches
+    assert first.sufficient_bound == pytest.approx(1e-3 / attempt.question.units.length)
+    assert second.sufficient_bound == inf
+
+
+@pytest.mark.parametrize(
+    ("changes", "proof", "expected"),
+    [
+        ({}, "thorough", above(LEAST)),
+        ({}, "quick", inf),
+        ({"base_radius_mm": {"min": 3.0}}, "thorough", inf),
+        ({"base_radius_mm": LEAST}, "thorough", inf),  # another objective is made small
+    ],
+)
+def test_trials_by_longer_proofs_have_one(
+    changes: dict[str, Any], proof: str, expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    goals = list[Goal]()
+
+    def noted(_spec: DesignSpec, goal: Goal, _stages: list[Any]) -> tuple[Any, None]:
+        goals.append(goal)
+        raise TimeoutError
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    spec = question(**changes)
+    with pytest.raises(TimeoutError):
+        Oracle(spec, spec, inf).ask(spec, 1e-3, exactly=True, proof=proof)
+    assert [goal.sufficient_bound for goal in goals] == [expected]
+
+
+def test_the_spec_s_own_proof_of_a_maximum_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After quick ones with finer tolerances, which are to find how small a cam may be."""
+    goals, solve = list[Goal](), largest_radius.solve_spec
+
+    def noted(spec: DesignSpec, goal: Goal, stages: list[Any]) -> Attempt:
+        goals.append(goal)
+        return solve(spec, goal, stages)
+
+    monkeypatch.setattr(largest_radius, "solve_spec", noted)
+    spec = question(tolerance=5e-3, proof="auto", time_budget_s=600.0)
+    _, smallest = compare(spec, Goal(inf), [], finer=True)
+    assert smallest is not None
+    assert [goal.sufficient_bound for goal in goals] == [inf] * (len(goals) - 1) + [above(LEAST)]
+
+
+def test_a_larger_cam_that_does_not_cross_itself_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every bound of a raised minimum would be enough for it: any cam would do."""
+    goals = list[Goal]()
+
+    def noted(_prepared: Attempt, goal: Goal, _stages: list[Any]) -> Any:
+        goals.append(goal)
+        raise TimeoutError
+
+    found, _ = smallest_of(question(tolerance=5e-3, proof="quick"), Goal(inf))
+    crossing: Any = SimpleNamespace(limit=SELF_CROSSING, holds=False)
+    monkeypatch.setattr(radius_search, "solve_and_certify", noted)
+    with pytest.raises(TimeoutError):
+        enlarge_until_simple(
+            replace(found, extremes=[crossing]), Goal(inf, sufficient_bound=above(LEAST)), []
+        )
+    assert [goal.sufficient_bound for goal in goals] == [inf]
