@@ -33,9 +33,7 @@ from synthesis.pipeline.oracle import Oracle
 
 ACCURACY = 8e-3  # of the way: how near to each other both values are brought
 SIDE = 0.3 * ACCURACY  # for each of both, on its side of the zero
-FIRST_STEP, STEP = 0.25, 1.0 / 8.0
-"""Of the way from an excluded value to the zero: what the first proof, and each later one, leaves
-of it."""
+STEP = 1.0 / 8.0  # of the way from an excluded value to the zero: what a next proof leaves of it
 WITHIN = 0.6, 0.8
 """Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
 FAR_OUT = 1.5  # steps from the zero to a value that suffices: then one that is nearer is sought
@@ -159,8 +157,7 @@ class Closing:
         """
         number, excesses = self.boundary.number, self.boundary.excesses
         begins = self.bad <= 0.0 and not self._has_point
-        part = FIRST_STEP if begins else STEP
-        finer, step = FINER**self.idle, max(part * (self.zero - self.bad), SIDE * self.good)
+        finer, step = FINER**self.idle, max(STEP * (self.zero - self.bad), SIDE * self.good)
         exclusion, cam = (within * finer * self.slope for within in WITHIN)
         if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
             return self.good, SIDE * finer * excesses[number.tightest], False
