@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from math import copysign, inf, sqrt
 
 from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial
+from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial, relative_gap
 from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import WIDENING, approach_zero, slope_of, zero_of
 
@@ -225,7 +225,7 @@ class Boundary:
         What knots and solvers leave is none: another trial may come nearer.
         """
         if trial.excess is not None and trial.bound_excess is not None:
-            gap = (trial.excess - trial.bound_excess) / (1.0 + trial.excess)  # of the cam
+            gap = relative_gap(trial.excess, trial.bound_excess)
             if gap > max(tolerance, FINE):
                 self.oracle.open_gap = LEFT * gap
 

@@ -29,7 +29,7 @@ from math import inf
 from typing import NamedTuple
 
 from synthesis.pipeline.boundary import Boundary
-from synthesis.pipeline.oracle import Oracle
+from synthesis.pipeline.oracle import Oracle, relative_gap
 
 ACCURACY = 8e-3  # of the way: how near to each other both values are brought
 SIDE = 0.3 * ACCURACY  # for each of both, on its side of the zero
@@ -125,20 +125,20 @@ class Closing:
             if oracle.is_late():
                 self._wait(share)
             return
-        trial, zero, known = self._next_trial(), self.zero, (self.good, self.bad, self.open_gap)
+        trial, zero, open_gap = self._next_trial(), self.zero, self.open_gap
         if trial is None:
             self._wait(share)
             return
-        had_point = self._has_point
+        values, had_point = (self.good, self.bad), self._has_point
         self._try(*trial)
         self.zero = min(self.zero, self.good)
         if self.zero <= self.bad:  # the excess is no straight line so far from its zero
             self.zero = 0.5 * (self.bad + self.good)
-        if (self.good, self.bad) != known[:2] or self._has_point != had_point:
+        if (self.good, self.bad) != values or self._has_point != had_point:
             self.idle = 0
         elif oracle.is_late():
             # Only of another value more can be hoped for: one that the gap excludes.
-            if trial[0] >= zero or self.open_gap == known[2]:
+            if trial[0] >= zero or self.open_gap == open_gap:
                 self._wait(share)
         else:
             self.idle += 1
@@ -202,7 +202,7 @@ class Closing:
         excess, bound = trial.excess, trial.bound_excess
         if excess is None or bound is None or trial.proof:
             return  # a proof ends before its cam is the smallest
-        is_smallest = excess - bound <= (1.0 + excess) * tolerance
+        is_smallest = relative_gap(excess, bound) <= tolerance
         if is_smallest:
             before, former, rougher = self.point
             if abs(former - excess) > 2.0 * max(tolerance, rougher):

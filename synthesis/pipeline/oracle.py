@@ -109,6 +109,11 @@ class Trial:
         return "" if self.certified else infeasibility_proof(self.attempt)
 
 
+def relative_gap(excess: float, bound_excess: float) -> float:
+    """Between a smallest cam and its bound, of the cam; excesses are relative to the maximum."""
+    return (excess - bound_excess) / (1.0 + excess)
+
+
 @dataclass(eq=False)
 class Oracle:
     """Answers to a question with some of its numbers changed.

@@ -255,10 +255,8 @@ def test_the_place_of_a_counter_roller_is_no_part_of_a_bound() -> None:
     assert found <= trial.bound_excess + 1e-6
 
 
-def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """No longer proofs are made of members whose own gaps are closed."""
+def longer_proofs_of(names: list[str], monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What longer proofs are asked for where trials of these numbers leave a gap open."""
     closed, seek_value = list[Any](), conflict.seek_value
 
     def with_a_gap(known: Boundary) -> None:
@@ -268,6 +266,15 @@ def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
 
     monkeypatch.setattr(conflict, "seek_value", with_a_gap)
     monkeypatch.setattr(conflict, "close_in", lambda *found: closed.append(found))
+    return closed
+
+
+def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No longer proofs are made of members whose own gaps are closed."""
+    names = ["speed"]
+    closed = longer_proofs_of(names, monkeypatch)
     monkeypatch.setattr(
         conflict,
         "program_numbers",
@@ -275,7 +282,6 @@ def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
     )
     spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
     spec = spec.model_copy(update={"proof": "thorough"})
-    names = ["speed"]
     why(spec)
     assert not closed
     names.append("jerk")
@@ -293,14 +299,7 @@ def test_no_longer_proofs_follow_at_numbers_that_were_chosen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """They would hold for these numbers alone."""
-    closed, seek_value = list[Any](), conflict.seek_value
-
-    def with_a_gap(known: Boundary) -> None:
-        seek_value(known)
-        known.oracle.open_gap = 1.0
-
-    monkeypatch.setattr(conflict, "seek_value", with_a_gap)
-    monkeypatch.setattr(conflict, "close_in", lambda *found: closed.append(found))
+    closed = longer_proofs_of(["jerk", "base radius"], monkeypatch)
     free = {**rise(71.7), "angle_deg": {"min": 60.0, "max": 80.0}}
     rest = {**dwell(0.0), "angle_deg": {"min": 100.0, "max": 200.0}}
     for program, times in ((PLAIN, 1), ((free, *PLAIN[1:3], rest), 1)):
