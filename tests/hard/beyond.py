@@ -1,16 +1,17 @@
 """Questions that lie beyond a proven bound: whether that is proven, and what their conflict says.
 
     python -m tests.hard.beyond FIRST LAST [--families WORD] [--seconds S] [--kept FILE] [--proof P]
-                                           [--budget S]
+                                           [--budget S] [--even]
 
 asks those of the scenes FIRST to LAST of each family whose name holds the word, until S seconds of
 processor time are over. FILE keeps every outcome, a line each: what is in it is not asked again,
 and the shares at the end are those of all that it holds.
 
 An open question of a family is solved, and its proven bound becomes a limit that is tightened by
-0.1 to 20 %. So there is no cam, and of the conflict four things can be tried: each ``needed`` put
-back has a cam, each ``at_least`` put back a little nearer to the request has none, and without any
-one of the members there is a cam again. Changes of the program are put back as well.
+0.1 to 20 %, drawn evenly or, by default, so that their logarithms are: then 43 % are below 1 %. So
+there is no cam, and of the conflict four things can be tried: each ``needed`` put back has a cam,
+each ``at_least`` put back a little nearer to the request has none, and without any one of the
+members there is a cam again. Changes of the program are put back as well.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from synthesis import DesignSpec
-from synthesis.design.design import Design, Relaxation
+from synthesis.design.design import Extreme, Relaxation
 from synthesis.numerics import clock
 from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.largest_radius import solve_with_maximum
@@ -90,7 +91,9 @@ class Outcome:
         in_time: whether it is proven within SOON_S, where the question has no more time than that.
         sufficient: of every value needed, whether it was. distances: of ``at_least`` and
             ``needed``, as shares of the value and of the way from the request; None where one of
-            them is not known. changes: of every change of the program, whether it sufficed.
+            them is not known. curved: of each of these, whether the cam with the value needed is at
+            its least radius of curvature.
+        changes: of every change of the program, whether it sufficed.
         necessary: of every member, whether the others alone have a cam.
     """
 
@@ -101,28 +104,44 @@ class Outcome:
     in_time: bool = False
     sufficient: list[bool] = field(default_factory=list)
     distances: list[tuple[float, float] | None] = field(default_factory=list)
+    curved: list[bool] = field(default_factory=list)
     changes: list[bool] = field(default_factory=list)
     necessary: list[bool] = field(default_factory=list)
     complaints: list[str] = field(default_factory=list)
 
+    def ways(self, *, convex: bool) -> list[float]:
+        """How far ``at_least`` is from ``needed``, where all that binds there is convex, or is not.
 
-def questions(family: str, number: int) -> Iterator[Question]:
-    """A scene's own bound as a limit, and the least peak of a limit on its motion."""
+        A limit that is relaxed may let another bind: a smaller cam is more sharply curved.
+        """
+        curved = self.curved or [False] * len(self.distances)
+        both = [
+            (self.question.convex and not x, y) for x, y in zip(curved, self.distances, strict=True)
+        ]
+        return [distance[1] for is_convex, distance in both if distance and is_convex is convex]
+
+
+def questions(family: str, number: int, *, even: bool = False) -> Iterator[Question]:
+    """A scene's own bound as a limit, and the least peak of a limit on its motion.
+
+    ``even``: how by how much they lie beyond it is drawn.
+    """
     random = np.random.default_rng([number, len(family)])
     body = random_scene(family, number)
     unit = "deg" if "lift_deg" in body["program"][0] else "mm"
     _, answer, _ = solved(body)
     if answer is None or not answer.certificate.certified:
         return
-    radius = answer.dimensions["base_radius_mm"]
+    radius, rolls = answer.dimensions["base_radius_mm"], _rolls(body)
     # 1. The smallest cam.
     bound = answer.certificate.lower_bound
     stroke = answer.completed_spec.stroke()
     if answer.certificate.objective == "base_radius_mm" and bound and bound > FLOOR * stroke:
-        beyond = _beyond(random)
+        beyond = _beyond(random, even=even)
         most = {"max": bound * (1.0 - beyond)}
         tighter = {**body, "base_radius_mm": most}
-        yield Question(family, number, "base radius", tighter, beyond, _is_curved(answer))
+        curved = rolls and _is_curved(answer.extremes, radius)
+        yield Question(family, number, "base radius", tighter, beyond, curved)
     # 2. The gentlest motion of a cam that is little larger.
     for position, limit in enumerate(body["limits"]):
         if limit["kind"] not in TWINS:
@@ -137,21 +156,27 @@ def questions(family: str, number: int) -> Iterator[Question]:
         _, best, _ = solved(least)
         if best is None or not best.certificate.lower_bound:
             continue
-        beyond = _beyond(random)
+        beyond = _beyond(random, even=even)
         value = best.certificate.lower_bound * (1.0 - beyond)
         gentle["limits"][position] = {"kind": limit["kind"], name.format(unit): value}
-        yield Question(family, number, limit["kind"], gentle, beyond, _is_curved(best))
+        curved = _is_curved(best.extremes, best.dimensions["base_radius_mm"])
+        yield Question(family, number, limit["kind"], gentle, beyond, rolls and curved)
 
 
-def _is_curved(design: Design) -> bool:
-    """Whether the profile of a roller's cam is somewhere at its least radius of curvature."""
-    radii = [each.margin for each in design.extremes if each.limit == "profile_radius"]
-    spare = min((margin for margin in radii if margin is not None), default=np.inf)
-    rolls = design.completed_spec.follower.kind.endswith("roller")
-    return rolls and spare < BINDS * design.dimensions["base_radius_mm"]
+def _rolls(body: Spec) -> bool:
+    """Whether a curvature limit is not convex; of a flat face's cam it is linear."""
+    return str(body["follower"]["kind"]).endswith("roller")
 
 
-def _beyond(random: np.random.Generator) -> float:
+def _is_curved(extremes: Sequence[Extreme], radius: float) -> bool:
+    """Whether a profile of a base radius [mm] is somewhere at its least radius of curvature."""
+    radii = [each.margin for each in extremes if each.limit == "profile_radius"]
+    return min((each for each in radii if each is not None), default=np.inf) < BINDS * radius
+
+
+def _beyond(random: np.random.Generator, *, even: bool) -> float:
+    if even:
+        return float(random.uniform(LEAST_BEYOND, MOST_BEYOND))
     return float(np.exp(random.uniform(np.log(LEAST_BEYOND), np.log(MOST_BEYOND))))
 
 
@@ -208,11 +233,14 @@ def _answered(body: Spec, seconds: float) -> Trial:
 def _try_values(outcome: Outcome, each: Relaxation) -> None:
     """Put back what is needed, and a little less than is needed at least."""
     body, at_least = outcome.question.body, each.at_least
-    distance = None
+    distance, curved = None, False
     if each.needed is not None:
-        suffices = _has_cam(put(body, each.field, each.needed))
-        outcome.sufficient.append(suffices)
-        if not suffices:
+        trial = _asked(put(body, each.field, each.needed))
+        outcome.sufficient.append(trial.certified)
+        if trial.attempt.cam is not None:
+            least = trial.attempt.question.physical.requested_radii()[1]
+            curved = _rolls(body) and _is_curved(trial.attempt.extremes, least)
+        if not trial.certified:
             outcome.complaints.append(f"{each.field} = {each.needed!r} does not suffice")
     if at_least is not None:
         less = at_least + NEARER * (each.requested - at_least)
@@ -225,6 +253,7 @@ def _try_values(outcome: Outcome, each: Relaxation) -> None:
         if apart > 0.0 and (each.needed - at_least) * (each.needed - each.requested) < 0.0:
             outcome.complaints.append(f"{each.field}: at_least {at_least} beyond {each.needed}")
     outcome.distances.append(distance)
+    outcome.curved.append(curved)
 
 
 def without_each(body: Spec, members: set[str]) -> Iterator[tuple[str, Spec]]:
@@ -243,12 +272,16 @@ def without_each(body: Spec, members: set[str]) -> Iterator[tuple[str, Spec]]:
 
 
 def _has_cam(body: Spec, proofs: Sequence[str] = ("quick", "auto")) -> bool:
-    """Whether a cam is found, with a proof as short or as long as the question may have."""
+    return _asked(body, proofs).certified
+
+
+def _asked(body: Spec, proofs: Sequence[str] = ("quick", "auto")) -> Trial:
+    """What a question comes to, with a proof as short or as long as it may have."""
     for proof in proofs:
         trial = _answered({**body, "proof": proof}, BUDGET_S)
         if trial.certified or trial.proof:
-            return trial.certified
-    return False
+            break
+    return trial
 
 
 def put(body: Spec, path: str, value: float) -> Spec:
@@ -279,6 +312,12 @@ def report(found: list[Outcome]) -> str:
     others = [one for one in found if not one.question.convex]
     for name, some in (("convex", convex), ("others", others), ("all", found)):
         lines.append(f"{name}: {len(some)} questions, {_shares(some)}")
+    for name, is_convex in (("convex", True), ("not convex", False)):
+        ways = [way for one in found for way in one.ways(convex=is_convex)]
+        lines.append(
+            f"at_least where what binds at the value needed is {name}: within 0.1 % of the way "
+            f"{_share([way <= 1e-3 for way in ways])}, 1 % {_share([way <= 1e-2 for way in ways])}"
+        )
     return "\n".join(lines)
 
 
@@ -322,6 +361,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--kept", type=Path)
     parser.add_argument("--proof", default="auto")
     parser.add_argument("--budget", type=float, default=20.0, help="of a question [s]")
+    parser.add_argument("--even", action="store_true", help="draw 0.1 to 20 %% evenly")
     given = parser.parse_args(arguments)
     clock.now = time.process_time  # the same answers on a busy machine
     found = _read(given.kept)
@@ -330,7 +370,7 @@ def main(arguments: list[str]) -> int:
         for family in (family for family in FAMILIES if given.families in family):
             if time.process_time() > given.seconds or (family, number) in known:
                 continue
-            asked = questions(family, number)
+            asked = questions(family, number, even=given.even)
             answers = [_judged(question, given.proof, given.budget) for question in asked]
             found += answers
             if given.kept is not None:  # a scene at once: one that was cut off is asked again
