@@ -54,7 +54,9 @@ CURVATURE_GAP = 0.05  # below which finer meshes do not pay where curvature deci
 FINE_ENOUGH = 2.0  # gap in tolerances: good enough for the local search that curvature needs
 GROWTH = 1.1  # factor on the number of intervals: fewer say nothing about finer knots
 WIDE_GAP = 0.05  # at which caps that do not bind may be what keeps the bound low
-NEAR = 1e-4  # gap that halved intervals do not close where knots lie on the law's own switches
+NEAREST, NEAR = 1e-5, 1e-4
+"""Gaps that halved intervals do not close where knots lie on the law's own switches. Down to the
+first one, meshes that begin with equal intervals do; below it are the solver's last digits."""
 IDLE = 0.9  # a mesh that leaves more of the gap is idle
 PROOF_DISTANCES = (0.5, 2.0, 8.0, 32.0, 128.0, 512.0)
 """Tolerances, in turn: how far below the level reached a proof that no cam is so good is tried."""
@@ -112,9 +114,9 @@ class RootNode(Node):
         state = _with_first_cam(state, self.mesh_number)
         # 4. Knots of a neighbour, where the law is next to the best, move onto its own switches.
         if self.near and self.mesh_number == 1 and bound is not None:
-            polished = polish_knots(state, solve_and_separate)
-            if polished.relaxation_gap <= NEAR:
-                return polished, replace(self, processed=True)
+            near = self._from_neighbour(state)
+            if near is not None:
+                return near
         # 5. Stop, or refine the mesh where the law costs more than the ideal one.
         failed = bound is None and self.mesh_number > 1
         if failed or _needs_no_finer_mesh(state, model, solution, bound):
@@ -140,6 +142,19 @@ class RootNode(Node):
             # The local search finds its cam on this mesh, and far above this bound.
             return self._finish(state)
         return self._next(state, last_solvable_mesh=solvable, previous_interval_count=intervals)
+
+    def _from_neighbour(self, state: SolveState) -> tuple[SolveState, Node] | None:
+        """The end where the knots of a neighbour are next to the best; None where they are not.
+
+        Where they leave more than the tolerance, but so little that halved intervals gain nothing,
+        meshes begin again with equal ones.
+        """
+        polished = polish_knots(state, solve_and_separate)
+        if polished.is_close(polished.relaxed) or polished.relaxation_gap <= NEAREST:
+            return polished, replace(self, processed=True)
+        if polished.relaxation_gap > NEAR:
+            return None
+        return self._next(_first_mesh(replace(polished, grids=(), relaxed=None)))
 
     def _seek_knots(
         self, state: SolveState, violations: list[Array]

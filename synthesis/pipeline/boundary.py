@@ -29,7 +29,7 @@ FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
 """Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
 than the spec's ``proof`` allows. Cone programs reach the last one, and no less."""
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
-ROUGH, ACCURACY = 1e-2, 4e-4
+ROUGH, ACCURACY = 1e-2, 2.5e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
 brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-6  # relative: bracket of a value below which it is not narrowed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf, sqrt
 from types import SimpleNamespace
 from typing import Any, cast
@@ -111,6 +112,32 @@ def test_a_request_that_is_next_to_what_suffices_has_ends_as_near_in_proportion(
         assert each.needed is not None
         assert each.at_least is not None
         assert 0.0 <= (each.needed - each.at_least) / (each.needed - each.requested) < NEAR
+
+
+@pytest.mark.parametrize(
+    ("family", "changes", "most", "name"),
+    [
+        ("slide, centred", {"jerk": {"max_mm_per_s3": 9764842.44}}, 26.5571, "pressure angle rise"),
+        ("slide, window", {"jerk": {"max_mm_per_s3": 3249293.98}}, 14.42014, "pressure angle rise"),
+        ("face, width", {}, 7.2845, "profile radius"),
+    ],
+)
+def test_both_ends_come_near_where_knots_of_a_neighbour_leave_a_gap(
+    family: str, changes: Mapping[str, Mapping[str, float]], most: float, name: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Wider than the tolerance, and yet so narrow that halved intervals gain nothing."""
+    body = random_scene(family, 8)
+    limits = [{**limit, **changes.get(limit["kind"], {})} for limit in body["limits"]]
+    spec = DesignSpec.model_validate(
+        {**body, "base_radius_mm": {"max": most}, "limits": limits, "proof": "thorough"}
+    )
+    numbers = [each for each in relaxable_numbers(spec) if each.name == name]
+    monkeypatch.setattr(conflict, "relaxable_numbers", lambda _: numbers)
+    (each,) = why(spec).relaxations
+    assert each.needed is not None
+    assert each.at_least is not None
+    assert 0.0 <= (each.needed - each.at_least) / (each.needed - each.requested) < NEAR
 
 
 def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
