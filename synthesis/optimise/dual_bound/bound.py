@@ -137,6 +137,8 @@ def _bound_of_multipliers(
     if densities is not None and controls is not None:
         costates, dense = boundary_multipliers(model, solution, controls[0].order, z), True
         model, z = densities
+    if controls is None and dense:
+        return Bound(-inf, family_name(model))  # rows that are not solved bound no splines
     if controls is None:
         value = spline_family_bound(model, solution)
         return Bound(in_problem_units(model, value), family_name(model))
