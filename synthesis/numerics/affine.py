@@ -27,6 +27,7 @@ from synthesis.numerics.taylor import ARITHMETIC, UfuncDispatch, UfuncRules
 ROUNDING: Final = 2.0**-47  # of the terms handled: 64 unit roundoffs
 COMPLEX_STEP: Final = 1e-30  # of complex steps: its square vanishes beside any value
 FARTHER: Final = 1.2  # of a known range: slopes are worth as much
+NARROW: Final = 4e-3  # width of a cell: remainders, some of its square, are small enough then
 
 
 class Affine(UfuncDispatch):
@@ -163,7 +164,8 @@ def minorant_plane(
     Args:
         function: of k variables: of complex numbers, and of affine models.
         low, high, at: the boxes and the place in each, (k, n).
-        cells: into how many parts each variable's range is cut.
+        cells: into how many parts each variable's range is cut at most: narrow ones into fewer.
+            Variables and values are of the order of 1.
 
     Returns:
         slopes (k, n) and the height at 0 (n,); None where the function cannot be enclosed.
@@ -174,8 +176,10 @@ def minorant_plane(
         slopes = np.stack([np.imag(function(*(at + step[:, None]))) for step in steps])
         slopes /= COMPLEX_STEP
         # 2. The function less the plane, on every cell.
-        nth = np.moveaxis(np.indices(tuple(cells)), 0, -1).reshape(-1, 1, len(low))
-        width = (high - low).T / np.array(cells)
+        needed = np.ceil(np.max(high - low, axis=1) / NARROW)
+        parts = np.clip(needed, 1, cells).astype(int)
+        nth = np.moveaxis(np.indices(tuple(parts)), 0, -1).reshape(-1, 1, len(low))
+        width = (high - low).T / parts
         variables = Affine.variables(low.T + width * nth, low.T + width * (nth + 1))
         above = function(*variables)
         for variable, slope in zip(variables, slopes, strict=True):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synthesis.numerics.affine import Affine, minorant_plane, positive
+from synthesis.numerics.affine import NARROW, Affine, minorant_plane, positive
 
 FORMULAS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "product": lambda x, y, z: (x - 1.7 * y) * (z * y - 0.31),
@@ -89,3 +89,19 @@ def test_a_divisor_that_has_to_be_positive_is_unknown_where_it_is_not() -> None:
         one, two = lo[:, k : k + 1], hi[:, k : k + 1]
         found = minorant_plane(lambda x: 1.0 / positive(x), one, two, 0.5 * (one + two), (2,))
         assert (found is not None) == (k == 2)
+
+
+def test_narrow_boxes_are_cut_into_fewer_cells() -> None:
+    """A cell as narrow as that loses next to nothing, and each costs as much."""
+    sizes = list[int]()
+
+    def counted(x: Any, y: Any) -> Any:
+        if isinstance(x, Affine):
+            sizes.append(x.c.size)
+        return x * y + np.sin(x * 3.0)
+
+    wide = np.array([[0.1, 0.3], [0.4, 0.2]])
+    for width, cells in ((0.2, 12), (0.9 * NARROW, 1), (1.5 * NARROW, 4)):
+        low, high = wide, wide + width
+        assert minorant_plane(counted, low, high, 0.5 * (low + high), (4, 3)) is not None
+        assert sizes.pop() == 2 * cells

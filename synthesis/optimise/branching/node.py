@@ -32,6 +32,7 @@ Sizes = tuple[tuple[float, float], ...]
 INTERVALS = 20  # of the mesh on which the caps of the laws are read
 SAMPLES = 200  # points of a segment at which limits are looked at
 JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
+VIOLATED = 1e-3  # relative excess of a limit at a place where it has no rows yet
 BINDS = -0.02  # a smooth limit above this, relative, binds or soon will
 JERK = 3  # order of the derivative: laws with it capped have two continuous ones
 
@@ -203,6 +204,26 @@ class BindingLimits:
                         pairs.add((position, number))
                         worst[position] = np.maximum(worst.get(position, excess), excess)
         return cls(frozenset(pairs), {k: _parts_near(x, excess) for k, excess in worst.items()})
+
+
+def violated_parts(cam: Candidate, known: Mapping[int, Parts]) -> dict[int, Parts]:
+    """Parts of laws, besides those known, on which a cam violates limits with rows over boxes."""
+    result, x = dict[int, Parts](), np.linspace(0.0, 1.0, SAMPLES + 1)
+    moving = [segment for segment in cam.problem.segments if segment.free is not None]
+    for position, segment in enumerate(moving):
+        excess = size_rows.relative_excess(
+            cam.problem, segment, segment.start + segment.angle * x, cam.size
+        )
+        outside = excess > VIOLATED
+        for low, high in known.get(position, ()):
+            outside &= (x < low) | (x > high)
+        if not np.any(outside):
+            continue
+        result[position] = tuple(
+            (low, high) for low, high in _parts_near(x, excess)
+            if np.any(outside[(low <= x) & (x <= high)])
+        )  # fmt: skip
+    return result
 
 
 def _parts_near(x: Array, excess: Array) -> Parts:

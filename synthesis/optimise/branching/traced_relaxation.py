@@ -8,19 +8,20 @@ from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.clarabel import solve
+from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node
+from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node, violated_parts
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
-from synthesis.optimise.conic.program import formulate, with_rows
+from synthesis.optimise.conic.program import ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
-from synthesis.optimise.dual_bound.batch import MultiplierDensity
+from synthesis.optimise.dual_bound.batch import MultiplierDensity, PointRuns
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
-from synthesis.optimise.propagation.improving_region import ImprovingRegion
+from synthesis.optimise.propagation.improving_region import ImprovingRegion, Parts
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
 from synthesis.optimise.refinement.row_violations import row_violation_peaks
@@ -41,7 +42,12 @@ KEPT_LOSS = 2.0
 MESH_LOSS, LATE_MESH_LOSS = 0.25, 1.0
 """Of what rows must still gain: a loss to coarse knots that does not matter yet; on later meshes,
 which take longer."""
-SPREAD = 28  # points between two rows over which their multipliers are distributed
+SPREAD, DENSE = 28, 200
+"""Points between two rows over which their multipliers are distributed; and where finest splines
+hold no better cam. What a bound misses falls with the distance of these points."""
+ImpliedRows = Sequence[tuple[LinearBlock, LinearBlock, PointRuns | None]]
+SAMPLES = 400  # intervals of a law at whose ends limits are looked at
+BROKEN = 1e-4  # relative: excess of a row between its points that asks for one more
 GAIN = 0.1  # of what is missing: a finer mesh must gain as much for another one
 
 
@@ -124,53 +130,115 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
         solution = solve(model.program, state.time_left)
         # 2. Its multipliers, distributed over points between the knots: the implied rows hold
         #    there too, and a smoother multiplier gives a better bound over all laws.
-        between = [(denser, runs) for _, denser, runs in implied]
-        density = MultiplierDensity.of(model, between, SPREAD, task.order)
+        is_infeasible = solution.stopped is StopReason.INFEASIBLE
+        if not is_infeasible and solution.stopped not in USABLE:
+            return node
         ends = boundary_multipliers(model, solution, task.order)
-        distributed = [
-            replace(solution, multipliers=masses)
-            for masses in density.distribute_single(solution.multipliers, ends)
-        ]
-        if solution.stopped is StopReason.INFEASIBLE:
-            for each in distributed:
-                node = node.with_bound(infeasibility_bound(density.model, each, ends))
+        bounds = _dual_bounds(model, solution, implied, ends, SPREAD, task.order)
+        if is_infeasible:
+            for each in bounds:
+                node = node.with_bound(each)
             if node.is_empty or state.time_left <= 0.0 or number + 1 >= MESHES:
                 break
             grids = halve_intervals(problem, grids)
             continue
-        if solution.stopped not in USABLE:
-            return node
-        bounds = [dual_bound(density.model, each, ends) for each in distributed]
         bound = max(bounds, key=lambda each: each.value)
         if not bound.switching:
             return node
-        # 3. The solution is where the next rows are tangent.
         laws, size = model.recover(solution.x)
         cam = recover_cam(problem, laws, size, keep_size=True)
-        reference = TangentPoint(tuple(law.curve() for law in laws), size)
-        binding = node.region.binding or frozenset()
-        if implied:  # without any rows the solution shows nothing
-            binding |= BindingLimits.on([cam]).pairs
-        region = replace(node.region, reference=reference, binding=binding)
-        node = replace(node.with_bound(bound), region=region)
-        #    Linear rows are written at more points next time, where it breaks them between these;
-        #    but for those at which multipliers make ψ jump: with more of them these alternate.
-        points = row_violation_peaks(replace(state, grids=grids), cam, task.order - 1)
-        both = zip(points, node.violated or points, strict=True)
-        node = replace(node, violated=tuple(np.union1d(*each) for each in both))
+        #    Where the finest splines hold no better cam, more of these points may show that.
         most = max(len(grid.space.breaks) for grid in grids)
+        if most > MOST_INTERVALS and bound.value < node.largest_value <= cam.value:
+            dense = node.region.rows(bare, DENSE, sparing=True)
+            more = _dual_bounds(model, solution, dense, ends, DENSE, task.order)
+            bound = max((bound, *more), key=lambda each: each.value)
+        # 3. Rows of the next program: tangent at the solution, and where it breaks limits.
+        node = _with_rows_at(state, node.with_bound(bound), cam, grids, has_rows=bool(implied))
         is_loose = kept_loss > KEPT_LOSS * (node.largest_value - node.lower)
         if number <= EARLY_MESHES or (is_loose and most <= MOST_KEPT):
             node, kept_loss = replace(node, grids=grids), cam.value - bound.value
         node = replace(node, relaxation=(cam, grids, bound))
         # 4. A finer mesh, while this family of splines still has a better cam or costs too much.
+        #    Where rows are too few for it, implied ones get more points next time; but not where
+        #    bounds are cone programs: there they cost more than they gain.
         if node.is_empty or state.time_left <= 0.0:
             break
         if not _finer_mesh_pays(node, cam, bound, before, number, every_mesh=every_mesh):
+            if implied and cam.value < node.largest_value and not node.caps_mean_square:
+                node = _with_points(node, _violation_peaks(cam, task.order - 1))
             break
         before = bound
         grids = refine_mesh(problem, grids, cam, bound, very_costly=VERY_COSTLY)
     return node
+
+
+def _with_rows_at(
+    state: SolveState, node: Box, cam: Candidate, grids: tuple[Grid, ...], *, has_rows: bool
+) -> Box:
+    """The node with rows tangent at a relaxation's cam, and more where that breaks limits.
+
+    ``has_rows``: whether limits had rows in that relaxation; without any it shows nothing.
+    """
+    region, order = node.region, node.task.order
+    reference = TangentPoint(tuple(law.curve() for law in cam.laws), cam.size)
+    binding, parts = region.binding or frozenset(), dict[int, Parts]()
+    if has_rows:
+        binding |= BindingLimits.on([cam]).pairs
+        known = {law: bounds.parts for (law, _), bounds in region.point_bounds.items()}
+        parts = violated_parts(cam, known)
+    region = replace(region, reference=reference, binding=binding)
+    if parts:
+        region = region.with_parts(node.task.problem, node.task.controls, parts)
+    # Linear rows are written at more points next time, where the cam breaks them between these; but
+    # for those at which multipliers make ψ jump: with more of them these alternate.
+    peaks = row_violation_peaks(replace(state, grids=grids), cam, order - 1)
+    return _with_points(replace(node, region=region), peaks)
+
+
+def _with_points(node: Box, points: Sequence[Array]) -> Box:
+    """The node with rows at more points of every law."""
+    both = zip(node.violated or points, points, strict=True)
+    return replace(node, violated=tuple(np.union1d(*each) for each in both))
+
+
+def _dual_bounds(
+    model: ConicModel, solution: ConeSolution, implied: ImpliedRows, ends: Array, each: int,
+    order: int,
+) -> list[Bound]:  # fmt: skip
+    """Bounds by multipliers, those of implied rows at so many points between two knots."""
+    between = [(denser, runs) for _, denser, runs in implied]
+    density = MultiplierDensity.of(model, between, each, order)
+    evaluate = infeasibility_bound if solution.stopped is StopReason.INFEASIBLE else dual_bound
+    return [
+        evaluate(density.model, replace(solution, multipliers=masses), ends)
+        for masses in density.distribute_single(solution.multipliers, ends)
+    ]
+
+
+def _violation_peaks(cam: Candidate, below: int) -> list[Array]:
+    """Points x of every free law where a cam violates limits with rows over boxes most.
+
+    ``below``: those whose rows are of derivatives of a lower order.
+    """
+    machine, result, x = cam.problem.machine, list[Array](), np.linspace(0.0, 1.0, SAMPLES + 1)
+    for segment in (each for each in cam.problem.segments if each.free is not None):
+        limits = [
+            limit for limit in cam.problem.limits
+            if any(implied.order < below for implied in limit.box_bounds(segment, machine))
+        ]  # fmt: skip
+        theta = segment.start + segment.angle * x
+        excess = size_rows.relative_excess(cam.problem, segment, theta, cam.size, limits)
+        result.append(x[_is_peak(excess)])
+    return result
+
+
+def _is_peak(excess: Array) -> NDArray[np.bool_]:
+    """Where an excess is larger than beside it, and more than rounding."""
+    beside = np.pad(excess, 1, constant_values=-inf)
+    return np.asarray(
+        (excess > BROKEN) & (excess >= beside[:-2]) & (excess >= beside[2:]), dtype=bool
+    )
 
 
 def _finer_mesh_pays(

@@ -108,6 +108,19 @@ class ImprovingRegion:
         }
         return replace(self, point_bounds=point_bounds)
 
+    def with_parts(
+        self, problem: Problem, controls: Sequence[Control], parts: Mapping[int, Parts]
+    ) -> ImprovingRegion:
+        """The same with rows on further parts of laws, where nothing is known of them yet."""
+        point_bounds, wide = dict(self.point_bounds), _unbounded(problem)
+        for key, bounds in initial_region(problem, controls, parts).point_bounds.items():
+            known = point_bounds.get(key)
+            point_bounds[key] = (
+                replace(bounds, offsets=key[1].offset_range(self.sizes)) if known is None
+                else known.with_parts(bounds.parts, NODE_DISTANCE, wide)
+            )  # fmt: skip
+        return replace(self, point_bounds=point_bounds)
+
     def for_laws(self, positions: Sequence[int]) -> ImprovingRegion:
         """What it says of some laws, numbered anew."""
         point_bounds = {
@@ -159,9 +172,11 @@ class ImprovingRegion:
                     continue
                 x, (low, high) = spans.mean(axis=1), bounds.along(spans)
             else:
-                # at every knot, so that each has a row of its own; more between where ψ jumps
-                own = breaks[np.any([(a <= breaks) & (breaks <= b) for a, b in bounds.parts], 0)]
+                # at every knot, so that each has a row of its own; more between where ψ jumps, else
+                # at all points of the mesh
                 jumps = implied.order == bounds.order - 1
+                own = breaks if jumps else model.grids[position].points
+                own = own[np.any([(a <= own) & (own <= b) for a, b in bounds.parts], 0)]
                 points = PointRuns.of(own, bounds.parts, each if jumps else 0)
                 x, (low, high) = points.points, bounds.at(points.points)
                 runs = points if jumps else None
@@ -241,10 +256,7 @@ def initial_region(
     problem: Problem, controls: Sequence[Control], parts: Mapping[int, Parts]
 ) -> ImprovingRegion:
     """All that the problem allows; bounds with nodes all over the parts of the free laws."""
-    sizes = problem.sizing.bounds
-    largest = max(abs(end) for ends in sizes for end in ends)
-    unbounded = max(UNBOUNDED * problem.length, FARTHER * largest)
-    point_bounds = {}
+    sizes, unbounded, point_bounds = problem.sizing.bounds, _unbounded(problem), {}
     for position, ranges in parts.items():
         segment, control = problem.free[position], controls[position]
         assert segment.free is not None
@@ -265,3 +277,9 @@ def initial_region(
                 coordinates.offset_range(sizes), unit**2 * segment.angle * control.square,
             )  # fmt: skip
     return ImprovingRegion(sizes, point_bounds, HalfSpaces.empty(len(sizes)))
+
+
+def _unbounded(problem: Problem) -> float:
+    """What no coordinate of a cam's traced point reaches [length]."""
+    largest = max(abs(end) for ends in problem.sizing.bounds for end in ends)
+    return max(UNBOUNDED * problem.length, FARTHER * largest)

@@ -7,6 +7,7 @@ nodes and to the cap.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -87,6 +88,29 @@ class PointBounds:
             table[:, new] = np.stack([*here[:2], bends])[: len(known)]
             ends.append(table)
         return replace(self, nodes=nodes, low=ends[0], high=ends[1])
+
+    def with_parts(
+        self, parts: Sequence[tuple[float, float]], distance: float, unbounded: float
+    ) -> PointBounds:
+        """The same on further parts too: nodes on these no farther apart than a distance, open."""
+        merged = list[tuple[float, float]]()
+        for low, high in sorted([*self.parts, *parts]):
+            if merged and low <= merged[-1][1]:
+                merged[-1] = merged[-1][0], max(merged[-1][1], high)
+            else:
+                merged.append((low, high))
+        nodes = self.nodes
+        for low, high in merged:
+            own = np.union1d(nodes[(low < nodes) & (nodes < high)], [low, high])
+            counts = np.ceil(np.diff(own) / distance - SAME).astype(int)
+            more = [np.linspace(a, b, n + 1) for a, b, n in zip(own, own[1:], counts, strict=False)]
+            nodes = np.union1d(nodes, np.concatenate(more))
+        new, ends = ~np.isin(nodes, self.nodes), list[Array]()
+        for known, open_ in ((self.low, -unbounded), (self.high, unbounded)):
+            table = np.full((len(known), len(nodes)), open_)
+            table[:, ~new] = known
+            ends.append(table)
+        return replace(self, nodes=nodes, parts=tuple(merged), low=ends[0], high=ends[1])
 
     def _deviations(self) -> Array:
         """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""

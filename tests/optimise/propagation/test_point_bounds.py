@@ -71,6 +71,38 @@ def test_nodes_lie_so_close_that_little_is_left_open_between_them(order):
 
 
 @pytest.mark.parametrize("seed", range(6))
+def test_further_parts_are_open_and_leave_what_is_known(seed: int) -> None:
+    """A part that overlaps a known one, one between two, and one by itself."""
+    x, height, speed = motion(seed)
+    nodes = np.array([0.2, 0.31, 0.42, 0.7, 0.75])
+    at = np.stack([np.interp(nodes, x, each) for each in (height, speed)])
+    parts = ((0.2, 0.42), (0.7, 0.75))
+    hull = PointBounds(nodes, parts, ANGLE, 3, BEND, 0, at - 1.0, at + 1.0, (0.0, 0.0))
+    wider = hull.with_parts([(0.4, 0.5), (0.9, 0.97), (0.75, 0.78)], 0.05, 1e9)
+    assert wider.parts == ((0.2, 0.5), (0.7, 0.78), (0.9, 0.97))
+    known = np.isin(wider.nodes, nodes)
+    assert np.array_equal(wider.nodes[known], nodes)
+    assert np.array_equal(wider.low[:, known], hull.low)
+    assert np.array_equal(wider.high[:, known], hull.high)
+    assert np.all(wider.high[:, ~known] == 1e9)
+    assert np.all(wider.low[:, ~known] == -1e9)
+    for low, high in wider.parts:
+        own = wider.nodes[(low <= wider.nodes) & (wider.nodes <= high)]
+        assert (own[0], own[-1]) == (low, high)
+    assert all(any(a <= node <= b for a, b in wider.parts) for node in wider.nodes)
+    added = wider.nodes[(wider.nodes >= 0.42) & (wider.nodes <= 0.5)]
+    assert np.all(np.diff(added) <= 0.05 * (1.0 + 1e-9))
+    # what motions that keep to the nodes do in between is still said of them, open or not
+    for low_end, high_end in wider.parts:
+        inside = (x >= low_end) & (x <= high_end)
+        low, high = wider.at(x[inside])
+        for value, least, most in zip((height, speed), low, high, strict=False):
+            assert np.all(value[inside] >= least - 1e-6)
+            assert np.all(value[inside] <= most + 1e-6)
+    assert hull.with_parts([(0.2, 0.3)], 0.5, 1e9).parts == parts
+
+
+@pytest.mark.parametrize("seed", range(6))
 def test_accelerations_between_nodes_are_those_that_a_capped_third_derivative_allows(seed):
     x, height, speed = motion(seed)
     bend = np.gradient(speed, x * ANGLE)
