@@ -206,14 +206,26 @@ class BindingLimits:
         return cls(frozenset(pairs), {k: _parts_near(x, excess) for k, excess in worst.items()})
 
 
+def excess_along_laws(cam: Candidate, x: Array, below: float = inf) -> list[Array]:
+    """By how much every free law of a cam exceeds limits with rows over boxes, relative, at x.
+
+    ``below``: limits whose rows are of derivatives of a lower order alone.
+    """
+    machine, result = cam.problem.machine, list[Array]()
+    for segment in (each for each in cam.problem.segments if each.free is not None):
+        limits = [
+            limit for limit in cam.problem.limits
+            if any(implied.order < below for implied in limit.box_bounds(segment, machine))
+        ]  # fmt: skip
+        theta = segment.start + segment.angle * x
+        result.append(size_rows.relative_excess(cam.problem, segment, theta, cam.size, limits))
+    return result
+
+
 def violated_parts(cam: Candidate, known: Mapping[int, Parts]) -> dict[int, Parts]:
     """Parts of laws, besides those known, on which a cam violates limits with rows over boxes."""
     result, x = dict[int, Parts](), np.linspace(0.0, 1.0, SAMPLES + 1)
-    moving = [segment for segment in cam.problem.segments if segment.free is not None]
-    for position, segment in enumerate(moving):
-        excess = size_rows.relative_excess(
-            cam.problem, segment, segment.start + segment.angle * x, cam.size
-        )
+    for position, excess in enumerate(excess_along_laws(cam, x)):
         outside = excess > VIOLATED
         for low, high in known.get(position, ()):
             outside &= (x < low) | (x > high)

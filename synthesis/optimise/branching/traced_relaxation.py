@@ -8,12 +8,17 @@ from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import ConeSolution, solve
 from synthesis.numerics.solvers.statuses import USABLE, StopReason
-from synthesis.optimise.branching.node import BindingLimits, BoundTask, Node, violated_parts
+from synthesis.optimise.branching.node import (
+    BindingLimits,
+    BoundTask,
+    Node,
+    excess_along_laws,
+    violated_parts,
+)
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
@@ -24,7 +29,7 @@ from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uni
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Parts
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import MOST_INTERVALS, halve_intervals, refine_mesh
-from synthesis.optimise.refinement.row_violations import row_violation_peaks
+from synthesis.optimise.refinement.row_violations import is_peak, row_violation_peaks
 from synthesis.optimise.relaxation import size_rows
 from synthesis.optimise.state import SolveState
 
@@ -221,24 +226,8 @@ def _violation_peaks(cam: Candidate, below: int) -> list[Array]:
 
     ``below``: those whose rows are of derivatives of a lower order.
     """
-    machine, result, x = cam.problem.machine, list[Array](), np.linspace(0.0, 1.0, SAMPLES + 1)
-    for segment in (each for each in cam.problem.segments if each.free is not None):
-        limits = [
-            limit for limit in cam.problem.limits
-            if any(implied.order < below for implied in limit.box_bounds(segment, machine))
-        ]  # fmt: skip
-        theta = segment.start + segment.angle * x
-        excess = size_rows.relative_excess(cam.problem, segment, theta, cam.size, limits)
-        result.append(x[_is_peak(excess)])
-    return result
-
-
-def _is_peak(excess: Array) -> NDArray[np.bool_]:
-    """Where an excess is larger than beside it, and more than rounding."""
-    beside = np.pad(excess, 1, constant_values=-inf)
-    return np.asarray(
-        (excess > BROKEN) & (excess >= beside[:-2]) & (excess >= beside[2:]), dtype=bool
-    )
+    x = np.linspace(0.0, 1.0, SAMPLES + 1)
+    return [x[is_peak(excess, BROKEN)] for excess in excess_along_laws(cam, x, below)]
 
 
 def _finer_mesh_pays(

@@ -13,7 +13,7 @@ import numpy as np
 
 from synthesis.catalogue.constraints import LinearInequality
 from synthesis.catalogue.motion import PlacedSegment
-from synthesis.numerics.piecewise import Array, sorted_unique
+from synthesis.numerics.piecewise import Array, Mask, sorted_unique
 from synthesis.optimise.conic.linear_rows import applies_at, is_sampled, row_excess, row_scale
 from synthesis.optimise.conic.program import natural_scales
 from synthesis.optimise.problem.grid import Grid
@@ -54,11 +54,16 @@ def row_violation_peaks(state: SolveState, cam: Candidate, below: int) -> list[A
         for orders, x, excess in _row_excesses(*own):
             if max(orders) >= below:
                 continue
-            beside = np.pad(excess, 1, constant_values=-inf)
-            is_peak = (excess > ALLOWED) & (excess >= beside[:-2]) & (excess >= beside[2:])
-            peaks.append(x[is_peak])
+            peaks.append(x[is_peak(excess, ALLOWED)])
         points.append(sorted_unique(np.concatenate(peaks)))
     return points
+
+
+def is_peak(excess: Array, least: float) -> Mask:
+    """Where an excess at points in order is above a least one, and not below that beside it."""
+    beside = np.pad(excess, 1, constant_values=-inf)
+    above = (excess > least) & (excess >= beside[:-2]) & (excess >= beside[2:])
+    return np.asarray(above, dtype=bool)
 
 
 def breaks_exact_rows(state: SolveState, cam: Candidate) -> bool:
