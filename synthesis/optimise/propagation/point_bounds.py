@@ -13,7 +13,7 @@ from math import inf
 
 import numpy as np
 
-from synthesis.numerics.piecewise import Array
+from synthesis.numerics.piecewise import Array, Mask
 from synthesis.optimise.conic.law_bounds import bend, change
 
 CLOSEST_NODES = 0.005  # of a law: closer ones cost more linear programs than their rows gain
@@ -78,16 +78,10 @@ class PointBounds:
         of = np.repeat(np.arange(len(counts)), counts)
         number = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
         nodes = np.append(self.nodes[of] + number / counts[of] * distance[of], self.nodes[-1])
-        new, ends = np.append(number > 0, False), list[Array]()
-        for known, here, bends in zip(
-            (self.low, self.high), self.at(nodes[new]), self.acceleration_bounds(nodes[new]),
-            strict=True,
-        ):  # fmt: skip
-            table = np.empty((len(known), len(nodes)))
-            table[:, ~new] = known
-            table[:, new] = np.stack([*here[:2], bends])[: len(known)]
-            ends.append(table)
-        return replace(self, nodes=nodes, low=ends[0], high=ends[1])
+        new = np.append(number > 0, False)
+        both = zip(self.at(nodes[new]), self.acceleration_bounds(nodes[new]), strict=True)
+        low, high = (np.stack([*here[:2], bends])[: len(self.low)] for here, bends in both)
+        return self._with_nodes(nodes, new, low, high)
 
     def with_parts(
         self, parts: Sequence[tuple[float, float]], distance: float, unbounded: float
@@ -105,12 +99,17 @@ class PointBounds:
             counts = np.ceil(np.diff(own) / distance - SAME).astype(int)
             more = [np.linspace(a, b, n + 1) for a, b, n in zip(own, own[1:], counts, strict=False)]
             nodes = np.union1d(nodes, np.concatenate(more))
-        new, ends = ~np.isin(nodes, self.nodes), list[Array]()
-        for known, open_ in ((self.low, -unbounded), (self.high, unbounded)):
-            table = np.full((len(known), len(nodes)), open_)
-            table[:, ~new] = known
-            ends.append(table)
-        return replace(self, nodes=nodes, parts=tuple(merged), low=ends[0], high=ends[1])
+        wider = self._with_nodes(nodes, ~np.isin(nodes, self.nodes), -unbounded, unbounded)
+        return replace(wider, parts=tuple(merged))
+
+    def _with_nodes(
+        self, nodes: Array, new: Mask, low: Array | float, high: Array | float
+    ) -> PointBounds:
+        """The same at these nodes, with bounds low and high at the new ones among them."""
+        ends = np.empty((2, len(self.low), len(nodes)))
+        ends[:, :, ~new] = self.low, self.high
+        ends[0][:, new], ends[1][:, new] = low, high
+        return replace(self, nodes=nodes, low=ends[0], high=ends[1])
 
     def _deviations(self) -> Array:
         """How far u may leave what its values at two nodes say, at most, in between: (n − 1,)."""
