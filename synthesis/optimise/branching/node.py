@@ -32,7 +32,7 @@ Sizes = tuple[tuple[float, float], ...]
 INTERVALS = 20  # of the mesh on which the caps of the laws are read
 SAMPLES = 200  # points of a segment at which limits are looked at
 JOINED = 0.08  # share of a segment: parts with binding limits that are no farther apart are one
-VIOLATED = 1e-3  # relative excess of a limit at a place where it has no rows yet
+VIOLATED = 1e-3  # relative excess of a limit above which a place without rows gets them
 BINDS = -0.02  # a smooth limit above this, relative, binds or soon will
 JERK = 3  # order of the derivative: laws with it capped have two continuous ones
 

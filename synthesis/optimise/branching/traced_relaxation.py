@@ -158,7 +158,8 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
             dense = node.region.rows(bare, DENSE, sparing=True)
             more = _dual_bounds(model, solution, dense, ends, DENSE, task.order)
             bound = max((bound, *more), key=lambda each: each.value)
-        # 3. Rows of the next program: tangent at the solution, and where it breaks limits.
+        # 3. The next program's rows are tangent to the limits at this solution, and are added where
+        #    it violates them. They hold for every better cam, wherever they are written.
         node = _with_rows_at(state, node.with_bound(bound), cam, grids, has_rows=bool(implied))
         is_loose = kept_loss > KEPT_LOSS * (node.largest_value - node.lower)
         if number <= EARLY_MESHES or (is_loose and most <= MOST_KEPT):
@@ -181,9 +182,10 @@ def solve_relaxation(state: SolveState, node: Box, *, every_mesh: bool = False) 
 def _with_rows_at(
     state: SolveState, node: Box, cam: Candidate, grids: tuple[Grid, ...], *, has_rows: bool
 ) -> Box:
-    """The node with rows tangent at a relaxation's cam, and more where that breaks limits.
+    """The node with next rows tangent at a relaxation's cam, and more where it violates limits.
 
-    ``has_rows``: whether limits had rows in that relaxation; without any it shows nothing.
+    ``has_rows``: whether limits had rows in that relaxation. Without any, its cam does not say
+    where a relaxation with rows will violate them.
     """
     region, order = node.region, node.task.order
     reference = TangentPoint(tuple(law.curve() for law in cam.laws), cam.size)
@@ -195,8 +197,8 @@ def _with_rows_at(
     region = replace(region, reference=reference, binding=binding)
     if parts:
         region = region.with_parts(node.task.problem, node.task.controls, parts)
-    # Linear rows are written at more points next time, where the cam breaks them between these; but
-    # for those at which multipliers make ψ jump: with more of them these alternate.
+    # Linear rows get points where the cam violates them most between their own. Rows of the highest
+    # order are left out: the multipliers of two that are close alternate, and the bound is worse.
     peaks = row_violation_peaks(replace(state, grids=grids), cam, order - 1)
     return _with_points(replace(node, region=region), peaks)
 
