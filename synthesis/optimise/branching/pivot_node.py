@@ -92,8 +92,8 @@ class PivotNode(Node):
         return MAX_NODES if state.thorough and self.sizes else 1
 
     def is_pruned(self, state: SolveState) -> bool:
-        return (
-            state.is_good_enough if self.is_first else state.is_close(state.incumbent, self.lower)
+        return state.suffices or state.is_close(
+            state.incumbent, state.lower if self.is_first else self.lower
         )
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:

@@ -103,7 +103,7 @@ class TracedNode(TracedBox):
         return FEW_NODES if self.lower < (1.0 - WIDE) * self.task.target else 1
 
     def is_pruned(self, state: SolveState) -> bool:
-        return self.lower >= self.task.target
+        return state.suffices or self.lower >= self.task.target
 
     def process(self, state: SolveState) -> tuple[SolveState, Node]:
         inside = replace(state, deadline=self.task.deadline)
@@ -119,7 +119,7 @@ class TracedNode(TracedBox):
         for iterations in (FIRST_ITERATIONS, ITERATIONS):
             node = tighten(inside, node, iterations)
             inside, node = _offer_relaxation(inside, node)
-            if node.is_pruned(state) or inside.time_left <= 0.0 or not state.thorough:
+            if node.is_pruned(inside) or inside.time_left <= 0.0 or not state.thorough:
                 break
             if gained:  # where one search found nothing better, none later does
                 before = inside.incumbent
@@ -195,7 +195,7 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
         return state, node
     cam, grids, bound = node.relaxation
     if any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids):
-        grids = node.grids  # those were for the bound's last digits
+        grids = node.grids or coarse_mesh(node)  # those were for the bound's last digits
     grids = refine_mesh(state.problem, grids, cam, bound)
     for _ in range(CAM_HALVINGS):
         if sum(len(grid.space.breaks) for grid in grids) < MOST_CUT:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from synthesis.numerics import clock
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
@@ -41,6 +42,18 @@ def test_the_gap_is_closed_by_a_better_cam_and_a_better_bound(close: SolveState)
     assert close.lower > quick.lower
     # that bound alone would not have shown it of the first cam
     assert close.gap_between(quick.incumbent, close.lower) > TOLERANCE
+
+
+def test_the_proof_ends_with_the_first_cam_that_suffices(close: SolveState) -> None:
+    """It is found on the way to a bound, as here; no bound is asked for then."""
+    problem, before = close.problem, clock.programs_solved()
+    assert close.incumbent is not None
+    enough = problem.objective.to_wire(1.0005 * close.incumbent.value, problem.machine)
+    found = optimise(problem, 0.01 * TOLERANCE, proof=ProofBudget(300, 1.0), sufficient=enough)
+    assert found.is_sufficient
+    assert found.stages[-1].exit == "sufficient"
+    assert found.gap_between(found.incumbent, found.lower) > 2e-3
+    assert clock.programs_solved() - before < 120
 
 
 def test_few_boxes_do(close: SolveState):

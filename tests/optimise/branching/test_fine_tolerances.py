@@ -68,6 +68,24 @@ def test_a_bound_that_is_sufficient_ends_the_proof(close: SolveState) -> None:
     assert not replace(found, sufficient_bound=enough * 1.01).is_good_enough
 
 
+def test_a_better_cam_is_sought_on_few_knots_where_no_mesh_was_kept(
+    close: SolveState, root: TracedNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first meshes had no point, and that of the bound is finer than any for a cam."""
+    state = replace(close, tolerance=0.1 * FINE)
+    node = solve_relaxation(state, root)
+    assert node.relaxation is not None
+    monkeypatch.setattr(traced_node, "MOST_INTERVALS", 1)
+    meshes = list[Any]()
+    monkeypatch.setattr(
+        traced_node, "improve_from", lambda state, _: (meshes.append(state.grids), state)[1]
+    )
+    for kept in (node.grids, ()):
+        traced_node._improve_incumbent(state, replace(node, grids=kept))
+    assert len(meshes) == 2
+    assert all(len(mesh) == len(state.problem.free) for mesh in meshes)
+
+
 def test_a_cam_that_a_node_offers_keeps_its_rows_by_as_much_as_any(
     close: SolveState, root: TracedNode
 ) -> None:
