@@ -39,8 +39,8 @@ SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 no excess says how much is missing."""
 FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
-SECANTS = 8  # inwards, before brackets are halved alone
 CLOSING = 5  # trials at the fine tolerance
+WIDE_GAP = 0.1  # of the request's excess: a gap that keeps both ends a tenth of the way apart
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
 BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
@@ -51,6 +51,21 @@ LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
 UNCONFIRMED = "a cam was found on the way, but none with a value of this number put back"
 DEVIATION = "deviation allowed either way; a cam was found with it"
+
+
+def _halfway(one: float, other: float) -> float:
+    """The middle of two values; where they are far apart, on a logarithmic scale."""
+    if one * other > 0.0 and not 1.0 / WIDE < other / one < WIDE:
+        return copysign(sqrt(one * other), other)
+    return 0.5 * (one + other)
+
+
+def gap_left_by(trial: Trial, tolerance: float) -> float:
+    """A gap of a trial that is wider than its tolerance, relative; 0 where it has none."""
+    if trial.excess is None or trial.bound_excess is None:
+        return 0.0
+    gap = relative_gap(trial.excess, trial.bound_excess)
+    return gap if gap > max(tolerance, FINE) else 0.0
 
 
 @dataclass(eq=False)
@@ -181,6 +196,10 @@ class Boundary:
             bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
             if bound_zero is not None:
                 proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
+            asked = self.excesses.get(self.number.tightest, inf)
+            is_wide = gap_left_by(trial, self.fine) > WIDE_GAP * asked
+            if is_wide and self.oracle.has_longer_proofs:
+                return  # they bring both nearer than quick ones can
 
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
@@ -224,10 +243,9 @@ class Boundary:
 
         What knots and solvers leave is none: another trial may come nearer.
         """
-        if trial.excess is not None and trial.bound_excess is not None:
-            gap = relative_gap(trial.excess, trial.bound_excess)
-            if gap > max(tolerance, FINE):
-                self.oracle.open_gap = LEFT * gap
+        gap = gap_left_by(trial, tolerance)
+        if gap > 0.0:
+            self.oracle.open_gap = LEFT * gap
 
     def record(self, value: float, trial: Trial) -> None:
         self.trials[value] = trial
@@ -279,9 +297,10 @@ class Boundary:
         Where a question has no cam its excess is known, and falls to zero at the least value: the
         secant of the two nearest to it says where; where it has one, if the search for it began
         next to the best. A trial half the accuracy beyond the secant's zero finds a cam, or another
-        excess. Without two, or where the secant has not come to its end, the bracket is halved.
+        excess. Without two, or where the last secant has left more than half of the bracket, that
+        is halved: the excess may have a kink where another limit begins to bind.
         """
-        requested, secants = self.number.tightest, 0
+        requested, most = self.number.tightest, inf  # of a bracket that the next secant may divide
         began_near = bool(self.original.attempt.mesh(COARSE))
         while self.nearest is not None:
             good = self.nearest[0]
@@ -296,12 +315,11 @@ class Boundary:
             if zero is not None and 0.0 < self._beyond(zero, good) <= width:
                 return
             value = bad if zero is None else zero + 0.5 * self.direction * width
-            if secants < SECANTS and self._beyond(bad, value) > 0.0 < self._beyond(value, good):
-                secants += 1
-            elif bad * good > 0.0 and not 1.0 / WIDE < good / bad < WIDE:
-                value = copysign(sqrt(bad * good), good)
+            is_inside = self._beyond(bad, value) > 0.0 < self._beyond(value, good)
+            if is_inside and abs(good - bad) <= most:
+                most = 0.5 * abs(good - bad)
             else:
-                value = 0.5 * (bad + good)
+                value, most = _halfway(bad, good), inf
             self.tried(value)
 
     def _level(self, trial: Trial) -> float:
@@ -317,7 +335,7 @@ class Boundary:
     def confirm(self, proof: str = "quick") -> None:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
-        That is the same question as will be asked with the value put back, and the same answer.
+        That is the question of anyone who sends the value back.
         ``proof``: by which its cam is found, the spec's own or a shorter one.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):

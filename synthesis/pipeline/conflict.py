@@ -72,7 +72,10 @@ def explain(
     spec = attempt.question.physical
     most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
     own = asked if attempt.chosen_values else spec
-    oracle = Oracle(spec, own, deadline, most)
+    # A proof at numbers that were chosen is none over all of them.
+    has_time = spec.time_budget_s is not None or spec.proof == "thorough"
+    longer = has_time and spec.proof != "quick" and not attempt.chosen_values
+    oracle = Oracle(spec, own, deadline, most, has_longer_proofs=longer)
     numbers = relaxable_numbers(oracle.spec)
     # 1. A value of each number that suffices alone.
     boundaries = {number: Boundary(oracle, number, original) for number in numbers}
@@ -90,7 +93,7 @@ def explain(
     #    is left. Numbers that are free stay so. A gap that another program leaves open says nothing
     #    of the one asked for.
     changes = list[Relaxation]()
-    changed = replace(oracle.share(2), spec=own, known={})
+    changed = replace(oracle.share(2), spec=own, known={}, has_longer_proofs=False)
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)
         seek_value(boundary)
@@ -99,9 +102,7 @@ def explain(
             boundary.seek_bound()
             changes += _relaxations(boundary)
     # 5. With what time is left, the members' values once more where a gap is open: longer proofs.
-    #    A proof at numbers that were chosen is none over all of them.
-    has_time = spec.time_budget_s is not None or spec.proof == "thorough"
-    if oracle.open_gap > FINE and has_time and spec.proof != "quick" and not attempt.chosen_values:
+    if oracle.open_gap > FINE and oracle.has_longer_proofs:
         close_in(oracle, [boundaries[number] for number in members.numbers])
     relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
     limits = [str(number) for number in members.numbers]

@@ -91,7 +91,7 @@ class Smallest:
 
 def first_question(spec: DesignSpec) -> DesignSpec:
     """The question to begin with: without its maximum of the base radius, if that is minimised."""
-    wider = _without(spec, "max") if _minimises_radius(spec) else None
+    wider = _without(spec, "max") if minimises_radius(spec) else None
     return wider or spec
 
 
@@ -152,7 +152,7 @@ def complete(
     """Make the answer to a question of what its first question came to; as ``solve`` besides."""
     # 1. A cam that crosses itself is made larger; one as small as any that is sought, smaller.
     attempt = approach_infimum(enlarge_until_simple(first, goal, stages), goal, stages)
-    limited, minimised = _without(spec, "max") is not None, _minimises_radius(spec)
+    limited, minimised = _without(spec, "max") is not None, minimises_radius(spec)
     smallest, most = None, ends(spec.base_radius_mm)[1]
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
     #    proof that there is none; else the maximum is a constraint of the search.
@@ -230,7 +230,7 @@ def _smaller(known: Smallest, other: Smallest | None) -> Smallest:
     return replace(known, attempt=attempt, lower=other.lower, valid_for=other.valid_for)
 
 
-def _minimises_radius(spec: DesignSpec) -> bool:
+def minimises_radius(spec: DesignSpec) -> bool:
     """Whether the base radius is minimised first, and not given."""
     least, most = spec.requested_radii()
     return spec.objectives()[0].kind == "base_radius" and least < most

@@ -32,6 +32,7 @@ from synthesis.pipeline.largest_radius import (
     compare,
     excluding_gap,
     first_question,
+    minimises_radius,
 )
 from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
@@ -60,10 +61,12 @@ class Trial:
         """The smallest relative excess that was reached; None where none is known.
 
         That of the smallest cam over the largest base radius, below 0 where it is smaller, or of
-        the gentlest law over the limits on the motion.
+        the gentlest law over the limits on the motion. Of a cam that only the maximum as a
+        constraint has led to, none: the smallest one that was found without it is larger.
         """
-        if self.smallest is not None:
-            return self.smallest.radius / self.smallest.most - 1.0
+        smallest = self.smallest
+        if smallest is not None and (smallest.radius <= smallest.most or not self.certified):
+            return smallest.radius / smallest.most - 1.0
         known = next((each.least_excess for each in self.attempt.searches[-1:]), None)
         if known is not None or self.certified or not self.attempt.searches:
             return known
@@ -125,6 +128,7 @@ class Oracle:
             programs that are solved.
         open_gap: relative, what quick proofs have left between a smallest cam and its bound for
             all the tolerance that was asked.
+        has_longer_proofs: whether longer ones follow where that is so.
     """
 
     spec: DesignSpec
@@ -132,6 +136,7 @@ class Oracle:
     stop: float
     last_program: float = inf
     open_gap: float = 0.0
+    has_longer_proofs: bool = False
     known: dict[frozenset[Relaxable], Trial] = field(default_factory=dict)
 
     def is_late(self) -> bool:
@@ -168,19 +173,27 @@ class Oracle:
     def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Trial:
         """Put the question as anyone would who sends a value, with the spec's proof or a quick one.
 
+        A certified cam shows that the value suffices. The search for it may end with the first.
+
         What is free stays so: another number may be chosen for it than for the question. Where the
         smallest cam is too large, no smaller one is sought with the maximum as a constraint: by how
         much it is too large says which value to try next.
         """
-        goal, changes = Goal(self.stop), {**QUICK, "proof": proof}
         spec = relaxed(self.asked, number, value)
+        most = spec.requested_radii()[1]
+        alone = minimises_radius(spec) and len(spec.objectives()) == 1
+        # A longer proof may end with the first cam that is small enough, or with its exclusion.
+        goal = Goal(self.stop, sufficient=most, sufficient_bound=above(most))
+        goal = goal if alone and most < inf and proof != "quick" else Goal(self.stop)
+        changes = {**QUICK, "proof": proof}
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 
     @property
     def left(self) -> float:
-        """Seconds that are left, or programs where those are counted."""
-        seconds = self.stop - clock.now()
-        return seconds if seconds < inf else self.last_program - clock.programs_solved()
+        """Programs that are left where those are counted, else seconds."""
+        if self.last_program < inf:
+            return self.last_program - clock.programs_solved()
+        return self.stop - clock.now()
 
     def share(self, parts: float) -> Oracle:
         """The same oracle with an equal part of the time and the programs that are left.

@@ -12,6 +12,7 @@ import pytest
 from synthesis import synthesise
 from synthesis.catalogue.fields import Range
 from synthesis.design.design import Conflict
+from synthesis.numerics import clock
 from synthesis.pipeline import boundary, conflict, longer_proofs, outwards
 from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.boundary import Boundary
@@ -186,7 +187,8 @@ def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -
         return SimpleNamespace(certified=excess <= 0.0, excess=excess)
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, has_longer_proofs=False,
+        is_late=lambda: False,
         is_valid=lambda *_: True, ask_as_it_stands=ask, value_on=lambda *_: (None, ""),
     )  # fmt: skip
     number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
@@ -232,7 +234,8 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
         )  # fmt: skip
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, has_longer_proofs=False,
+        is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
         ask_as_it_stands=lambda *_: SimpleNamespace(certified=True),
         bound_excess=lambda *_: -inf,
@@ -246,6 +249,80 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     assert known.excluded < least <= known.nearest[0]
     near = NEAR if slope else 5.0 * NEAR  # halved alone
     assert known.nearest[0] - known.excluded <= near * (known.nearest[0] - request)
+
+
+def tried_by(oracle_is: dict[str, Any], excess: Any, gap: float) -> tuple[Boundary, list[float]]:
+    """A boundary of a request of 1000 that is brought nearer, and a list of the values tried."""
+    tried = list[float]()
+
+    def trial_at(_number: Any, value: float, *_: Any, **_more: Any) -> Any:
+        tried.append(float(value))
+        e = excess(value)
+        return SimpleNamespace(
+            certified=e <= 0.0, excess=e, bound_excess=e - gap, smallest=None,
+            proof="proven" if e > gap else "", on_time=True,
+            attempt=SimpleNamespace(mesh=lambda _: (1,)),
+        )  # fmt: skip
+
+    oracle = SimpleNamespace(
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        relaxed=trial_at, bound_excess=lambda _, __, value: excess(value) - gap, **oracle_is,
+    )  # fmt: skip
+    number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
+    known = Boundary(cast(Oracle, oracle), number, trial_at(number, 1000.0))
+    for value in (1600.0, 1734.0):
+        known.record(value, trial_at(number, value))
+    tried.clear()
+    return known, tried
+
+
+@pytest.mark.parametrize(
+    ("certified", "radius", "excess"), [(True, 1.5, -0.25), (False, 5.0, 1.5), (True, 5.0, None)]
+)
+def test_a_cam_that_is_small_enough_has_no_excess_of_a_larger_one(
+    certified: bool, radius: float, excess: float | None
+) -> None:
+    """The search without the maximum may end with a cam that is far larger than one with it."""
+    attempt: Any = SimpleNamespace(
+        certified=certified, searches=[SimpleNamespace(least_excess=None)]
+    )
+    smallest: Any = SimpleNamespace(radius=radius, most=2.0)
+    assert Trial(attempt, smallest, on_time=True).excess == excess
+
+
+def test_what_is_left_is_counted_in_programs_where_those_are_limited() -> None:
+    """So that answers do not depend on the machine, whatever deadline a service sets as well."""
+    spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
+    now, solved = clock.now(), clock.programs_solved()
+    oracle = Oracle(spec, spec, now + 1e6, solved + 300)
+    assert oracle.left == 300.0
+    assert oracle.share(3.0).left == 100.0
+    assert Oracle(spec, spec, now + 1e6).left == pytest.approx(1e6, rel=1e-3)
+
+
+def test_a_kink_of_the_excess_takes_few_trials() -> None:
+    """Where the number no longer binds all values have the same cam, and secants stand still."""
+    known, tried = tried_by({}, lambda v: max(0.21 * (1.0 - (v - 1000.0) / 98.3), -0.00237), 1e-4)
+    known._narrow()
+    assert known.nearest is not None
+    assert 1098.3 <= known.nearest[0] <= 1098.3 + 1.1 * boundary.ROUGH * 98.3
+    assert len(tried) <= 8
+
+
+@pytest.mark.parametrize(
+    ("longer", "gap", "least", "most"),
+    [(True, 3e-2, 1, 1), (True, 1e-2, 2, 5), (False, 3e-2, 2, 5)],
+)
+def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
+    longer: bool, gap: float, least: int, most: int
+) -> None:
+    known, tried = tried_by(
+        {"has_longer_proofs": longer}, lambda v: 0.2 * (1.0 - (v - 1000.0) / 98.3), gap
+    )
+    known._close_in()
+    assert least <= len(tried) <= most
+    assert known.excluded is not None
+    assert known.excluded > 1050.0  # by the multipliers of the first trial, if by no other
 
 
 def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:
@@ -431,7 +508,8 @@ def test_whether_anything_suffices_is_asked_where_the_secant_ends_far_away(
         return SimpleNamespace(certified=False)
 
     oracle = SimpleNamespace(
-        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, is_late=lambda: False,
+        spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, has_longer_proofs=False,
+        is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, without=left_out,
     )  # fmt: skip
     number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")

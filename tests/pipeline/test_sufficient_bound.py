@@ -16,6 +16,7 @@ from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify
 from synthesis.pipeline.largest_radius import Smallest, above, compare, first_question
 from synthesis.pipeline.oracle import Oracle
 from synthesis.pipeline.radius_search import enlarge_until_simple
+from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
 
@@ -79,6 +80,34 @@ def test_trials_by_longer_proofs_have_one(
     with pytest.raises(TimeoutError):
         Oracle(spec, spec, inf).ask(spec, 1e-3, exactly=True, proof=proof)
     assert [goal.sufficient_bound for goal in goals] == [expected]
+
+
+@pytest.mark.parametrize(
+    ("changes", "proof", "expected"),
+    [
+        ({}, "auto", (LEAST, above(LEAST))),
+        ({}, "quick", (-inf, inf)),  # it takes little time, and finds smaller cams
+        ({"base_radius_mm": {"min": 3.0}}, "auto", (-inf, inf)),
+        ({"base_radius_mm": LEAST}, "auto", (-inf, inf)),  # another objective is made small
+        ({"objective": [{"kind": "base_radius"}, {"kind": "rms_jerk"}]}, "auto", (-inf, inf)),
+    ],
+)
+def test_a_question_as_it_stands_ends_with_a_cam_that_is_small_enough(
+    changes: dict[str, Any], proof: str, expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Or with the proof that there is none."""
+    goals = list[Goal]()
+
+    def noted(_spec: DesignSpec, goal: Goal, _stages: list[Any], **_: Any) -> tuple[Any, None]:
+        goals.append(goal)
+        raise TimeoutError
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    spec = question(**changes)
+    jerk = next(number for number in relaxable_numbers(spec) if number.name == "jerk")
+    with pytest.raises(TimeoutError):
+        Oracle(spec, spec, inf).ask_as_it_stands(jerk, 1.1 * jerk.tightest, proof)
+    assert [(goal.sufficient, goal.sufficient_bound) for goal in goals] == [expected]
 
 
 def test_the_spec_s_own_proof_of_a_maximum_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
