@@ -6,19 +6,18 @@ where a lower bound of that excess is above 0, and it suffices where a cam has n
 that bind are not convex no multiplier carries a bound from one value to another: each value takes a
 branch and bound of its own, and the nearer it is to the zero of the excess, the longer that takes.
 
-    1. Of all members, that one is next whose two values are farthest apart, as shares of the way.
-       A trial of it may take an equal share of what time is left to them.
-    2. Its first trial is a rough proof, of a value far from the zero: it takes the least time.
-    3. Then a smallest cam at the value that suffices: by its excess, and the slope of the excess,
+    1. A rough proof of every member comes first: of a value far from the zero it takes little time.
+       Then a smallest cam at the value that suffices: by its excess, and the slope of the excess,
        the zero is known to the tolerance.
-    4. Then values short of the zero, to be proven impossible, each nearer than the one before. The
-       bound has to come above the maximum, and no farther.
-    5. Where the value that suffices is farther from the zero than such a step, a nearer one with a
-       cam is sought first.
+    2. Then one member after the other is brought to the accuracy, the nearest to it first: proofs
+       that end in the time there is are worth more than many that do not. A cam is sought as far on
+       the one side of the zero, and a proof on the other, as the accuracy allows.
+    3. A trial may take an equal share of the time that is left to all members. A member whose last
+       one took longer than that comes after the others, and may take a multiple of it.
 
 A proof that ends with its gap open says how wide that is: the next value is one that such a gap
-excludes. Where this promises too little, the member waits until its share of the time has grown.
-At the end every value with a cam that is not named yet is put as it stands.
+excludes. Where this promises too little, the member waits until it may take more time. At the end
+every value with a cam that is not named yet is put as it stands.
 """
 
 from __future__ import annotations
@@ -31,13 +30,16 @@ from typing import NamedTuple
 from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.oracle import Oracle, relative_gap
 
-ACCURACY = 8e-3  # of the way: how near to each other both values are brought
-SIDE = 0.3 * ACCURACY  # for each of both, on its side of the zero
-STEP = 1.0 / 8.0  # of the way from an excluded value to the zero: what a next proof leaves of it
+ACCURACY = 1e-2  # of the way: how near to each other both values are brought
+CAM_SIDE, PROOF_SIDE = 0.25 * ACCURACY, 0.5 * ACCURACY
+"""How far from the zero a value with a cam is sought in the end, and one that is impossible."""
+FIRST_STEP = 1.0 / 8.0  # of the way: how far from the zero a value is that a first proof excludes
 WITHIN = 0.6, 0.8
 """Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
-FAR_OUT = 1.5  # steps from the zero to a value that suffices: then one that is nearer is sought
-NEARER = 0.25  # of what the values are apart: a value with a cam as much nearer is put as it stands
+FAR_OUT = 1.5  # of ``CAM_SIDE``: farther from the zero, a nearer value with a cam is sought
+NEARER = 0.5  # of what the values are apart: a value with a cam as much nearer is put as it stands
+STEEPER = 3.0  # factor by which one trial changes the slope at most
+LONGER = 2.0  # of the time of a member's last trial, which the next one may take
 IDLE, FINER, WIDER = 4, 0.5, 3.0
 """Trials that bring neither value nearer, one after the other, at most; after each of them the
 tolerance is finer, and a value to be excluded lies farther from the zero, by these factors."""
@@ -49,7 +51,10 @@ MORE = 1.0 + 1e-6  # of a share: what counts as more of it, against rounding
 
 
 class Point(NamedTuple):
-    """The way to a value, the excess of its smallest cam, and to which tolerance that is known."""
+    """The way to a value, the excess of a cam with it, and the tolerance of the search for that.
+
+    The smallest cam, or one that is small enough: then the search ended there, next to the best.
+    """
 
     way: float
     excess: float
@@ -66,18 +71,20 @@ class Closing:
         boundary: what is known of the number.
         slope: by how much the excess falls per unit of the way, near its zero.
         zero: the way at which it is 0.
-        point: the last smallest cam; the request as long as none is known.
+        points: cams whose excess is known, that of the request first.
         open_gap: what the last proof that excluded nothing has left.
         idle: trials that have brought neither value nearer, one after the other.
+        took: the time of the last trial of another value.
         waits_for: the share of the time beyond which another trial is made.
     """
 
     boundary: Boundary
     slope: float
     zero: float
-    point: Point
+    points: list[Point]
     open_gap: float = 0.0
     idle: int = 0
+    took: float = 0.0
     waits_for: float = 0.0
 
     @classmethod
@@ -89,7 +96,7 @@ class Closing:
         way = boundary.way_to(boundary.nearest[0])
         if way <= 0.0 or boundary.way_to(boundary.excluded) < 0.0:
             return None
-        return cls(boundary, excess / way, way, Point(0.0, excess, 0.0))
+        return cls(boundary, excess / way, way, [Point(0.0, excess, 0.0)])
 
     @property
     def good(self) -> float:
@@ -105,14 +112,27 @@ class Closing:
 
     @property
     def named(self) -> float:
-        """The way to the value that is known to suffice as it stands."""
+        """The way to the value that is known to suffice as it stands; else to the nearest."""
         needed = self.boundary.needed
         return self.good if needed is None else self.boundary.way_to(needed)
 
     @property
     def apart(self) -> float:
         """How far both values are apart, as a share of the way."""
-        return (self.named - self.bad) / self.named
+        return self._apart_from(self.named)
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """Members of a lower one come first: by whether they wait, are rough, and how near."""
+        return self.waits_for > 0.0, not self._is_rough, self._apart_from(self.good)
+
+    def _apart_from(self, way: float) -> float:
+        return (way - self.bad) / way
+
+    @property
+    def _is_rough(self) -> bool:
+        """Whether nothing near the zero is excluded."""
+        return self.zero - self.bad > 2.0 * FIRST_STEP * self.zero
 
     def advance(self, oracle: Oracle, share: float) -> None:
         """Put the nearest value as it stands, or make one more trial.
@@ -129,8 +149,9 @@ class Closing:
         if trial is None:
             self._wait(share)
             return
-        values, had_point = (self.good, self.bad), self._has_point
+        values, had_point, before = (self.good, self.bad), self._has_point, oracle.left
         self._try(*trial)
+        self.took = before - oracle.left
         self.zero = min(self.zero, self.good)
         if self.zero <= self.bad:  # the excess is no straight line so far from its zero
             self.zero = 0.5 * (self.bad + self.good)
@@ -148,23 +169,25 @@ class Closing:
     @property
     def _has_point(self) -> bool:
         """Whether a smallest cam is known, besides that of the request."""
-        return self.point.way > 0.0
+        return len(self.points) > 1
 
     def _next_trial(self) -> tuple[float, float, bool] | None:
         """The way to a value, a tolerance, and whether any cam will do; None: nothing is promised.
 
         The tolerance is a part of the excess that is expected there.
         """
-        number, excesses = self.boundary.number, self.boundary.excesses
-        begins = self.bad <= 0.0 and not self._has_point
-        finer, step = FINER**self.idle, max(STEP * (self.zero - self.bad), SIDE * self.good)
-        exclusion, cam = (within * finer * self.slope for within in WITHIN)
+        number, good, finer = self.boundary.number, self.good, FINER**self.idle
         if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
-            return self.good, SIDE * finer * excesses[number.tightest], False
-        if self.good - self.zero > FAR_OUT * step:
-            return self.zero + step, cam * step, True
-        if not (self._has_point or begins):
-            return self.good, exclusion * step, False
+            excess = self.boundary.excesses[number.tightest]
+            return good, PROOF_SIDE * finer * excess / (1.0 + excess), False
+        exclusion, cam = (within * finer * self.slope for within in WITHIN)
+        step, room = FIRST_STEP * self.zero, CAM_SIDE * good
+        if not self._is_rough:
+            if not self._has_point:
+                return good, exclusion * step, False
+            if good - self.zero > FAR_OUT * room:
+                return self.zero + room, cam * room, True
+            step = PROOF_SIDE * good
         tolerance, widest = exclusion * step, 0.5 * (self.zero - self.bad)
         step = max(min(step * WIDER**self.idle, widest), WORSE * self.open_gap / self.slope)
         if step > (1.0 - GAIN) * (self.zero - self.bad):
@@ -173,19 +196,21 @@ class Closing:
 
     @property
     def _is_worth_confirming(self) -> bool:
-        """Whether a cam is known with a value much nearer than the one that is named."""
+        """Whether a cam is known with a value near enough, or much nearer than the one named."""
         boundary = self.boundary
         assert boundary.nearest is not None
         if boundary.nearest[0] == boundary.confirmed:
             return False
-        return boundary.needed is None or self.named - self.good > NEARER * (self.named - self.bad)
+        if boundary.needed is None or self._apart_from(self.good) <= ACCURACY:
+            return True
+        return self.named - self.good > NEARER * (self.named - self.bad)
 
     def _wait(self, share: float) -> None:
         """Make no further trial until there is more time for it.
 
         Where programs are counted there is none: the same trial would come to the same again.
         """
-        counts = self.boundary.oracle.stop == inf
+        counts = self.boundary.oracle.last_program < inf
         self.idle, self.open_gap, self.waits_for = 0, 0.0, inf if counts else share
 
     def _try(self, way: float, tolerance: float, any_cam: bool) -> None:
@@ -198,20 +223,38 @@ class Closing:
         trial = boundary.oracle.relaxed(
             boundary.number, value, tolerance, exactly=not any_cam, proof="thorough"
         )
+        before = boundary.nearest
         boundary.record(value, trial)
+        if boundary.number.minimised and boundary.nearest is not before:
+            self._leave_room()
         excess, bound = trial.excess, trial.bound_excess
         if excess is None or bound is None or trial.proof:
             return  # a proof ends before its cam is the smallest
-        is_smallest = relative_gap(excess, bound) <= tolerance
-        if is_smallest:
-            before, former, rougher = self.point
-            if abs(former - excess) > 2.0 * max(tolerance, rougher):
-                self.slope = (former - excess) / (way - before)
-            self.point = Point(way, excess, tolerance)
-        elif not trial.certified:
+        if not trial.certified and relative_gap(excess, bound) > tolerance:
             self.open_gap = excess - bound
-        if is_smallest or trial.certified:
-            self.zero = way + excess / self.slope
+            return
+        self.points.append(Point(way, excess, tolerance))
+        self._follow_slope()
+        self.zero = way + excess / self.slope
+
+    def _follow_slope(self) -> None:
+        """Take the slope from the last point and the nearest one that differs for certain."""
+        *others, (way, excess, tolerance) = self.points
+        slopes = {
+            abs(each.way - way): (each.excess - excess) / (way - each.way)
+            for each in others
+            if each.way != way and abs(each.excess - excess) > max(each.tolerance, tolerance)
+        }
+        if slopes:
+            nearest = slopes[min(slopes)]
+            self.slope = min(max(nearest, self.slope / STEEPER), self.slope * STEEPER)
+
+    def _leave_room(self) -> None:
+        """Let the value be a little farther than the smallest cam: few are as small as that."""
+        boundary, way = self.boundary, (1.0 + CAM_SIDE) * self.good
+        assert boundary.nearest is not None
+        way = way if boundary.needed is None else min(way, self.named)
+        boundary.nearest = boundary.value_at(way), boundary.nearest[1]
 
 
 def close_in(oracle: Oracle, boundaries: Sequence[Boundary]) -> None:
@@ -220,11 +263,17 @@ def close_in(oracle: Oracle, boundaries: Sequence[Boundary]) -> None:
     working = oracle.share(1.0 / (1.0 - LAST))
     while not working.is_late():
         far = [each for each in closings if each.apart > ACCURACY]
-        share = working.left / max(len(far), 1)
-        ready = [each for each in far if share > MORE * each.waits_for]
-        if not ready:
+        equal = working.left / max(len(far), 1)
+        shares = [(each, equal) for each in far if each.took <= equal]
+        longer = [(each, min(working.left, LONGER * each.took)) for each in far]
+        for some in (shares, longer):
+            ready = [(each, share) for each, share in some if share > MORE * each.waits_for]
+            if ready:
+                break
+        else:
             break
-        max(ready, key=lambda each: each.apart).advance(working.share(len(far)), share)
+        each, share = min(ready, key=lambda pair: pair[0].rank)
+        each.advance(working.share(working.left / share), share)
     for left, each in zip(range(len(closings), 0, -1), closings, strict=True):
         each.boundary.oracle = oracle.share(left)
         each.boundary.confirm(oracle.spec.proof)
