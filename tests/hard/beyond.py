@@ -194,7 +194,7 @@ def ask(question: Question, proof: str, budget: float) -> Outcome:
     if seconds > SOON_S:
         outcome.in_time = _is_proven_soon(body)
     for each in conflict.relaxations:
-        _try_values(outcome, each)
+        _try_values(outcome, each, budget)
     for name in dict.fromkeys(each.limit for each in conflict.program_changes):
         changed = question.body
         for each in conflict.program_changes:
@@ -230,12 +230,12 @@ def _answered(body: Spec, seconds: float) -> Trial:
     return Trial(*solve_with_maximum(spec, goal, []), on_time=True)
 
 
-def _try_values(outcome: Outcome, each: Relaxation) -> None:
-    """Put back what is needed, and a little less than is needed at least."""
+def _try_values(outcome: Outcome, each: Relaxation, budget: float) -> None:
+    """Put back what is needed, with the question's own time, and a little less than at least."""
     body, at_least = outcome.question.body, each.at_least
     distance, curved = None, False
     if each.needed is not None:
-        trial = _asked(put(body, each.field, each.needed))
+        trial = _asked(put(body, each.field, each.needed), seconds=max(budget, BUDGET_S))
         outcome.sufficient.append(trial.certified)
         if trial.attempt.cam is not None:
             least = trial.attempt.question.physical.requested_radii()[1]
@@ -275,10 +275,12 @@ def _has_cam(body: Spec, proofs: Sequence[str] = ("quick", "auto")) -> bool:
     return _asked(body, proofs).certified
 
 
-def _asked(body: Spec, proofs: Sequence[str] = ("quick", "auto")) -> Trial:
+def _asked(
+    body: Spec, proofs: Sequence[str] = ("quick", "auto"), seconds: float = BUDGET_S
+) -> Trial:
     """What a question comes to, with a proof as short or as long as it may have."""
     for proof in proofs:
-        trial = _answered({**body, "proof": proof}, BUDGET_S)
+        trial = _answered({**body, "proof": proof}, seconds)
         if trial.certified or trial.proof:
             break
     return trial
