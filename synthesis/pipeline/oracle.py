@@ -180,11 +180,11 @@ class Oracle:
         much it is too large says which value to try next.
         """
         spec = relaxed(self.asked, number, value)
-        most = spec.requested_radii()[1]
-        alone = minimises_radius(spec) and len(spec.objectives()) == 1
-        # A longer proof may end with the first cam that is small enough, or with its exclusion.
-        goal = Goal(self.stop, sufficient=most, sufficient_bound=above(most))
-        goal = goal if alone and most < inf and proof != "quick" else Goal(self.stop)
+        most, goal = spec.requested_radii()[1], Goal(self.stop)
+        if most < inf and minimises_radius(spec) and len(spec.objectives()) == 1:
+            # A cam that is small enough ends it; of a longer proof, that there is none does too.
+            bound = above(most) if proof != "quick" else inf
+            goal = Goal(self.stop, sufficient=most, sufficient_bound=bound)
         changes = {**QUICK, "proof": proof}
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 

@@ -86,7 +86,7 @@ def test_trials_by_longer_proofs_have_one(
     ("changes", "proof", "expected"),
     [
         ({}, "auto", (LEAST, above(LEAST))),
-        ({}, "quick", (-inf, inf)),  # it takes little time, and finds smaller cams
+        ({}, "quick", (LEAST, inf)),
         ({"base_radius_mm": {"min": 3.0}}, "auto", (-inf, inf)),
         ({"base_radius_mm": LEAST}, "auto", (-inf, inf)),  # another objective is made small
         ({"objective": [{"kind": "base_radius"}, {"kind": "rms_jerk"}]}, "auto", (-inf, inf)),
