@@ -74,7 +74,7 @@ class Closing:
         points: cams whose excess is known, that of the request first.
         open_gap: what the last proof that excluded nothing has left.
         idle: trials that have brought neither value nearer, one after the other.
-        took: the time of the last trial of another value.
+        took: the time of the last trial; questions as they stand are none.
         waits_for: the share of the time beyond which another trial is made.
     """
 
@@ -131,7 +131,7 @@ class Closing:
 
     @property
     def _is_rough(self) -> bool:
-        """Whether nothing near the zero is excluded."""
+        """Whether no value near the zero is excluded yet."""
         return self.zero - self.bad > 2.0 * FIRST_STEP * self.zero
 
     def advance(self, oracle: Oracle, share: float) -> None:
@@ -168,7 +168,7 @@ class Closing:
 
     @property
     def _has_point(self) -> bool:
-        """Whether a smallest cam is known, besides that of the request."""
+        """Whether the excess of a cam is known, besides that of the request."""
         return len(self.points) > 1
 
     def _next_trial(self) -> tuple[float, float, bool] | None:

@@ -1,9 +1,14 @@
 """A thorough proof that finds a better cam on its way, where one return is quick and steep."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from synthesis.numerics import clock
+from synthesis.optimise.branching.pivot_node import PivotNode
+from synthesis.optimise.branching.traced_node import TracedNode
 from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import formulate
 from synthesis.optimise.conic.tangent_cuts import Region
@@ -54,6 +59,16 @@ def test_the_proof_ends_with_the_first_cam_that_suffices(close: SolveState) -> N
     assert found.stages[-1].exit == "sufficient"
     assert found.gap_between(found.incumbent, found.lower) > 2e-3
     assert clock.programs_solved() - before < 120
+
+
+@pytest.mark.parametrize("kind", [TracedNode, PivotNode])
+@pytest.mark.parametrize("suffices", [True, False])
+def test_no_node_is_left_to_process_where_a_cam_suffices(
+    kind: type[TracedNode | PivotNode], suffices: bool
+) -> None:
+    state: Any = SimpleNamespace(suffices=suffices, incumbent=None, is_close=lambda *_: False)
+    node: Any = SimpleNamespace(is_first=False, lower=1.0, task=SimpleNamespace(target=2.0))
+    assert kind.is_pruned(node, state) is suffices
 
 
 def test_few_boxes_do(close: SolveState):
