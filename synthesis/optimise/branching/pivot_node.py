@@ -174,7 +174,7 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         return replace(node, sizes=ranges)
     if node.sizes:
         model = with_rows(model, list(_implied_rows(model, node)))
-    sizes = tuple(law_tightening.size_bounds(model, axis, ends) for axis, ends in enumerate(ranges))
+    sizes = tuple(law_tightening.size_bounds(model, capped, ranges))
     tubes = {}
     for position, (low, high) in node.parts.items():
         if state.time_left <= 0.0:
@@ -182,7 +182,9 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         nodes = np.linspace(low, high, NODES)
         known = node.tubes.get(position)
         known = known or law_tightening.initial_law_bounds(model, position, capped[position], nodes)
-        tubes[position] = law_tightening.tighten_law(model, position, known, state.deadline)
+        tubes[position] = law_tightening.tighten_law(
+            model, capped, sizes, position, known, state.deadline
+        )
     node, norm = replace(node, sizes=sizes, tubes=tubes), problem.objective.norm(problem.machine)
     if norm is None:
         return node

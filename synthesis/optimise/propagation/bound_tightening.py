@@ -154,19 +154,15 @@ class _LawSubproblem:
         ``size_is_bounded``: whether the region's half-spaces tell what the rows of the size do.
         """
         wanted, units = quantities.scaled()
-        unit = self.model.scales.size
-        rows = [*region.half_spaces.blocks(unit), *self.implied]
+        rows = [*region.half_spaces.blocks(self.model.scales.size), *self.implied]
         # 1. A program for each: its multipliers, at the points where rows are written.
-        if any(cone.energy is not None for cone in self.model.cone_blocks):
-            # every row costs a cone program as much, whether it binds or not
-            model = without_size_rows(self.model) if size_is_bounded else self.model
-            full = with_rows(model, [*_box_rows(region.sizes, unit), *rows])
-            z = _cone_multipliers(full.program, wanted.objectives(full), until, self.last_program)
-        else:
-            full = with_rows(self.model, rows)
-            z = _linear_multipliers(full, wanted.objectives(full), region.sizes, until)
-        if z is None:
+        # every row costs a cone program as much, whether it binds or not
+        spared = size_is_bounded and _caps_mean_square(self.model)
+        model = without_size_rows(self.model) if spared else self.model
+        solved = _solve_each(model, rows, wanted, region.sizes, until, self.last_program)
+        if solved is None:
             return None
+        full, z = solved
         # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
         order = self.controls[0].order
         between = MultiplierDensity.of(full, self.denser, SPREAD, order)
@@ -177,7 +173,61 @@ class _LawSubproblem:
             dual_bounds(between.model, self.controls, region.sizes, wanted, each, ends)
             for each in (masses, between.balance(masses, z, order))
         ))  # fmt: skip
-        return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
+        return loosened(values) * units
+
+
+def bound_quantities(
+    model: ConicModel,
+    controls: Sequence[Control],
+    sizes: Sizes,
+    quantities: Quantities,
+    until: float = inf,
+) -> Array | None:
+    """Lower bounds (q,) of quantities over all laws and sizes that keep a model's rows.
+
+    Args:
+        model: rows without an objective. controls: caps of the free laws' controls, of one order.
+        sizes: ranges of the size, besides. until: ``clock.now()`` at which to stop.
+
+    Returns:
+        the bounds; None where the mesh has no spline under the rows, or time was over.
+    """
+    wanted, units = quantities.scaled()
+    sizes = _box_within_cones(model, sizes)
+    tangents = [each for cone in model.cone_blocks for each in cone_tangents(model, cone, sizes)]
+    solved = _solve_each(model, tangents, wanted, sizes, until)
+    if solved is None:
+        return None
+    full, z = solved
+    ends = solve_boundary_costates(full, wanted, z, controls[0].order)
+    return loosened(dual_bounds(full, controls, sizes, wanted, z, ends)) * units
+
+
+def loosened(values: Array) -> Array:
+    """Lower bounds, less what is done with them may lose by rounding."""
+    return np.asarray(values - LOOSENING * np.maximum(np.abs(values), 1.0))
+
+
+def _caps_mean_square(model: ConicModel) -> bool:
+    """Whether a cone couples the laws, so that programs are no linear ones."""
+    return any(cone.energy is not None for cone in model.cone_blocks)
+
+
+def _solve_each(
+    model: ConicModel, rows: Sequence[LinearBlock], wanted: Quantities, sizes: Sizes, until: float,
+    last_program: float = inf,
+) -> tuple[ConicModel, Array] | None:  # fmt: skip
+    """The model with more rows, and their multipliers (q, m) at the least of every quantity.
+
+    None where a program has no minimum.
+    """
+    if _caps_mean_square(model):
+        full = with_rows(model, [*_box_rows(sizes, model.scales.size), *rows])
+        z = _cone_multipliers(full.program, wanted.objectives(full), until, last_program)
+    else:
+        full = with_rows(model, rows)
+        z = _linear_multipliers(full, wanted.objectives(full), sizes, until)
+    return None if z is None else (full, z)
 
 
 def _box_rows(sizes: Sizes, unit: float) -> list[LinearBlock]:

@@ -1,31 +1,28 @@
 """Optimality-based bound tightening of laws and sizes.
 
 Rows of a nonconvex limit are as tight as the region is narrow over which they have to hold. Each
-bound here (of g or g' at a node, of a size variable) is the dual bound of a cone program with that
+bound here (of g or g' at a node, of a size variable) is the dual bound of a program with that
 quantity as its objective, so that it holds over all laws that satisfy the rows: a better cam does.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, sqrt
 
 import numpy as np
 
-from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
-from synthesis.numerics.solvers.clarabel import solve
-from synthesis.numerics.solvers.statuses import USABLE
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.law_bounds import LawBounds
-from synthesis.optimise.conic.linear_rows import LinearBlock
-from synthesis.optimise.conic.program import ConicModel, with_rows
-from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.conic.program import ConicModel
+from synthesis.optimise.dual_bound.batch import Quantities
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
-from synthesis.optimise.propagation.half_spaces import LOOSENING
+from synthesis.optimise.propagation.bound_tightening import bound_quantities
+from synthesis.optimise.propagation.improving_region import Sizes
 
-INTERVALS = 12
-"""Of a law between the knots at which it is bounded; each end costs four cone programs."""
+INTERVALS = 12  # of a law between the knots at which it is bounded
 FASTEST = 20.0
 """Times 1 + cap: more than |g'| of any law from 0 to 1 (7 + 7/2 cap, by Taylor's formula; by
 Schwarz's inequality with the root of the square's cap in its place)."""
@@ -60,57 +57,66 @@ def initial_law_bounds(
 
 
 def tighten_law(
-    model: ConicModel, position: int, bounds: LawBounds, deadline: float = inf
+    model: ConicModel,
+    controls: Sequence[Control],
+    sizes: Sizes,
+    position: int,
+    bounds: LawBounds,
+    deadline: float = inf,
 ) -> LawBounds:
     """Tighten the bounds of one free law: a dual bound from either side at every node.
 
     Args:
-        model: rows that every better cam satisfies, with a level that no row has yet.
-        deadline: ``clock.now()`` after which no more nodes are tightened.
+        model: rows that every better cam satisfies, without an objective.
+        controls: caps of all free laws' controls (``capped_controls``).
+        sizes: ranges of the size of better cams.
+        deadline: ``clock.now()`` after which nothing is tightened.
     """
-    value = bounds.low.copy(), bounds.high.copy()
-    speed = bounds.low_speed.copy(), bounds.high_speed.copy()
-    space, level = model.grids[position].space, -1.0
-    for at, x in enumerate(bounds.nodes):
-        if clock.now() >= deadline:
-            break
-        for order, (low, high) in ((1, speed), (0, value)):
-            if order == 0 and x in (0.0, 1.0):
-                low[at] = high[at] = x
-                continue
-            # the rows g^(k)(x) ≤ P and −g^(k)(x) ≤ P: the least P bounds it from either side
-            row, ends = space.basis(np.array([x]), order), []
-            for sign in (1.0, -1.0):
-                block = LinearBlock(
-                    "point", position, sign * row, np.array([x]), sign * np.eye(4)[order],
-                    np.zeros(0), level, np.zeros(1), "law bounds",
-                )  # fmt: skip
-                ends.append(sign * _level_lower_bound(model, block))
-            low[at], high[at] = max(low[at], ends[0]), min(high[at], ends[1])
-    return replace(bounds, low=value[0], high=value[1], low_speed=speed[0], high_speed=speed[1])
-
-
-def size_bounds(model: ConicModel, axis: int, known: tuple[float, float]) -> tuple[float, float]:
-    """Bounds of one size variable over every law and size that keep the model's rows [length].
-
-    ``known``: those known before.
-    """
-    unit = np.zeros(len(model.problem.sizing.bounds))
-    unit[axis] = model.scales.size
-    low, high = (
-        sign * _level_lower_bound(
-            model, LinearBlock.of_size(sign * unit, np.zeros(1), "size bounds", level=-1.0)
-        )
-        for sign in (1.0, -1.0)
+    # 1. g' at every node, and g at those in between: it is known at the ends.
+    nodes, inner = bounds.nodes, (bounds.nodes > 0.0) & (bounds.nodes < 1.0)
+    x = np.concatenate([nodes, nodes[inner]])
+    orders = np.concatenate([np.full(len(nodes), 1), np.zeros(len(x) - len(nodes), dtype=int)])
+    known = np.where(inner, bounds.low, nodes), np.where(inner, bounds.high, nodes)
+    bounds = replace(bounds, low=known[0], high=known[1])
+    # 2. Each from below and from above.
+    alpha = np.eye(3)[orders]
+    both = Quantities(
+        np.full(2 * len(x), position), np.tile(x, 2), np.concatenate([alpha, -alpha]),
+        np.zeros((2 * len(x), len(sizes))),
     )  # fmt: skip
-    return max(low, known[0]), min(high, known[1])
+    values = bound_quantities(model, controls, sizes, both, deadline)
+    if values is None:
+        return bounds
+    below, above = values.reshape(2, -1)
+    (slow, low), (fast, high) = np.split(below, [len(nodes)]), np.split(-above, [len(nodes)])
+    tight = bounds.low.copy(), bounds.high.copy()
+    tight[0][inner] = np.maximum(tight[0][inner], low)
+    tight[1][inner] = np.minimum(tight[1][inner], high)
+    return replace(
+        bounds, low=tight[0], high=tight[1],
+        low_speed=np.maximum(bounds.low_speed, slow),
+        high_speed=np.minimum(bounds.high_speed, fast),
+    )  # fmt: skip
 
 
-def _level_lower_bound(model: ConicModel, block: LinearBlock) -> float:
-    """A lower bound, over all laws, of the level that one more row asks for."""
-    extended = with_rows(model, [block])
-    solution = solve(extended.program)
-    if solution.stopped not in USABLE:
-        return -inf
-    result = dual_bound(extended, solution)
-    return result.value - LOOSENING * max(abs(result.value), 1.0) if result.switching else -inf
+def size_bounds(model: ConicModel, controls: Sequence[Control], known: Sizes) -> Sizes:
+    """Bounds of the size over every law and size that keep the model's rows [length].
+
+    Args:
+        model, controls: as of ``tighten_law``.
+        known: bounds known before.
+    """
+    axes = model.scales.size * np.eye(len(known))
+    count = 2 * len(axes)
+    both = Quantities(
+        np.zeros(count, dtype=int), np.zeros(count), np.zeros((count, 3)),
+        np.concatenate([axes, -axes]),
+    )  # fmt: skip
+    values = bound_quantities(model, controls, known, both)
+    if values is None:
+        return known
+    low, high = values.reshape(2, -1)
+    return tuple(
+        (max(ends[0], float(a)), min(ends[1], -float(b)))
+        for ends, a, b in zip(known, low, high, strict=True)
+    )

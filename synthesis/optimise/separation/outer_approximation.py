@@ -114,7 +114,9 @@ def _tighten_region(
         for k, control in enumerate(capped)
     }
     bounds = {
-        k: law_tightening.tighten_law(relaxed, k, one, state.deadline) if k in loose else one
+        k: law_tightening.tighten_law(relaxed, capped, region.sizes, k, one, state.deadline)
+        if k in loose
+        else one
         for k, one in known.items()
     }
     return replace(state, region=replace(region, law_bounds=bounds))

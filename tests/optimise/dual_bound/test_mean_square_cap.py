@@ -78,7 +78,7 @@ def test_laws_and_sizes_of_a_capped_mean_square_lie_in_their_bounds(question: Pr
     nodes, names = np.array([0.0, 0.23, 0.52, 0.81, 1.0]), range(len(grids))
     for k, control in zip(names, controls, strict=True):
         known = initial_law_bounds(model, k, control, nodes)
-        bounds = tighten_law(model, k, known)
+        bounds = tighten_law(model, controls, question.sizing.bounds, k, known)
         for order, (low, high) in enumerate(
             ((bounds.low, bounds.high), (bounds.low_speed, bounds.high_speed))
         ):

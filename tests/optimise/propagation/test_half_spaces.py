@@ -12,7 +12,7 @@ import pytest
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.statuses import StopReason
-from synthesis.optimise.propagation import bound_tightening, law_tightening
+from synthesis.optimise.propagation import bound_tightening
 from synthesis.optimise.propagation.bound_tightening import _box_within_cones
 from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import ImprovingRegion
@@ -128,27 +128,6 @@ def test_a_cone_that_leaves_a_direction_open_bounds_nothing() -> None:
     assert _box_within_cones(model, BOX) == BOX
 
 
-@pytest.mark.parametrize("value", [-7e5, -0.3, 0.0, 0.3, 7e5])
-def test_bounds_of_a_level_are_loosened(value: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By more than rounding of what is done with them, and only where they hold over all laws."""
-    said = {"stopped": StopReason.SOLVED, "switching": ("ψ",)}
-
-    def found(**changes: Any) -> float:
-        now = said | changes
-        patch = {
-            "with_rows": lambda model, rows: SimpleNamespace(program=None),
-            "solve": lambda program: SimpleNamespace(stopped=now["stopped"]),
-            "dual_bound": lambda *_: SimpleNamespace(value=value, switching=now["switching"]),
-        }
-        for name, stub in patch.items():
-            monkeypatch.setattr(law_tightening, name, stub)
-        return law_tightening._level_lower_bound(None, None)  # type: ignore[arg-type]
-
-    assert 1e-10 * max(1.0, abs(value)) < value - found() < 1e-8 * max(1.0, abs(value))
-    assert found(stopped=StopReason.INFEASIBLE) == -np.inf
-    assert found(switching=()) == -np.inf
-
-
 def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> None:
     values, units = np.array([-7e5, -0.3, 0.0, 0.3, 7e5]), np.array([1.0, 2.0, 30.0, 0.1, 5.0])
     program = SimpleNamespace(
@@ -176,12 +155,17 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     law = bound_tightening._LawSubproblem(model, 0, controls, [], [], inf)
     region = ImprovingRegion(BOX, {}, HalfSpaces.empty(2))
     quantities = SimpleNamespace(scaled=lambda: (wanted, units))
-    lost = values - law.lower_bounds(quantities, region, np.inf) / units
-    assert np.all(lost > 1e-10 * np.maximum(1.0, np.abs(values)))
-    assert np.all(lost < 1e-8 * np.maximum(1.0, np.abs(values)))
+    for bounds in (
+        law.lower_bounds(quantities, region, np.inf),
+        bound_tightening.bound_quantities(model, controls, BOX, quantities),
+    ):
+        lost = values - bounds / units
+        assert np.all(lost > 1e-10 * np.maximum(1.0, np.abs(values)))
+        assert np.all(lost < 1e-8 * np.maximum(1.0, np.abs(values)))
     stopped = SimpleNamespace(stopped=StopReason.INFEASIBLE, multipliers=np.zeros(2))
     monkeypatch.setattr(bound_tightening.highs, "minimise_each", lambda *_: [solved, stopped])
     assert law.lower_bounds(quantities, region, np.inf) is None
+    assert bound_tightening.bound_quantities(model, controls, BOX, quantities) is None
 
 
 def test_a_region_is_divisible_while_a_size_is_open() -> None:
