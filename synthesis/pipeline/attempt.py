@@ -28,6 +28,7 @@ from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import COARSEST_POLISH, grids_on_switches, polish_intervals
 from synthesis.optimise.state import (
     AT_END,
+    CAM_ONLY,
     QUICK,
     SINGLE_SHARE,
     THOROUGH,
@@ -63,6 +64,9 @@ class Goal:
             are good enough, whatever the gap.
         smallest: base radius from which on cams are sought where it is open below [strokes].
         mesh: knots of every free law to begin with, those of a neighbouring question.
+        cam_only: whether nobody asks for a lower bound.
+        excluding_bound: of the first objective [wire]: where its lower bound is as large, there is
+            no cam as asked, and no later objective is sought.
     """
 
     stop: float
@@ -71,6 +75,8 @@ class Goal:
     sufficient_bound: float = inf
     smallest: float = SMALLEST
     mesh: tuple[Array, ...] = ()
+    cam_only: bool = False
+    excluding_bound: float = inf
 
 
 @dataclass(eq=False)
@@ -252,14 +258,20 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                 from_start = rank == 0 and attempt.first is None
                 state = optimise(
                     problem, attempt.tolerance(rank), goal.stop, tighten,
-                    proof=_proof_budget(spec, is_last=rank >= len(spec.objectives()) - 1),
+                    proof=CAM_ONLY if goal.cam_only else _proof_budget(
+                        spec, is_last=rank >= len(spec.objectives()) - 1
+                    ),
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else start,
-                    sufficient=max(goal.sufficient / unit, _value(start)) if from_start else -inf,
+                    sufficient=(
+                        max(goal.sufficient / unit, _good_enough(start)) if from_start else -inf
+                    ),
                     sufficient_bound=goal.sufficient_bound / unit if from_start else inf,
                     mesh=goal.mesh if from_start else (),
                 )  # fmt: skip
                 attempt.searches.append(state)
+                if rank == 0 and _has_no_cam(state, goal.excluding_bound / unit):
+                    break
             _take_best(attempt)
             # 2. What is fixed after the size: the place of a counter roller.
             next_attempt = _place_counter_roller(attempt, goal.stop)
@@ -280,12 +292,18 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     return attempt
 
 
-def _value(cam: Candidate | None) -> float:
+def _good_enough(cam: Candidate | None) -> float:
     """The value of a cam that is good enough [wire]; −∞ without one."""
     if cam is None:
         return -inf
     value = cam.problem.objective.to_wire(cam.value, cam.problem.machine)
     return value + SAME * abs(value)
+
+
+def _has_no_cam(state: SolveState, excluding: float) -> bool:
+    """Whether the bound of a first objective is as large as one [wire] that excludes every cam."""
+    objective, machine = state.problem.objective, state.problem.machine
+    return state.covers_all_laws and objective.to_wire(state.lower, machine) >= excluding
 
 
 def unsolved(attempt: Attempt, spec: DesignSpec, first: Attempt | None = None) -> Attempt:

@@ -40,7 +40,7 @@ no excess says how much is missing."""
 FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
 CLOSING = 5  # trials at the fine tolerance
-WIDE_GAP = 0.1  # of the request's excess: a gap that keeps both ends a tenth of the way apart
+WIDE_GAP = 1e-2  # of the request's excess: a gap that keeps both ends as much of the way apart
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
 BEYOND, REACH = 1.3, 2.0
 """Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
@@ -120,6 +120,11 @@ class Boundary:
             return
         self.finest = FINEST[self.oracle.spec.proof]
         with suppress(TimeoutError):
+            # Where nodes raise the bound no multipliers exclude other values: longer proofs serve
+            # as well.
+            one_program = self.oracle.bound_excess(self.original, self.number, self.number.tightest)
+            if one_program == -inf and self._is_for_longer_proofs(self.oracle.open_gap):
+                return
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
@@ -196,10 +201,13 @@ class Boundary:
             bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
             if bound_zero is not None:
                 proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
-            asked = self.excesses.get(self.number.tightest, inf)
-            is_wide = gap_left_by(trial, self.fine) > WIDE_GAP * asked
-            if is_wide and self.oracle.has_longer_proofs:
-                return  # they bring both nearer than quick ones can
+            if self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
+                return
+
+    def _is_for_longer_proofs(self, gap: float) -> bool:
+        """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
+        asked = self.excesses.get(self.number.tightest, inf)
+        return self.oracle.has_longer_proofs and gap > WIDE_GAP * asked
 
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
@@ -336,7 +344,8 @@ class Boundary:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the question of anyone who sends the value back.
-        ``proof``: by which its cam is found, the spec's own or a shorter one.
+        ``proof``: by which its cam is found where a search for a cam alone finds none; the spec's
+        own or a shorter one.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
@@ -355,7 +364,10 @@ class Boundary:
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
-            found = self.oracle.ask_as_it_stands(self.number, value, proof)
+            # Most cams are found without a proof, in a fraction of the time.
+            found = self.oracle.ask_as_it_stands(self.number, value, "quick")
+            if not found.certified and proof != "quick":
+                found = self.oracle.ask_as_it_stands(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed, self.confirmed = value, nearest

@@ -90,10 +90,11 @@ def explain(
     for number in members.numbers:
         boundaries[number].seek_bound()
     # 4. Changes of the program, with all limits as they are, that mend it: in half of the time that
-    #    is left. Numbers that are free stay so. A gap that another program leaves open says nothing
-    #    of the one asked for.
+    #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
+    #    another program leaves open says nothing of the one asked for.
     changes = list[Relaxation]()
-    changed = replace(oracle.share(2), spec=own, known={}, has_longer_proofs=False)
+    parts = 8 if longer else 2
+    changed = replace(oracle.share(parts), spec=own, known={}, has_longer_proofs=False)
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)
         seek_value(boundary)

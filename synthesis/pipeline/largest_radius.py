@@ -125,7 +125,10 @@ def first_attempt(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt
         smallest = _smallest(spec, solve_spec(wider, sufficient, stages))
         if smallest is not None and smallest.attempt.certified:
             return smallest.attempt
-    return solve_and_certify(prepare(first_question(spec), goal, stages), goal, stages)
+    first = first_question(spec)
+    if first is not spec:
+        goal = replace(goal, excluding_bound=above(most))
+    return solve_and_certify(prepare(first, goal, stages), goal, stages)
 
 
 def compare(
@@ -166,7 +169,7 @@ def complete(
         attempt = solve_spec(spec, goal, stages)
     # 3. Phase 1: any cam that is small enough will do, whatever the objective.
     elif limited and not attempt.certified and not infeasibility_proof(attempt):
-        nearest = Goal(goal.stop, sufficient=most)
+        nearest = Goal(goal.stop, sufficient=most, cam_only=goal.cam_only)
         for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
             smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
             if smallest is not None and smallest.attempt.certified:
@@ -212,7 +215,7 @@ def _decided(
         alone, most = len(spec.objectives()) == 1, smallest.most
         near = replace(
             goal, warm_start=None, mesh=known.mesh(FINEST), sufficient=most if alone else -inf,
-            sufficient_bound=above(most) if alone and proof != "quick" else inf,
+            sufficient_bound=inf if proof == "quick" else above(most), excluding_bound=above(most),
         )  # fmt: skip
         found = with_bound_of(known, solve_spec(finer, near, stages))
         smallest = _smaller(smallest, _smallest(spec, found))

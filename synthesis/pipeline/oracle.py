@@ -145,16 +145,17 @@ class Oracle:
 
     def ask(
         self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None,
-        near: Trial | None = None, *, exactly: bool = False, proof: str = "quick",
+        near: Trial | None = None, *, exactly: bool = False, cam_only: bool = False,
+        proof: str = "quick",
     ) -> Trial:  # fmt: skip
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
         For any cam the peak acceleration is minimised, since a law of little acceleration leaves
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
-        is sought to the tolerance though any that is small enough would do. ``proof``: how far that
-        there is none is sought; a longer one than the quick one ends where its bound excludes the
-        maximum.
+        is sought to the tolerance though any that is small enough would do. ``cam_only``: whether
+        the bound is of no use. ``proof``: how far that there is none is sought; a longer one than
+        the quick one ends where its bound excludes the maximum.
         """
         low, high = spec.requested_radii()
         limited = low < high < inf
@@ -167,7 +168,9 @@ class Oracle:
             tolerance = max(tolerance, ON_KNOTS)
         changes = {**QUICK, "objective": objective, "tolerance": tolerance, "proof": proof}
         bound = above(high) if limited and proof != "quick" else inf
-        goal = Goal(self.stop, sufficient=enough, sufficient_bound=bound, mesh=mesh)
+        goal = Goal(
+            self.stop, sufficient=enough, sufficient_bound=bound, mesh=mesh, cam_only=cam_only
+        )
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
     def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Trial:
@@ -180,11 +183,14 @@ class Oracle:
         much it is too large says which value to try next.
         """
         spec = relaxed(self.asked, number, value)
-        most, goal = spec.requested_radii()[1], Goal(self.stop)
-        if most < inf and minimises_radius(spec) and len(spec.objectives()) == 1:
-            # A cam that is small enough ends it; of a longer proof, that there is none does too.
-            bound = above(most) if proof != "quick" else inf
-            goal = Goal(self.stop, sufficient=most, sufficient_bound=bound)
+        quick = proof == "quick"
+        most, goal = spec.requested_radii()[1], Goal(self.stop, cam_only=quick)
+        if most < inf and minimises_radius(spec):
+            # A cam that is small enough ends it, unless it is made better by a later objective; of
+            # a longer proof, that there is none does too.
+            enough = most if len(spec.objectives()) == 1 else -inf
+            bound = inf if quick else above(most)
+            goal = replace(goal, sufficient=enough, sufficient_bound=bound)
         changes = {**QUICK, "proof": proof}
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
 
@@ -208,17 +214,20 @@ class Oracle:
         return Trial(attempt, smallest, attempt.certified or not self.is_late())
 
     def without(self, numbers: Collection[Relaxable]) -> Trial:
-        """The question without some of its numbers; a cam that has more of them answers it too."""
+        """The question without some of its numbers; a cam that has more of them answers it too.
+
+        A cam is sought, and what proof that there is none the relaxation gives besides.
+        """
         key = frozenset(numbers)
         for removed, trial in self.known.items():
             if removed == key or (removed < key and trial.certified):
                 return trial
-        return self.known.setdefault(key, self.ask(without(self.spec, numbers)))
+        return self.known.setdefault(key, self.ask(without(self.spec, numbers), cam_only=True))
 
     def proven_without(self, numbers: Collection[Relaxable]) -> Trial:
-        """The same question once more, with a proof as long as the spec's own."""
+        """The same question once more, with the spec's own proof."""
         known, spec = self.without(numbers), without(self.spec, numbers)
-        if known.certified or known.proof or spec.proof == "quick" or self.is_late():
+        if known.certified or known.proof or self.is_late():
             return known
         tolerance = spec.tolerance
         if known.smallest is not None and known.excess:
@@ -233,7 +242,10 @@ class Oracle:
     ) -> Trial:  # fmt: skip
         """The question with one number relaxed to a value; its cam is one without the number."""
         changed = relaxed(self.spec, number, value)
-        trial = self.ask(changed, tolerance, near=near, exactly=exactly, proof=proof)
+        trial = self.ask(
+            changed, tolerance, near=near, exactly=exactly, proof=proof,
+            cam_only=not exactly and proof == "quick",
+        )  # fmt: skip
         if trial.certified:
             self.known.setdefault(frozenset([number]), trial)
         return trial

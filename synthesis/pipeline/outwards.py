@@ -99,7 +99,7 @@ def _leave_out(boundary: Boundary) -> bool:
         return boundary.number.tightest not in boundary.excesses and boundary.tried(far).certified
     if boundary.number.dimension:  # its value on the smallest cam, not on any
         open_spec = without(boundary.oracle.spec, [boundary.number])
-        trial = boundary.oracle.ask(open_spec, COARSE, BaseRadius())
+        trial = boundary.oracle.ask(open_spec, COARSE, BaseRadius(), cam_only=True)
     else:
         trial = boundary.oracle.without([boundary.number])
     if not trial.certified:

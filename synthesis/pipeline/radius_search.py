@@ -100,7 +100,8 @@ def enlarge_until_simple(
     if not self_crossing_attempt.crosses_itself:
         return self_crossing_attempt
     question = self_crossing_attempt.question
-    again = replace(goal, warm_start=None, sufficient_bound=inf)  # none of a raised minimum
+    # Bounds that tell whether there is a cam as asked are none of a raised minimum.
+    again = replace(goal, warm_start=None, sufficient_bound=inf, excluding_bound=inf)
     spec = question.scaled
     least, largest = _base_radius(self_crossing_attempt), spec.base_radius_range()[1]
     most, best = largest, self_crossing_attempt

@@ -212,6 +212,31 @@ def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
     assert len(asked) == 2
 
 
+@pytest.mark.parametrize(
+    ("proof", "found_by", "asked"),
+    [
+        ("quick", "quick", ["quick"]),
+        ("auto", "quick", ["quick"]),
+        ("auto", "auto", ["quick", "auto"]),
+        ("thorough", "thorough", ["quick", "thorough"]),
+    ],
+)
+def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
+    proof: str, found_by: str, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known, proofs = bounded({}, monkeypatch), list[str]()
+
+    def ask(_number: Any, _value: float, proof: str) -> Any:
+        proofs.append(proof)
+        return SimpleNamespace(certified=proof == found_by, excess=None)
+
+    cast(Any, known.oracle).ask_as_it_stands = ask
+    known.confirm(proof)
+    assert proofs == asked
+    assert known.nearest is not None
+    assert known.needed == known.nearest[0]
+
+
 @pytest.mark.parametrize("slope", [6e-4, None])
 def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | None) -> None:
     """Limits on the motion alone: a question without a cam has an excess, one with a cam none.
@@ -311,7 +336,7 @@ def test_a_kink_of_the_excess_takes_few_trials() -> None:
 
 @pytest.mark.parametrize(
     ("longer", "gap", "least", "most"),
-    [(True, 3e-2, 1, 1), (True, 1e-2, 2, 5), (False, 3e-2, 2, 5)],
+    [(True, 3e-2, 1, 1), (True, 1e-3, 2, 5), (False, 3e-2, 2, 5)],
 )
 def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
     longer: bool, gap: float, least: int, most: int
@@ -323,6 +348,31 @@ def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
     assert least <= len(tried) <= most
     assert known.excluded is not None
     assert known.excluded > 1050.0  # by the multipliers of the first trial, if by no other
+
+
+@pytest.mark.parametrize(
+    ("longer", "multipliers", "open_gap", "is_left"),
+    [
+        (True, False, 3e-2, True),
+        (True, False, 1e-3, False),  # quick proofs come near enough
+        (True, True, 3e-2, False),  # one trial's multipliers may exclude most of the way
+        (False, False, 3e-2, False),
+    ],
+)
+def test_proofs_of_single_values_are_left_to_longer_ones(
+    *, longer: bool, multipliers: bool, open_gap: float, is_left: bool
+) -> None:
+    known, tried = tried_by(
+        {"has_longer_proofs": longer}, lambda v: 0.2 * (1.0 - (v - 1000.0) / 98.3), 1e-3
+    )
+    known.oracle.open_gap = open_gap
+    answers = cast(Any, known.oracle)
+    if not multipliers:
+        answers.bound_excess = lambda *_: -inf
+    answers.ask_as_it_stands = lambda *_: SimpleNamespace(certified=True)
+    answers.is_valid, answers.value_on = lambda *_: True, lambda *_: (None, "")
+    known.seek_bound()
+    assert (not tried) == is_left
 
 
 def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:

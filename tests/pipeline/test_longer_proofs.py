@@ -80,6 +80,8 @@ class Questions:
         return answer(excess, gap, self.random.uniform(0.0, 0.95), any_cam=not exactly)
 
     def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Any:
+        if proof == "quick":  # next to the zero such a search finds none, in little time
+            return SimpleNamespace(certified=False, excess=None)
         assert proof == "auto"
         self.as_it_stands.append(value)
         took = min(self.asking, self.left)

@@ -11,6 +11,7 @@ import pytest
 
 from synthesis.catalogue.objectives import BaseRadius
 from synthesis.certify import SELF_CROSSING
+from synthesis.pipeline import attempt as attempt_module
 from synthesis.pipeline import largest_radius, oracle, radius_search
 from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify
 from synthesis.pipeline.largest_radius import Smallest, above, compare, first_question
@@ -43,6 +44,31 @@ def test_it_is_a_length_of_the_question() -> None:
     assert smallest.excludes
     assert LEAST < smallest.lower < LEAST * (1.0 + 1e-7)
     assert smallest.radius > smallest.lower * (1.0 + 1e-5)  # the gap is open
+
+
+@pytest.mark.parametrize(("most", "searches"), [(0.98 * LEAST, 1), (1.02 * LEAST, 2)])
+def test_what_it_excludes_is_made_no_better_by_a_later_objective(
+    most: float, searches: int
+) -> None:
+    objectives = [{"kind": "base_radius"}, {"kind": "rms_jerk"}]
+    spec = question(
+        base_radius_mm={"max": most}, objective=objectives, proof="quick", tolerance=5e-3
+    )
+    attempt, smallest = compare(spec, Goal(inf), [])
+    assert smallest is not None
+    assert smallest.excludes == (searches == 1)
+    assert attempt.certified == (searches == 2)
+    assert len(attempt.searches) == searches
+    assert [each.objective.kind for each in attempt.bounds[1:]] == ["rms_jerk"][: searches - 1]
+
+
+def test_a_bound_of_splines_alone_excludes_nothing() -> None:
+    first, goal = first_question(question(proof="quick", tolerance=5e-3)), Goal(inf)
+    state = solve_and_certify(prepare(first, goal, []), goal, []).searches[0]
+    excluding = state.problem.objective.to_wire(state.lower, state.problem.machine)
+    assert attempt_module._has_no_cam(state, excluding)
+    assert not attempt_module._has_no_cam(state, excluding * (1.0 + 1e-9))
+    assert not attempt_module._has_no_cam(replace(state, covers_all_laws=False), excluding)
 
 
 def test_later_objectives_have_none() -> None:
@@ -89,7 +115,11 @@ def test_trials_by_longer_proofs_have_one(
         ({}, "quick", (LEAST, inf)),
         ({"base_radius_mm": {"min": 3.0}}, "auto", (-inf, inf)),
         ({"base_radius_mm": LEAST}, "auto", (-inf, inf)),  # another objective is made small
-        ({"objective": [{"kind": "base_radius"}, {"kind": "rms_jerk"}]}, "auto", (-inf, inf)),
+        (
+            {"objective": [{"kind": "base_radius"}, {"kind": "rms_jerk"}]},
+            "auto",
+            (-inf, above(LEAST)),
+        ),
     ],
 )
 def test_a_question_as_it_stands_ends_with_a_cam_that_is_small_enough(

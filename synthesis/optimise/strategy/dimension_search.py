@@ -26,7 +26,7 @@ from synthesis.optimise.recovery.candidate import (
     smallest_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state import SolveState, Stage, solvers_of
+from synthesis.optimise.state import CAM_ONLY, SolveState, Stage, solvers_of
 
 STARTS = 9
 """Values of the dimension from which a local search starts."""
@@ -45,7 +45,7 @@ REACH = 16.0
 ASIDE = (0.8, 1.25)
 """Factors on the dimension of a start: other starts."""
 
-Optimise = Callable[[Problem, float, float, float], SolveState]
+Optimise = Callable[..., SolveState]  # as ``driver.optimise``
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,9 @@ def _solve_at(
     tolerance: float,
 ) -> tuple[SolveState, _Cost, SolveState]:
     """Solve with the dimension fixed, and offer the cam to the problem at hand."""
-    trial = optimise(fixed.at(value), tolerance, state.deadline, state.tighten)
+    # A bound with the dimension fixed is none of the problem at hand: a cam is all that is sought.
+    problem = fixed.at(value)
+    trial = optimise(problem, tolerance, state.deadline, state.tighten, proof=CAM_ONLY)
     relaxed = _better(state.relaxed, trial.relaxed and fixed.release(value, trial.relaxed))
     incumbent = _better(state.incumbent, trial.incumbent and fixed.release(value, trial.incumbent))
     state = replace(state, relaxed=relaxed, incumbent=incumbent)

@@ -1,0 +1,170 @@
+"""Searches for a cam alone: no part of the domain is divided for a bound that nobody asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from synthesis import DesignSpec
+from synthesis.catalogue.objectives import BaseRadius
+from synthesis.numerics import clock
+from synthesis.optimise.driver import optimise
+from synthesis.optimise.problem.nondimensional import NondimensionalSpec
+from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.state import CAM_ONLY, QUICK, ProofBudget, SolveState
+from synthesis.optimise.strategy import dimension_search
+from synthesis.pipeline import conflict, oracle, outwards
+from synthesis.pipeline.attempt import Goal, prepare, solve_and_certify
+from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.largest_radius import compare
+from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.relaxable import relaxable_numbers
+from tests.hard.families import random_scene
+
+TOLERANCE = 5e-3
+
+
+def spec_of(family: str, number: int, **changes: Any) -> DesignSpec:
+    return DesignSpec.model_validate({**random_scene(family, number), **changes})
+
+
+def problem_of(family: str, number: int) -> Problem:
+    scaled = NondimensionalSpec.of(spec_of(family, number)).scaled
+    return formulate_problem(scaled, BaseRadius(), (), tuple(scaled.placed_segments()))
+
+
+@pytest.mark.parametrize(
+    ("family", "number"), [("arm, pivot in a range", 10), ("slide, Hertz pressure", 1)]
+)
+def test_no_part_of_the_domain_is_divided(family: str, number: int) -> None:
+    problem = problem_of(family, number)
+    alone, quick = (optimise(problem, TOLERANCE, proof=proof) for proof in (CAM_ONLY, QUICK))
+    nodes = [sum(stage.nodes for stage in state.stages) for state in (alone, quick)]
+    assert nodes[0] == 0 < nodes[1]
+    assert alone.lower <= quick.lower
+    # and the cam is as good, but for what nodes have found on the way
+    assert alone.incumbent is not None
+    assert quick.incumbent is not None
+    assert alone.incumbent.value <= 1.02 * quick.incumbent.value
+
+
+def test_a_quick_proof_is_made_whatever_it_takes_and_none_whatever_there_is() -> None:
+    problem = problem_of("arm, pivot in a range", 10)
+    now = clock.now()
+    for budget, alone in ((CAM_ONLY, True), (QUICK, False), (ProofBudget(0.0, 1e-9), False)):
+        for deadline in (inf, now + 600.0):
+            assert optimise(problem, 0.5, deadline, proof=budget).is_cam_only is alone
+    # what follows from a search for a cam alone is one too
+    state = optimise(problem, 0.5, proof=CAM_ONLY)
+    assert state.proof_budget == CAM_ONLY
+
+
+def test_a_dimension_that_is_fixed_needs_no_bound() -> None:
+    """It would hold for this value of the dimension alone."""
+    budgets, problem = list[ProofBudget](), problem_of("arm, pivot in a range", 10)
+    dimension = problem.machine.follower.fixable_dimension()
+    assert dimension is not None
+
+    def noted(*args: Any, **more: Any) -> SolveState:
+        budgets.append(more["proof"])
+        return optimise(*args, **more)
+
+    fixed = dimension_search._FixedDimension(problem, dimension)
+    state, cost = SolveState(problem, TOLERANCE, inf, 1e-7), dimension_search._Cost()
+    value = 0.5 * (dimension.low + dimension.high)
+    found, _, _ = dimension_search._solve_at(state, cost, fixed, noted, value, TOLERANCE)
+    assert found.incumbent is not None
+    assert budgets == [CAM_ONLY]
+
+
+@pytest.fixture
+def goals(monkeypatch: pytest.MonkeyPatch) -> list[Goal]:
+    """Of all questions that an oracle puts."""
+    found = list[Goal]()
+
+    def noted(spec: DesignSpec, goal: Goal, stages: list[Any], **more: Any) -> Any:
+        found.append(goal)
+        return compare(spec, goal, stages, **more)
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    return found
+
+
+QUESTION = spec_of("slide, centred", 5, base_radius_mm={"max": 6.5})
+
+
+@pytest.mark.parametrize(
+    ("ask", "alone"),
+    [
+        (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=False), True),
+        (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=True), False),
+        (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=False, proof="auto"), False),
+        (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "quick"), True),
+        (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "auto"), False),
+        (lambda o, n: o.without([n]), True),
+        (lambda o, _: o.ask(QUESTION), False),
+    ],
+)
+def test_questions_for_values_that_suffice(
+    ask: Callable[[Oracle, Any], Trial], alone: bool, goals: list[Goal]
+) -> None:
+    number = next(n for n in relaxable_numbers(QUESTION) if n.name == "jerk")
+    ask(Oracle(QUESTION, QUESTION, inf), number)
+    assert [goal.cam_only for goal in goals] == [alone]
+
+
+def test_a_goal_s_searches_are_for_a_cam_alone() -> None:
+    spec = spec_of("arm, pivot in a range", 10)
+    for goal, alone in ((Goal(inf), False), (Goal(inf, cam_only=True), True)):
+        attempt = solve_and_certify(prepare(spec, goal, []), goal, [])
+        assert [search.is_cam_only for search in attempt.searches] == [alone]
+
+
+@pytest.mark.parametrize("proof", ["quick", "auto"])
+def test_what_has_no_cam_is_proven_by_the_spec_s_own_proof(
+    proof: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = list[tuple[str, bool]]()
+    none = SimpleNamespace(certified=False, proof="", smallest=None, excess=None, on_time=True)
+    shown = SimpleNamespace(**vars(none) | {"proof": "proven"})
+
+    def answer(self: Oracle, spec: DesignSpec, *_: Any, **more: Any) -> Any:
+        asked.append((more.get("proof", "quick"), more.get("cam_only", False)))
+        return none if more.get("cam_only") else shown
+
+    monkeypatch.setattr(Oracle, "ask", answer)
+    spec = QUESTION.model_copy(update={"proof": proof})
+    number = relaxable_numbers(spec)[0]
+    assert Oracle(spec, spec, inf).proven_without([number]).proof
+    assert asked == [("quick", True), (proof, False)]
+
+
+def test_the_value_on_the_smallest_cam_needs_no_bound(goals: list[Goal]) -> None:
+    spec = spec_of("arm, pivot in a range", 10, base_radius_mm={"max": 9.0})
+    first = Trial(*compare(spec, Goal(inf, cam_only=True), []), True)
+    number = next(n for n in relaxable_numbers(spec) if n.dimension and not n.minimised)
+    outwards._leave_out(Boundary(Oracle(spec, spec, inf), number, first))
+    assert goals
+    assert all(goal.cam_only for goal in goals)
+
+
+@pytest.mark.parametrize(("budget", "parts"), [(None, 2.0), (60.0, 8.0)])
+def test_changes_of_the_program_leave_time_to_longer_proofs(
+    budget: float | None, parts: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shares = list[float]()
+
+    def noted(_: Oracle, share: float) -> Oracle:
+        shares.append(share)
+        raise TimeoutError
+
+    monkeypatch.setattr(Oracle, "share", noted)
+    spec = QUESTION.model_copy(update={"time_budget_s": budget})
+    attempt, smallest = compare(spec, Goal(inf), [])
+    with pytest.raises(TimeoutError):
+        conflict.explain(spec, attempt, smallest, clock.now() + 600.0)
+    assert shares == [parts]
