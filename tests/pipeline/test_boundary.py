@@ -219,6 +219,7 @@ def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
         ("auto", "quick", ["quick"]),
         ("auto", "auto", ["quick", "auto"]),
         ("thorough", "thorough", ["quick", "thorough"]),
+        ("quick", "none", ["quick"]),
     ],
 )
 def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
@@ -230,11 +231,12 @@ def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
         proofs.append(proof)
         return SimpleNamespace(certified=proof == found_by, excess=None)
 
-    cast(Any, known.oracle).ask_as_it_stands = ask
+    assert known.nearest is not None
+    nearest, answers = known.nearest[0], cast(Any, known.oracle)
+    answers.ask_as_it_stands, answers.is_valid = ask, lambda _, value: value == nearest
     known.confirm(proof)
     assert proofs == asked
-    assert known.nearest is not None
-    assert known.needed == known.nearest[0]
+    assert known.needed == (None if found_by == "none" else nearest)
 
 
 @pytest.mark.parametrize("slope", [6e-4, None])
@@ -336,7 +338,7 @@ def test_a_kink_of_the_excess_takes_few_trials() -> None:
 
 @pytest.mark.parametrize(
     ("longer", "gap", "least", "most"),
-    [(True, 3e-2, 1, 1), (True, 1e-3, 2, 5), (False, 3e-2, 2, 5)],
+    [(True, 3e-2, 1, 1), (True, 1e-2, 1, 1), (True, 1e-3, 2, 5), (False, 3e-2, 2, 5)],
 )
 def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
     longer: bool, gap: float, least: int, most: int

@@ -12,12 +12,14 @@ import pytest
 from synthesis import DesignSpec
 from synthesis.catalogue.objectives import BaseRadius
 from synthesis.numerics import clock
+from synthesis.optimise import root_node
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
 from synthesis.optimise.problem.problem import Problem, formulate_problem
-from synthesis.optimise.state import CAM_ONLY, QUICK, ProofBudget, SolveState
+from synthesis.optimise.root_node import RootNode
+from synthesis.optimise.state import CAM_ONLY, QUICK, THOROUGH, ProofBudget, SolveState
 from synthesis.optimise.strategy import dimension_search
-from synthesis.pipeline import conflict, oracle, outwards
+from synthesis.pipeline import conflict, largest_radius, oracle, outwards
 from synthesis.pipeline.attempt import Goal, prepare, solve_and_certify
 from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.largest_radius import compare
@@ -122,6 +124,45 @@ def test_a_goal_s_searches_are_for_a_cam_alone() -> None:
     for goal, alone in ((Goal(inf), False), (Goal(inf, cam_only=True), True)):
         attempt = solve_and_certify(prepare(spec, goal, []), goal, [])
         assert [search.is_cam_only for search in attempt.searches] == [alone]
+
+
+def test_the_smallest_cam_for_another_objective_is_sought_so_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    goals, solve = list[Goal](), largest_radius.solve_spec
+
+    def noted(spec: DesignSpec, goal: Goal, stages: list[Any]) -> Any:
+        goals.append(goal)
+        return solve(spec, goal, stages)
+
+    monkeypatch.setattr(largest_radius, "solve_spec", noted)
+    # next to the smallest cam, 10.941 mm, where the linear rows alone exclude nothing
+    question = {"objective": {"kind": "rms_jerk"}, "base_radius_mm": {"max": 10.919}}
+    spec = spec_of("slide, profile radius", 1, proof="quick", **question)
+    for alone in (True, False):
+        _, smallest = compare(spec, Goal(inf, cam_only=alone), [])
+        assert smallest is not None
+        assert goals[0].sufficient == 10.919
+        assert goals[0].cam_only is alone
+        goals.clear()
+
+
+@pytest.mark.parametrize(("budget", "expected"), [(CAM_ONLY, CAM_ONLY), (THOROUGH, QUICK)])
+def test_the_problem_without_its_highest_caps_is_solved_so_too(
+    budget: ProofBudget, expected: ProofBudget, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    budgets = list[ProofBudget]()
+    state = optimise(problem_of("slide, centred", 5), 0.5, proof=budget)
+
+    def noted(*_: Any, proof: ProofBudget, **__: Any) -> SolveState:
+        budgets.append(proof)
+        return state
+
+    monkeypatch.setattr(root_node, "without_swift_caps", lambda _: None)
+    monkeypatch.setattr(root_node, "without_highest_caps", lambda problem: problem)
+    monkeypatch.setattr(root_node, "WIDE_GAP", -inf)
+    RootNode(noted, presolved=False)._bound_without_highest_caps(state)
+    assert budgets == [expected]
 
 
 @pytest.mark.parametrize("proof", ["quick", "auto"])

@@ -153,6 +153,7 @@ def test_the_spec_s_own_proof_of_a_maximum_has_one(monkeypatch: pytest.MonkeyPat
     _, smallest = compare(spec, Goal(inf), [], finer=True)
     assert smallest is not None
     assert [goal.sufficient_bound for goal in goals] == [inf] * (len(goals) - 1) + [above(LEAST)]
+    assert {goal.excluding_bound for goal in goals} == {above(LEAST)}
 
 
 def test_a_larger_cam_that_does_not_cross_itself_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,8 +167,7 @@ def test_a_larger_cam_that_does_not_cross_itself_has_none(monkeypatch: pytest.Mo
     found, _ = smallest_of(question(tolerance=5e-3, proof="quick"), Goal(inf))
     crossing: Any = SimpleNamespace(limit=SELF_CROSSING, holds=False)
     monkeypatch.setattr(radius_search, "solve_and_certify", noted)
+    goal = Goal(inf, sufficient_bound=above(LEAST), excluding_bound=above(LEAST))
     with pytest.raises(TimeoutError):
-        enlarge_until_simple(
-            replace(found, extremes=[crossing]), Goal(inf, sufficient_bound=above(LEAST)), []
-        )
-    assert [goal.sufficient_bound for goal in goals] == [inf]
+        enlarge_until_simple(replace(found, extremes=[crossing]), goal, [])
+    assert [(goal.sufficient_bound, goal.excluding_bound) for goal in goals] == [(inf, inf)]
