@@ -127,10 +127,10 @@ def optimise(
         the final state; without an incumbent where no cam was found.
     """
     now = clock.now()
-    until = now + proof.share * (deadline - now) if proof.share > 0.0 else -inf
     state = SolveState(
         problem, tolerance, deadline, tighten, warm_start=warm_start, sufficient=sufficient,
-        sufficient_bound=sufficient_bound, programs=proof.programs, proof_deadline=until,
+        sufficient_bound=sufficient_bound, cam_only=proof.cam_only,
+        programs=proof.programs, proof_deadline=now + proof.share * (deadline - now),
     ).with_proof_begun()  # fmt: skip
     if problem.objective.equivalent_limits(1.0, problem.machine):
         # The objective is itself a nonconvex limit: its least value is bisected, each trial a

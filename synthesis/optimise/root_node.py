@@ -226,7 +226,7 @@ class RootNode(Node):
         problem = swift or (without_highest_caps(state.problem) if wide else None)
         if problem is None:
             return state
-        proof = state.proof_budget if swift or state.is_cam_only else QUICK
+        proof = state.proof_budget if swift or state.cam_only else QUICK
         wider = self.optimise(problem, state.tolerance, state.deadline, state.tighten, proof=proof)
         if wider.covers_all_laws:
             state = state.raise_bound(wider.lower, wider.valid_for)
@@ -253,7 +253,7 @@ class RootNode(Node):
             return state, ()  # boxes of sizes do not know what only a fixed value states
         if not problem.free:
             return search_sizes(state), ()
-        if state.is_cam_only:
+        if state.cam_only:
             return state, ()
         if not self.dimension_searched and without_swift_caps(problem) is not None:
             return state, ()  # all that the proof could do was done without these

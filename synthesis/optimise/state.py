@@ -39,17 +39,19 @@ class ProofBudget:
 
     Attributes:
         programs: solved after the quick proof: the same on every machine.
-        share: of the time from the start to the deadline; 0: no quick proof either, only a cam.
+        share: of the time from the start to the deadline.
+        cam_only: whether there are no such nodes, in a quick proof neither: a cam is sought, and
+            the bound is that of the relaxation of the whole domain.
     """
 
     programs: float
     share: float
+    cam_only: bool = False
 
 
 QUICK, THOROUGH = ProofBudget(0.0, 0.5), ProofBudget(inf, 1.0)
 """A quick proof leaves time to others also where its own nodes take long (limits on forces)."""
-CAM_ONLY = ProofBudget(0.0, 0.0)
-"""Of a search whose bound nobody asks for: it is that of the relaxation of the whole domain."""
+CAM_ONLY = ProofBudget(0.0, 0.5, cam_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +99,8 @@ class SolveState:
         tighten: relative tightening of all rows against the solver's tolerance.
         programs: of a ``ProofBudget``.
         last_program: ``clock.programs_solved()`` from which on only a quick proof is made.
-        proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop; −∞ where
-            there are none.
+        proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop.
+        cam_only: whether there are none.
         sufficient: a value of the objective [wire] at which to stop, whatever the gap.
         sufficient_bound: a lower bound [wire] at which to stop, whatever the gap.
         margin: relative tightening of rows written at points, against their excess in between.
@@ -132,6 +134,7 @@ class SolveState:
     programs: float = 0.0
     last_program: float = -inf
     proof_deadline: float = inf
+    cam_only: bool = False
     sufficient: float = -inf
     sufficient_bound: float = inf
     margin: float = 0.0
@@ -170,15 +173,10 @@ class SolveState:
         return lasts and clock.now() < self.proof_deadline
 
     @property
-    def is_cam_only(self) -> bool:
-        """Whether nodes over parts of the domain are left out."""
-        return self.proof_deadline == -inf
-
-    @property
     def proof_budget(self) -> ProofBudget:
         """What is left for a proof, from now on."""
         left = self.time_left
-        if self.is_cam_only:
+        if self.cam_only:
             return CAM_ONLY
         if not 0.0 < left < inf:
             return ProofBudget(self.programs, 1.0)

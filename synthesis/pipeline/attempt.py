@@ -263,9 +263,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                     ),
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else start,
-                    sufficient=(
-                        max(goal.sufficient / unit, _good_enough(start)) if from_start else -inf
-                    ),
+                    sufficient=max(goal.sufficient / unit, _value(start)) if from_start else -inf,
                     sufficient_bound=goal.sufficient_bound / unit if from_start else inf,
                     mesh=goal.mesh if from_start else (),
                 )  # fmt: skip
@@ -292,7 +290,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
     return attempt
 
 
-def _good_enough(cam: Candidate | None) -> float:
+def _value(cam: Candidate | None) -> float:
     """The value of a cam that is good enough [wire]; −∞ without one."""
     if cam is None:
         return -inf

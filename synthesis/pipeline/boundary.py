@@ -120,10 +120,7 @@ class Boundary:
             return
         self.finest = FINEST[self.oracle.spec.proof]
         with suppress(TimeoutError):
-            # Where nodes raise the bound no multipliers exclude other values: longer proofs serve
-            # as well.
-            one_program = self.oracle.bound_excess(self.original, self.number, self.number.tightest)
-            if one_program == -inf and self._is_for_longer_proofs(self.oracle.open_gap):
+            if self._takes_a_proof_of_each_value():
                 return
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
@@ -203,6 +200,18 @@ class Boundary:
                 proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
             if self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
                 return
+
+    def _takes_a_proof_of_each_value(self) -> bool:
+        """Whether no multipliers exclude other values, so that longer proofs serve as well.
+
+        So it is where nodes raise the bound. Longer proofs begin where the request is excluded.
+        """
+        if self.excluded is None or self.way_to(self.excluded) < 0.0:
+            return False
+        if not self._is_for_longer_proofs(self.oracle.open_gap / LEFT):
+            return False
+        requested = self.number.tightest
+        return self.oracle.bound_excess(self.original, self.number, requested) == -inf
 
     def _is_for_longer_proofs(self, gap: float) -> bool:
         """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
@@ -344,8 +353,8 @@ class Boundary:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the question of anyone who sends the value back.
-        ``proof``: by which its cam is found where a search for a cam alone finds none; the spec's
-        own or a shorter one.
+        ``proof``: the spec's own or a shorter one. Where a search for a cam alone finds none, the
+        spec's own follows.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
@@ -365,8 +374,9 @@ class Boundary:
                 self.note = self.note if self.needed is not None else LATE
                 return
             # Most cams are found without a proof, in a fraction of the time.
-            found = self.oracle.ask_as_it_stands(self.number, value, "quick")
-            if not found.certified and proof != "quick":
+            found = self.oracle.ask_as_it_stands(self.number, value, "quick", cam_only=True)
+            own = proof == self.oracle.spec.proof
+            if own and not found.certified and not self.oracle.is_late():
                 found = self.oracle.ask_as_it_stands(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)

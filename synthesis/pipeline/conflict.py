@@ -38,6 +38,9 @@ from synthesis.spec.design_spec import DesignSpec
 MOST_PROGRAMS = 1000
 """Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
 answer is the same on every machine; most conflicts take 100 to 700."""
+CHANGES_PARTS = {False: 2, True: 8}
+"""In how many equal parts of the time that is left changes of the program have one; by whether
+longer proofs follow."""
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
@@ -93,7 +96,7 @@ def explain(
     #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
     #    another program leaves open says nothing of the one asked for.
     changes = list[Relaxation]()
-    parts = 8 if longer else 2
+    parts = CHANGES_PARTS[longer]
     changed = replace(oracle.share(parts), spec=own, known={}, has_longer_proofs=False)
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)
@@ -138,8 +141,9 @@ def _irreducible(
         """Whether a question with fewer numbers has no cam either, as surely as the original."""
         return not trial.certified and trial.on_time and bool(trial.proof or not original.proof)
 
-    # What was proven once is proven of fewer numbers by as long a proof, if at all.
-    shown_without = oracle.proven_without if original.proof else oracle.without
+    # What was proven once is proven of fewer numbers by as long a proof, if at all; and what was
+    # not found by one may be found by nothing less.
+    shown_without = oracle.proven_without
     kept, shown = list(numbers), original
     # What phase 1 names, or those that suffice alone, may have no cam by themselves.
     strained = [number for number in numbers if number.limit in original.strained]

@@ -228,8 +228,11 @@ class Closing:
         if boundary.number.minimised and boundary.nearest is not before:
             self._leave_room()
         excess, bound = trial.excess, trial.bound_excess
-        if excess is None or bound is None or trial.proof:
-            return  # a proof ends before its cam is the smallest
+        if trial.proof:  # it ends before its cam is the smallest
+            self.open_gap = 0.0  # that of another value says nothing any more
+            return
+        if excess is None or bound is None:
+            return
         if not trial.certified and relative_gap(excess, bound) > tolerance:
             self.open_gap = excess - bound
             return

@@ -173,7 +173,9 @@ class Oracle:
         )
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
-    def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Trial:
+    def ask_as_it_stands(
+        self, number: Relaxable, value: float, proof: str, *, cam_only: bool = False
+    ) -> Trial:
         """Put the question as anyone would who sends a value, with the spec's proof or a quick one.
 
         A certified cam shows that the value suffices. The search for it may end with the first.
@@ -183,13 +185,12 @@ class Oracle:
         much it is too large says which value to try next.
         """
         spec = relaxed(self.asked, number, value)
-        quick = proof == "quick"
-        most, goal = spec.requested_radii()[1], Goal(self.stop, cam_only=quick)
+        most, goal = spec.requested_radii()[1], Goal(self.stop, cam_only=cam_only)
         if most < inf and minimises_radius(spec):
             # A cam that is small enough ends it, unless it is made better by a later objective; of
             # a longer proof, that there is none does too.
             enough = most if len(spec.objectives()) == 1 else -inf
-            bound = inf if quick else above(most)
+            bound = inf if proof == "quick" else above(most)
             goal = replace(goal, sufficient=enough, sufficient_bound=bound)
         changes = {**QUICK, "proof": proof}
         return self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))

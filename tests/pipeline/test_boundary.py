@@ -181,7 +181,7 @@ LEAST = 1300.0  # of a number that is asked to be 1000 at most
 def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -> Boundary:
     """What is known of that number, with excesses of questions as they stand by its value."""
 
-    def ask(_number: Any, value: float, _proof: str) -> Any:
+    def ask(_number: Any, value: float, _proof: str, **_: Any) -> Any:
         excess = 2e-3 * (LEAST - value) / 1000.0
         found[value] = excess
         return SimpleNamespace(certified=excess <= 0.0, excess=excess)
@@ -213,30 +213,40 @@ def test_what_a_question_as_it_stands_misses_says_which_value_to_put_next(
 
 
 @pytest.mark.parametrize(
-    ("proof", "found_by", "asked"),
+    ("own", "proof", "found_by", "asked"),
     [
-        ("quick", "quick", ["quick"]),
-        ("auto", "quick", ["quick"]),
-        ("auto", "auto", ["quick", "auto"]),
-        ("thorough", "thorough", ["quick", "thorough"]),
-        ("quick", "none", ["quick"]),
+        ("quick", "quick", "none", ["cam", "quick"]),
+        ("quick", "quick", "quick", ["cam", "quick"]),
+        ("auto", "quick", "cam", ["cam"]),
+        ("auto", "quick", "none", ["cam"]),  # its own proof comes later
+        ("auto", "auto", "cam", ["cam"]),
+        ("auto", "auto", "auto", ["cam", "auto"]),
+        ("thorough", "thorough", "thorough", ["cam", "thorough"]),
     ],
 )
+@pytest.mark.parametrize("late", [False, True])
 def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
-    proof: str, found_by: str, asked: list[str], monkeypatch: pytest.MonkeyPatch
+    own: str,
+    proof: str,
+    found_by: str,
+    asked: list[str],
+    *,
+    late: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     known, proofs = bounded({}, monkeypatch), list[str]()
 
-    def ask(_number: Any, _value: float, proof: str) -> Any:
-        proofs.append(proof)
-        return SimpleNamespace(certified=proof == found_by, excess=None)
+    def ask(_number: Any, _value: float, proof: str, *, cam_only: bool = False) -> Any:
+        proofs.append("cam" if cam_only else proof)
+        return SimpleNamespace(certified=proofs[-1] == found_by, excess=None)
 
     assert known.nearest is not None
     nearest, answers = known.nearest[0], cast(Any, known.oracle)
     answers.ask_as_it_stands, answers.is_valid = ask, lambda _, value: value == nearest
+    answers.is_late, answers.spec.proof = lambda: late and bool(proofs), own
     known.confirm(proof)
-    assert proofs == asked
-    assert known.needed == (None if found_by == "none" else nearest)
+    assert proofs == (asked[:1] if late else asked)
+    assert known.needed == (nearest if found_by in proofs else None)
 
 
 @pytest.mark.parametrize("slope", [6e-4, None])
@@ -264,7 +274,7 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
         spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, has_longer_proofs=False,
         is_late=lambda: False,
         relaxed=relaxed_to, is_valid=lambda *_: True, value_on=lambda *_: (None, ""),
-        ask_as_it_stands=lambda *_: SimpleNamespace(certified=True),
+        ask_as_it_stands=lambda *_, **__: SimpleNamespace(certified=True),
         bound_excess=lambda *_: -inf,
     )  # fmt: skip
     number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
@@ -356,7 +366,7 @@ def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
     ("longer", "multipliers", "open_gap", "is_left"),
     [
         (True, False, 3e-2, True),
-        (True, False, 1e-3, False),  # quick proofs come near enough
+        (True, False, 2.5e-3, False),  # quick proofs come near enough
         (True, True, 3e-2, False),  # one trial's multipliers may exclude most of the way
         (False, False, 3e-2, False),
     ],
@@ -371,10 +381,23 @@ def test_proofs_of_single_values_are_left_to_longer_ones(
     answers = cast(Any, known.oracle)
     if not multipliers:
         answers.bound_excess = lambda *_: -inf
-    answers.ask_as_it_stands = lambda *_: SimpleNamespace(certified=True)
+    answers.ask_as_it_stands = lambda *_, **__: SimpleNamespace(certified=True)
     answers.is_valid, answers.value_on = lambda *_: True, lambda *_: (None, "")
     known.seek_bound()
     assert (not tried) == is_left
+
+
+@pytest.mark.parametrize("excluded", [None, 990.0])
+def test_none_are_left_where_longer_ones_do_not_begin(excluded: float | None) -> None:
+    known, _ = tried_by(
+        {"has_longer_proofs": True}, lambda v: 0.2 * (1.0 - (v - 1000.0) / 98.3), 1e-3
+    )
+    known.oracle.open_gap = 3e-2
+    cast(Any, known.oracle).bound_excess = lambda *_: -inf
+    assert known._takes_a_proof_of_each_value()
+    known.excluded = excluded
+    assert not known._takes_a_proof_of_each_value()
+    assert longer_proofs.Closing.of(known) is None
 
 
 def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:
@@ -533,7 +556,7 @@ def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:
     for original, kept in ((trial(proof="proven"), [first]), (trial(), [first])):
         members = conflict._irreducible(cast(Oracle, Trials()), [first, second], [first], original)
         assert members.numbers == kept
-        assert members.trial.proof == original.proof
+        assert members.trial.proof == "proven"
         assert not members.unconfirmed
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from types import SimpleNamespace
 from typing import Any
@@ -59,10 +60,13 @@ def test_a_quick_proof_is_made_whatever_it_takes_and_none_whatever_there_is() ->
     now = clock.now()
     for budget, alone in ((CAM_ONLY, True), (QUICK, False), (ProofBudget(0.0, 1e-9), False)):
         for deadline in (inf, now + 600.0):
-            assert optimise(problem, 0.5, deadline, proof=budget).is_cam_only is alone
-    # what follows from a search for a cam alone is one too
-    state = optimise(problem, 0.5, proof=CAM_ONLY)
-    assert state.proof_budget == CAM_ONLY
+            assert optimise(problem, 0.5, deadline, proof=budget).cam_only is alone
+    # what follows from a search for a cam alone is one too; not where the time of a proof is over
+    alone, quick = (optimise(problem, 0.5, now + 600.0, proof=each) for each in (CAM_ONLY, QUICK))
+    assert alone.proof_budget == CAM_ONLY
+    over = replace(quick, proof_deadline=now - 1.0).proof_budget
+    assert over.share == 0.0
+    assert not over.cam_only
 
 
 def test_a_dimension_that_is_fixed_needs_no_bound() -> None:
@@ -105,7 +109,8 @@ QUESTION = spec_of("slide, centred", 5, base_radius_mm={"max": 6.5})
         (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=False), True),
         (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=True), False),
         (lambda o, n: o.relaxed(n, 1.1 * n.tightest, 1e-3, exactly=False, proof="auto"), False),
-        (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "quick"), True),
+        (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "quick", cam_only=True), True),
+        (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "quick"), False),
         (lambda o, n: o.ask_as_it_stands(n, 1.1 * n.tightest, "auto"), False),
         (lambda o, n: o.without([n]), True),
         (lambda o, _: o.ask(QUESTION), False),
@@ -123,7 +128,7 @@ def test_a_goal_s_searches_are_for_a_cam_alone() -> None:
     spec = spec_of("arm, pivot in a range", 10)
     for goal, alone in ((Goal(inf), False), (Goal(inf, cam_only=True), True)):
         attempt = solve_and_certify(prepare(spec, goal, []), goal, [])
-        assert [search.is_cam_only for search in attempt.searches] == [alone]
+        assert [search.cam_only for search in attempt.searches] == [alone]
 
 
 def test_the_smallest_cam_for_another_objective_is_sought_so_too(

@@ -79,8 +79,10 @@ class Questions:
         gap *= 1.0 + min(excess, 0.0)
         return answer(excess, gap, self.random.uniform(0.0, 0.95), any_cam=not exactly)
 
-    def ask_as_it_stands(self, number: Relaxable, value: float, proof: str) -> Any:
-        if proof == "quick":  # next to the zero such a search finds none, in little time
+    def ask_as_it_stands(
+        self, number: Relaxable, value: float, proof: str, *, cam_only: bool = False
+    ) -> Any:
+        if cam_only:  # next to the zero such a search finds none, in little time
             return SimpleNamespace(certified=False, excess=None)
         assert proof == "auto"
         self.as_it_stands.append(value)
@@ -511,14 +513,26 @@ def test_a_bound_short_of_the_request_is_none_to_begin_with() -> None:
     assert Closing.of(boundary) is None
 
 
+def test_a_proof_that_succeeds_forgets_the_gap_of_another_value() -> None:
+    """One that a proof could not close promised nothing between the excluded value and the zero."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e3])
+    closing = Closing.of(known(questions)[0])
+    assert closing is not None
+    closing.zero, closing.open_gap = 211.0, 0.04
+    assert closing._next_trial() is None
+    closing._try(140.0, 1e-3, any_cam=False)
+    assert closing.bad == pytest.approx(140.0)
+    assert closing._next_trial() is not None
+
+
 def test_one_that_is_never_confirmed_leaves_the_others_their_part(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     questions = Questions({"a": Curve(0.05, 211.0), "b": Curve(0.05, 83.0)}, [10.0], asking=2.0)
     ask, boundaries = Questions.ask_as_it_stands, known(questions)
 
-    def never_a(self: Questions, number: Relaxable, value: float, proof: str) -> Any:
-        found = ask(self, number, value, proof)
+    def never_a(self: Questions, number: Relaxable, value: float, proof: str, **more: Any) -> Any:
+        found = ask(self, number, value, proof, **more)
         return found if number.name == "b" else SimpleNamespace(certified=False, excess=None)
 
     monkeypatch.setattr(Questions, "ask_as_it_stands", never_a)

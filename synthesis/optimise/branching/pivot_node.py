@@ -162,9 +162,12 @@ def nearly_binding_part(best: Candidate, free: PlacedSegment) -> tuple[float, fl
 def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode | None:
     """The node with bounds of the sizes and laws of all cams better than ``best``.
 
-    Of laws whose control nothing caps none are known. None where time is over.
+    Of laws whose control nothing caps none are known. None where time is over, and where bounds are
+    to hold for every size: no box holds them all.
     """
     problem = node.problem
+    if problem.for_every_size:
+        return None
     grids = tuple(uniform_grid(segment, COARSE).knots_only for segment in problem.free)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
     model = formulate(law_tightening.with_value_cap(problem, value), grids)
@@ -174,7 +177,7 @@ def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNo
         return replace(node, sizes=ranges)
     if node.sizes:
         model = with_rows(model, list(_implied_rows(model, node)))
-    sizes = tuple(law_tightening.size_bounds(model, capped, ranges))
+    sizes = law_tightening.size_bounds(model, capped, ranges)
     tubes = {}
     for position, (low, high) in node.parts.items():
         if state.time_left <= 0.0:

@@ -50,9 +50,13 @@ def nonnegative_multipliers(model: ConicModel, solution: ConeSolution) -> Array:
     own[own <= noise] = 0.0
     conic[np.abs(conic) <= noise] = 0.0
     if model.problem.for_every_size:
-        columns = model.program.matrix[:, model.size]
-        z[np.diff(columns.tocsr().indptr) > 0] = 0.0
+        z[rows_of_size(model)] = 0.0
     return z
+
+
+def rows_of_size(model: ConicModel) -> Mask:
+    """Which rows of a program speak of the size: (m,)."""
+    return np.asarray(np.diff(model.program.matrix[:, model.size].tocsr().indptr) > 0)
 
 
 def boundary_multipliers(

@@ -6,6 +6,8 @@
 3. For every law: bounds of the traced point and of s'' at nodes, from below and from above, by the
    same dual bounds with the shared half-spaces.
 
+``bound_quantities`` gives such bounds of any quantities over all laws at once.
+
 A dual bound holds over all laws, so that no better cam is removed. Time and memory grow with the
 number of laws, not with its square.
 """
@@ -36,6 +38,7 @@ from synthesis.optimise.dual_bound.batch import (
     dual_bounds,
     solve_boundary_costates,
 )
+from synthesis.optimise.dual_bound.costates import rows_of_size
 from synthesis.optimise.propagation.half_spaces import (
     LOOSENING,
     HalfSpaces,
@@ -44,6 +47,7 @@ from synthesis.optimise.propagation.half_spaces import (
 )
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Sizes
 
+NO_MINIMUM = frozenset({StopReason.INFEASIBLE, StopReason.UNBOUNDED})
 SPREAD = 12  # points between two rows over which multipliers are distributed
 
 
@@ -153,27 +157,14 @@ class _LawSubproblem:
 
         ``size_is_bounded``: whether the region's half-spaces tell what the rows of the size do.
         """
-        wanted, units = quantities.scaled()
         rows = [*region.half_spaces.blocks(self.model.scales.size), *self.implied]
-        # 1. A program for each: its multipliers, at the points where rows are written.
         # every row costs a cone program as much, whether it binds or not
         spared = size_is_bounded and _caps_mean_square(self.model)
         model = without_size_rows(self.model) if spared else self.model
-        solved = _solve_each(model, rows, wanted, region.sizes, until, self.last_program)
-        if solved is None:
-            return None
-        full, z = solved
-        # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
-        order = self.controls[0].order
-        between = MultiplierDensity.of(full, self.denser, SPREAD, order)
-        ends = solve_boundary_costates(full, wanted, z, order)
-        masses = between.distribute(wanted, z, ends)
-        # 3. Their bound over all laws, whatever the multipliers are: the better one.
-        values = np.maximum(*(
-            dual_bounds(between.model, self.controls, region.sizes, wanted, each, ends)
-            for each in (masses, between.balance(masses, z, order))
-        ))  # fmt: skip
-        return loosened(values) * units
+        return _lower_bounds(
+            model, rows, self.denser, self.controls, region.sizes, quantities, until,
+            self.last_program,
+        )  # fmt: skip
 
 
 def bound_quantities(
@@ -190,22 +181,40 @@ def bound_quantities(
         sizes: ranges of the size, besides. until: ``clock.now()`` at which to stop.
 
     Returns:
-        the bounds; None where the mesh has no spline under the rows, or time was over.
+        the bounds; None where the mesh has no spline under the rows.
     """
-    wanted, units = quantities.scaled()
     sizes = _box_within_cones(model, sizes)
     tangents = [each for cone in model.cone_blocks for each in cone_tangents(model, cone, sizes)]
-    solved = _solve_each(model, tangents, wanted, sizes, until)
+    return _lower_bounds(model, tangents, [], controls, sizes, quantities, until)
+
+
+def _lower_bounds(
+    model: ConicModel, rows: Sequence[LinearBlock],
+    denser: Sequence[tuple[LinearBlock, PointRuns | None]], controls: Sequence[Control],
+    sizes: Sizes, quantities: Quantities, until: float, last_program: float = inf,
+) -> Array | None:  # fmt: skip
+    """Lower bounds of quantities (q,) under a model's rows and more of them.
+
+    ``denser``: the last of these rows at more points.
+    """
+    wanted, units = quantities.scaled()
+    # 1. A program for each: its multipliers, at the points where rows are written.
+    solved = _solve_each(model, rows, wanted, sizes, until, last_program)
     if solved is None:
         return None
     full, z = solved
-    ends = solve_boundary_costates(full, wanted, z, controls[0].order)
-    return loosened(dual_bounds(full, controls, sizes, wanted, z, ends)) * units
-
-
-def loosened(values: Array) -> Array:
-    """Lower bounds, less what is done with them may lose by rounding."""
-    return np.asarray(values - LOOSENING * np.maximum(np.abs(values), 1.0))
+    # 2. The same, distributed along arcs where rows bind: true multipliers are densities there.
+    order = controls[0].order
+    between = MultiplierDensity.of(full, denser, SPREAD, order)
+    ends = solve_boundary_costates(full, wanted, z, order)
+    masses = between.distribute(wanted, z, ends)
+    # 3. Their bound over all laws, whatever the multipliers are: the better one. It is loosened by
+    #    what is done with it may lose by rounding.
+    values = np.maximum(*(
+        dual_bounds(between.model, controls, sizes, wanted, each, ends)
+        for each in (masses, between.balance(masses, z, order))
+    ))  # fmt: skip
+    return np.asarray((values - LOOSENING * np.maximum(np.abs(values), 1.0)) * units)
 
 
 def _caps_mean_square(model: ConicModel) -> bool:
@@ -215,11 +224,12 @@ def _caps_mean_square(model: ConicModel) -> bool:
 
 def _solve_each(
     model: ConicModel, rows: Sequence[LinearBlock], wanted: Quantities, sizes: Sizes, until: float,
-    last_program: float = inf,
+    last_program: float,
 ) -> tuple[ConicModel, Array] | None:  # fmt: skip
     """The model with more rows, and their multipliers (q, m) at the least of every quantity.
 
-    None where a program has no minimum.
+    None where a program has no minimum. Where bounds are to hold for every size, rows that speak of
+    it have none.
     """
     if _caps_mean_square(model):
         full = with_rows(model, [*_box_rows(sizes, model.scales.size), *rows])
@@ -227,6 +237,8 @@ def _solve_each(
     else:
         full = with_rows(model, rows)
         z = _linear_multipliers(full, wanted.objectives(full), sizes, until)
+    if z is not None and full.problem.for_every_size:
+        z[:, rows_of_size(full)] = 0.0
     return None if z is None else (full, z)
 
 
@@ -260,16 +272,24 @@ def _cone_multipliers(
 def _linear_multipliers(
     model: ConicModel, objectives: Sequence[Array], sizes: Sizes, until: float
 ) -> Array | None:
-    """The same of linear programs, with a box in place of every cone and the size in its own."""
+    """The same of linear programs, with a box in place of every cone and the size in its own.
+
+    Where the simplex method fails, 0 for the rest too.
+    """
     program = model.program
     infinite = np.full(program.matrix.shape[1], inf)
     low, high = -infinite, infinite.copy()
     low[model.size], high[model.size] = (np.array(sizes) / model.scales.size).T
     rows = _linear_rows(program, low, high)
     result = highs.minimise_each(rows, objectives, until - clock.now())
-    if result[-1].stopped is not StopReason.SOLVED:
+    if result[-1].stopped in NO_MINIMUM:
         return None
-    return _of_cones(program, np.stack([each.multipliers for each in result]))
+    if result[-1].stopped is not StopReason.SOLVED:
+        result.pop()
+    known = np.zeros((len(objectives), len(rows.rhs)))
+    for each, own in zip(result, known, strict=False):
+        own[:] = each.multipliers
+    return _of_cones(program, known)
 
 
 def _linear_rows(program: ConeProgram, low: Array, high: Array) -> LinearRows:

@@ -137,7 +137,10 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     solved = SimpleNamespace(stopped=StopReason.SOLVED, multipliers=np.zeros(2))
     patch: dict[str, Any] = {
         "with_rows": lambda model, rows: SimpleNamespace(
-            program=program, size=slice(0, 2), scales=SimpleNamespace(size=1.0)
+            program=program,
+            size=slice(0, 2),
+            scales=SimpleNamespace(size=1.0),
+            problem=SimpleNamespace(for_every_size=False),
         ),
         "highs": SimpleNamespace(minimise_each=lambda *_: [solved]),
         "MultiplierDensity": SimpleNamespace(
