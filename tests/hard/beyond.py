@@ -235,7 +235,9 @@ def _try_values(outcome: Outcome, each: Relaxation, budget: float) -> None:
     body, at_least = outcome.question.body, each.at_least
     distance, curved = None, False
     if each.needed is not None:
-        trial = _asked(put(body, each.field, each.needed), seconds=max(budget, BUDGET_S))
+        own_time = max(budget, BUDGET_S)
+        again = {**put(body, each.field, each.needed), "time_budget_s": own_time}
+        trial = _asked(again, seconds=own_time)
         outcome.sufficient.append(trial.certified)
         if trial.attempt.cam is not None:
             least = trial.attempt.question.physical.requested_radii()[1]
