@@ -22,8 +22,7 @@ from synthesis.optimise.problem.grid import Grid, SplineLaw
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import CLEARANCE, Candidate, enlarge_until_feasible
 
-DEFAULT_TIGHTENING = 1e-7
-"""Relative tightening of the rows as long as the certificate has refused no cam."""
+DEFAULT_TIGHTENING = 1e-7  # relative, of the rows, as long as the certificate has refused no cam
 SINGLE_SHARE = 0.4
 """Of the tolerance, for the gap at chosen angles and lifts: the rest is for all others."""
 AIM = 0.985  # share of the tolerance: the gap that is to be proven
@@ -40,8 +39,7 @@ class ProofBudget:
     Attributes:
         programs: solved after the quick proof: the same on every machine.
         share: of the time from the start to the deadline.
-        cam_only: whether there are no such nodes, in a quick proof neither: a cam is sought, and
-            the bound is that of the relaxation of the whole domain.
+        cam_only: whether there are none in a quick proof, either: only a cam is sought.
     """
 
     programs: float
@@ -51,7 +49,7 @@ class ProofBudget:
 
 QUICK, THOROUGH = ProofBudget(0.0, 0.5), ProofBudget(inf, 1.0)
 """A quick proof leaves time to others also where its own nodes take long (limits on forces)."""
-CAM_ONLY = ProofBudget(0.0, 0.5, cam_only=True)
+CAM_ONLY = replace(QUICK, cam_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +95,11 @@ class SolveState:
         tolerance: relative gap at which to stop, of the objective in the wire's unit.
         deadline: ``time.monotonic()`` at which to stop.
         tighten: relative tightening of all rows against the solver's tolerance.
-        programs: of a ``ProofBudget``.
+        programs, cam_only: of a ``ProofBudget``.
         last_program: ``clock.programs_solved()`` from which on only a quick proof is made.
         proof_deadline: ``clock.now()`` from which on nodes over parts of the domain stop.
-        cam_only: whether there are none.
-        sufficient: a value of the objective [wire] at which to stop, whatever the gap.
-        sufficient_bound: a lower bound [wire] at which to stop, whatever the gap.
+        sufficient, sufficient_bound: a value of the objective, and a lower bound [wire], at which
+            to stop, whatever the gap.
         margin: relative tightening of rows written at points, against their excess in between.
         incumbent: best cam that satisfies all limits.
         relaxed: best cam of the relaxation, which may violate nonconvex limits.
@@ -110,7 +107,7 @@ class SolveState:
         bound: the dual bound that it is; None where it was proven elsewhere.
         infeasible: the relaxation has no point.
         infeasibility_proof: why no motion law at all satisfies the limits; empty if unproven.
-        undecided: what is known where neither a law nor a proof that there is none was found.
+        undecided: what is known where neither a law nor such a proof was found.
         least_excess: by how much, relatively, the gentlest law found exceeds limits on the motion.
         strained: the kinds of limits whose share it makes least; empty where it was not sought.
         stages: what has been solved, in order.
@@ -120,8 +117,8 @@ class SolveState:
         local_search_done: whether the outer approximation has run a local search.
         covers_all_laws: whether ``lower`` holds for all laws, not only for splines on ``grids``.
         last: the last cam recovered from a cone program, feasible or not.
-        warm_start: where the local search of a neighbouring problem ended.
-        local_optimum: where the local search of this problem ended.
+        warm_start, local_optimum: where the local search of a neighbouring problem, and that of
+            this one, ended.
         warm_started: whether ``warm_start`` gave the incumbent.
         modelled_kinds: kinds of nonconvex limits that the lower bound takes into account.
         relaxation: the last cone program with a point, that point and its bound.
@@ -175,12 +172,10 @@ class SolveState:
     @property
     def proof_budget(self) -> ProofBudget:
         """What is left for a proof, from now on."""
-        left = self.time_left
-        if self.cam_only:
-            return CAM_ONLY
-        if not 0.0 < left < inf:
-            return ProofBudget(self.programs, 1.0)
-        return ProofBudget(self.programs, max(self.proof_deadline - clock.now(), 0.0) / left)
+        left, share = self.time_left, 1.0
+        if 0.0 < left < inf:
+            share = max(self.proof_deadline - clock.now(), 0.0) / left
+        return ProofBudget(self.programs, share, self.cam_only)
 
     def with_proof_begun(self) -> SolveState:
         """The state from which on programs count as those of more than a quick proof."""
@@ -233,8 +228,7 @@ class SolveState:
     @property
     def smallest_value(self) -> float:
         """The value of the best cam known, of the relaxation or not; infinite without one."""
-        cams = (self.relaxed, self.incumbent)
-        return min((cam.value for cam in cams if cam is not None), default=inf)
+        return min((x.value for x in (self.relaxed, self.incumbent) if x is not None), default=inf)
 
     def with_bound(self, bound: Bound) -> SolveState:
         """Keep the bound of a relaxation.

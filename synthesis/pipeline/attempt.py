@@ -26,57 +26,18 @@ from synthesis.optimise.problem.problem import (
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
 from synthesis.optimise.refinement.mesh import COARSEST_POLISH, grids_on_switches, polish_intervals
-from synthesis.optimise.state import (
-    AT_END,
-    CAM_ONLY,
-    QUICK,
-    SINGLE_SHARE,
-    THOROUGH,
-    ProofBudget,
-    SolveState,
-    WarmStart,
-)
+from synthesis.optimise.state import AT_END, SINGLE_SHARE, SolveState
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
-from synthesis.spec.design_spec import SMALLEST, DesignSpec
+from synthesis.pipeline.goal import Goal, proof_budget
+from synthesis.spec.design_spec import DesignSpec
 
 ROUNDING = 1e-12  # strokes: a bound so near to the open end of the size is that
 SAME = 1e-6  # relative: what a cam may lose when its laws are put together again
 BEYOND_TIGHTENING = 1e-2  # relative violation of a limit that no tightening below repairs
-AUTO_PROGRAMS = 100
-"""Cone programs and batches of linear programs that a proof with ``auto`` may solve. Each takes
-0.02 to 0.04 s in every family, with all that is computed around it: 2 to 4 s in all."""
-THOROUGH_PROGRAMS = 600  # the same of a thorough proof whose spec gives no time: 12 to 24 s
 SWITCHING = 3  # degree of splines whose highest derivative may step at a knot as the best law's
 OWN_SHARE = 0.1  # of an allowance: how near to the least value that objective itself is brought
-AUTO_SHARE = 0.5  # of the time: such a proof leaves the rest to later objectives and trials
 TIGHTENINGS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Relative amounts by which limits are tightened, in turn."""
-
-
-@dataclass(frozen=True, eq=False)
-class Goal:
-    """When to stop, and where to begin.
-
-    Attributes:
-        stop: ``clock.now()`` at which to stop with the best so far.
-        warm_start: where a neighbouring question's local search ended.
-        sufficient, sufficient_bound: a value, and a lower bound, of the first objective [wire] that
-            are good enough, whatever the gap.
-        smallest: base radius from which on cams are sought where it is open below [strokes].
-        mesh: knots of every free law to begin with, those of a neighbouring question.
-        cam_only: whether nobody asks for a lower bound.
-        excluding_bound: of the first objective [wire]: where its lower bound is as large, there is
-            no cam as asked, and no later objective is sought.
-    """
-
-    stop: float
-    warm_start: WarmStart | None = None
-    sufficient: float = -inf
-    sufficient_bound: float = inf
-    smallest: float = SMALLEST
-    mesh: tuple[Array, ...] = ()
-    cam_only: bool = False
-    excluding_bound: float = inf
 
 
 @dataclass(eq=False)
@@ -219,7 +180,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     if free_parameters.parameters:
         from synthesis.optimise.parameters.search import choose_parameters
 
-        budget = _proof_budget(spec, is_last=len(spec.objectives()) == 1)
+        budget = proof_budget(spec, goal, is_last=len(spec.objectives()) == 1)
         # Lengths of the machine change nothing in the jerk of the motion: where no objective is
         # named, they are those of the smallest cam.
         by_size = spec.objective is None and bool(free_parameters.machine_indices)
@@ -258,9 +219,7 @@ def solve_and_certify(prepared: Attempt, goal: Goal, stages: list[Effort]) -> At
                 from_start = rank == 0 and attempt.first is None
                 state = optimise(
                     problem, attempt.tolerance(rank), goal.stop, tighten,
-                    proof=CAM_ONLY if goal.cam_only else _proof_budget(
-                        spec, is_last=rank >= len(spec.objectives()) - 1
-                    ),
+                    proof=proof_budget(spec, goal, is_last=rank >= len(spec.objectives()) - 1),
                     warm_start=goal.warm_start if from_start else None,
                     earlier=attempt.searches[-1].incumbent if rank else start,
                     sufficient=max(goal.sufficient / unit, _value(start)) if from_start else -inf,
@@ -347,18 +306,6 @@ def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
         return attempt
     own = replace(own, lower=known.lower, valid_for=known.valid_for)
     return replace(attempt, bounds=[own, *later])
-
-
-def _proof_budget(spec: DesignSpec, *, is_last: bool) -> ProofBudget:
-    """What may be spent on a proof; of an objective with others after it no more than their share.
-
-    ``thorough`` spends the time that the spec gives, ``auto`` part of it; where it gives none, a
-    number of programs, so that the answer depends on no machine's speed.
-    """
-    most = (AUTO_PROGRAMS, THOROUGH_PROGRAMS) if spec.time_budget_s is None else (inf, inf)
-    auto, thorough = ProofBudget(most[0], AUTO_SHARE), replace(THOROUGH, programs=most[1])
-    budget = {"quick": QUICK, "auto": auto, "thorough": thorough}[spec.proof]
-    return budget if is_last else replace(budget, share=min(budget.share, AUTO_SHARE))
 
 
 def _nears_open_end(state: SolveState) -> bool:

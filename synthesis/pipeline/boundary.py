@@ -202,16 +202,14 @@ class Boundary:
                 return
 
     def _takes_a_proof_of_each_value(self) -> bool:
-        """Whether no multipliers exclude other values, so that longer proofs serve as well.
+        """Whether no multipliers exclude other values, as nodes have none: longer proofs serve too.
 
-        So it is where nodes raise the bound. Longer proofs begin where the request is excluded.
+        Those begin where the request is excluded.
         """
-        if self.excluded is None or self.way_to(self.excluded) < 0.0:
+        begins = self.excluded is not None and self.way_to(self.excluded) >= 0.0
+        if not (begins and self._is_for_longer_proofs(self.oracle.open_gap / LEFT)):
             return False
-        if not self._is_for_longer_proofs(self.oracle.open_gap / LEFT):
-            return False
-        requested = self.number.tightest
-        return self.oracle.bound_excess(self.original, self.number, requested) == -inf
+        return self.oracle.bound_excess(self.original, self.number, self.number.tightest) == -inf
 
     def _is_for_longer_proofs(self, gap: float) -> bool:
         """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
@@ -353,8 +351,7 @@ class Boundary:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the question of anyone who sends the value back.
-        ``proof``: the spec's own or a shorter one. Where a search for a cam alone finds none, the
-        spec's own follows.
+        ``proof``: the spec's own, which follows where a search for a cam alone finds none, or not.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return

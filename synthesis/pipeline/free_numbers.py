@@ -14,7 +14,8 @@ from collections.abc import Iterator
 from synthesis.catalogue.limits.motion import DerivativeLimit
 from synthesis.design.design import Conflict, Effort
 from synthesis.pipeline.assembly import in_wire_units
-from synthesis.pipeline.attempt import Attempt, Goal, prepare
+from synthesis.pipeline.attempt import Attempt, prepare
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.outwards import OBJECTIVE_OF
 from synthesis.spec.design_spec import DesignSpec

@@ -28,7 +28,8 @@ from synthesis.certify import certify_size
 from synthesis.design.design import Effort
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, in_wire_units
-from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify, with_bound_of
+from synthesis.pipeline.attempt import Attempt, prepare, solve_and_certify, with_bound_of
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.infeasibility import infeasibility_proof
 from synthesis.pipeline.radius_search import approach_infimum, enlarge_until_simple, solve_spec
 from synthesis.spec.design_spec import DesignSpec

@@ -16,7 +16,8 @@ from synthesis.catalogue.objectives import BaseRadius, Objective, PeakAccelerati
 from synthesis.certify import certify, certify_size
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, in_wire_units
-from synthesis.pipeline.attempt import Attempt, Goal, prepare, unsolved
+from synthesis.pipeline.attempt import Attempt, prepare, unsolved
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.infeasibility import (
     contains_angle,
     gentlest_law,

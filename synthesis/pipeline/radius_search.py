@@ -17,7 +17,8 @@ from synthesis.numerics import clock
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import cam_at_size, enlarge_until_feasible, smallest_size
 from synthesis.pipeline.assembly import certify_cam, with_size
-from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify, unsolved
+from synthesis.pipeline.attempt import Attempt, prepare, solve_and_certify, unsolved
+from synthesis.pipeline.goal import Goal
 from synthesis.spec.design_spec import DesignSpec
 
 FIRST_GROWTH = 0.02  # of the base radius; doubled while the cam crosses itself, then halved

@@ -24,9 +24,9 @@ from synthesis.pipeline.assembly import (
     smoothness_cost,
     with_free_parameters,
 )
-from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.conflict import explain
 from synthesis.pipeline.free_numbers import over_all_numbers
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import complete, first_attempt
 from synthesis.spec.design_spec import DesignSpec
 

@@ -35,7 +35,8 @@ from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.dual_bound.bound import in_problem_units
 from synthesis.pipeline.assembly import Bounded, in_wire_units
-from synthesis.pipeline.attempt import Attempt, Goal, prepare
+from synthesis.pipeline.attempt import Attempt, prepare
+from synthesis.pipeline.goal import Goal
 from synthesis.spec.design_spec import SMALLEST, DesignSpec
 
 INSTALL = "cvxpy_model needs CVXPY, which is not installed: pip install 'camwright[cvxpy]' (70 MB)."

@@ -32,7 +32,7 @@ import numpy as np
 from synthesis import DesignSpec
 from synthesis.design.design import Extreme, Relaxation
 from synthesis.numerics import clock
-from synthesis.pipeline.attempt import Goal
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import solve_with_maximum
 from synthesis.pipeline.oracle import Trial
 from synthesis.pipeline.relaxable import relaxable_numbers, without

@@ -11,7 +11,7 @@ import pytest
 from synthesis import DesignSpec, synthesise
 from synthesis.design.design import Design
 from synthesis.numerics import clock
-from synthesis.pipeline import attempt
+from synthesis.pipeline import goal
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 from tests.pipeline.ticking import ticking
 
@@ -52,14 +52,14 @@ def test_an_open_gap_is_closed() -> None:
     (quick, few), (auto, more) = (answered(BENT, proof=proof) for proof in ("quick", "auto"))
     assert quick.status == "feasible"
     assert auto.status == "optimal"
-    assert few < more <= attempt.AUTO_PROGRAMS
+    assert few < more <= goal.AUTO_PROGRAMS
     thorough, _ = answered(BENT, proof="thorough")
     assert numbers(auto) == numbers(thorough)
 
 
 def test_its_end_depends_on_no_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where programs end the proof, a machine of any speed gives the same answer."""
-    monkeypatch.setattr(attempt, "AUTO_PROGRAMS", 20)
+    monkeypatch.setattr(goal, "AUTO_PROGRAMS", 20)
     ended, solved = answered(HARD)
     assert ended.status == "feasible"
     assert 20 <= solved < 60
@@ -72,7 +72,7 @@ def test_its_end_depends_on_no_clock(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_of_a_time_that_is_given_a_part_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     """More than by itself, and the answer comes on time, without an error."""
-    monkeypatch.setattr(attempt, "AUTO_PROGRAMS", 0)
+    monkeypatch.setattr(goal, "AUTO_PROGRAMS", 0)
     _, few = quick_hard()
     with ticking(monkeypatch) as machine:
         design, more = answered(HARD, time_budget_s=0.8)

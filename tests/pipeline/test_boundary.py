@@ -14,8 +14,8 @@ from synthesis.catalogue.fields import Range
 from synthesis.design.design import Conflict
 from synthesis.numerics import clock
 from synthesis.pipeline import boundary, conflict, longer_proofs, outwards
-from synthesis.pipeline.attempt import Goal
 from synthesis.pipeline.boundary import Boundary
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import solve_with_maximum
 from synthesis.pipeline.oracle import Oracle, Trial
 from synthesis.pipeline.program_numbers import program_numbers

@@ -15,7 +15,7 @@ from synthesis.catalogue.fields import Range
 from synthesis.design.design import Design
 from synthesis.pipeline import largest_radius
 from synthesis.pipeline.assembly import in_wire_units
-from synthesis.pipeline.attempt import Goal
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.radius_search import solve_spec
 
 pytestmark = pytest.mark.usefixtures("coarse_conflicts")

@@ -13,7 +13,8 @@ from synthesis.catalogue.objectives import BaseRadius
 from synthesis.certify import SELF_CROSSING
 from synthesis.pipeline import attempt as attempt_module
 from synthesis.pipeline import largest_radius, oracle, radius_search
-from synthesis.pipeline.attempt import Attempt, Goal, prepare, solve_and_certify
+from synthesis.pipeline.attempt import Attempt, prepare, solve_and_certify
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import Smallest, above, compare, first_question
 from synthesis.pipeline.oracle import Oracle
 from synthesis.pipeline.radius_search import enlarge_until_simple

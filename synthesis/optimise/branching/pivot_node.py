@@ -162,18 +162,16 @@ def nearly_binding_part(best: Candidate, free: PlacedSegment) -> tuple[float, fl
 def tighten_node(state: SolveState, best: Candidate, node: PivotNode) -> PivotNode | None:
     """The node with bounds of the sizes and laws of all cams better than ``best``.
 
-    Of laws whose control nothing caps none are known. None where time is over, and where bounds are
-    to hold for every size: no box holds them all.
+    Of laws whose control nothing caps none are known, nor where bounds are to hold for every size:
+    no box holds them all. None where time is over.
     """
     problem = node.problem
-    if problem.for_every_size:
-        return None
     grids = tuple(uniform_grid(segment, COARSE).knots_only for segment in problem.free)
     value = _value_to_hold(state, best, grids, node) * (1.0 + SPARE)
     model = formulate(law_tightening.with_value_cap(problem, value), grids)
     ranges = node.sizes or problem.sizing.bounds
     capped = capped_controls(model)
-    if capped is None:
+    if capped is None or problem.for_every_size:
         return replace(node, sizes=ranges)
     if node.sizes:
         model = with_rows(model, list(_implied_rows(model, node)))

@@ -39,7 +39,8 @@ from synthesis.optimise.strategy.phase_one import (
     minimise_excess,
 )
 from synthesis.pipeline.assembly import Bounded, in_wire_units
-from synthesis.pipeline.attempt import Goal, prepare
+from synthesis.pipeline.attempt import prepare
+from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import first_question
 from synthesis.pipeline.proof_file.arms import in_boxes
 from synthesis.pipeline.proof_file.checker import as_bytes, checker, not_covered, objections, places
@@ -58,8 +59,7 @@ Json = dict[str, Any]
 Witness = tuple[Json, float]  # multipliers, and the bound that they give [wire]
 FORMAT, VERSION = "camwright-proof", 1
 OBJECTIVE, INFEASIBLE = "objective/0", "infeasible"
-# of a bound, tried in turn: what rounding takes from it
-LOSSES = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2)
+LOSSES = (1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2)  # of a bound, in turn: what rounding takes from it
 FIGURES = 9  # of a bound in the file
 END_PLACES = 12  # decimals of g(0) and g(1): the rest is rounding
 CLOSE = 1e-4  # of a bound: what is proven is the answer's own if it is so near to that

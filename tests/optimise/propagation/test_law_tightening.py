@@ -132,7 +132,9 @@ def test_no_box_of_a_tree_holds_every_size() -> None:
         of_sizes = replace(problem, for_every_size=every)
         node = PivotNode(of_sizes, {0: (0.0, 1.0)}, ())
         state = SolveState(of_sizes, 5e-3, inf, 1e-7)
-        assert (tighten_node(state, best, node) is not None) is bounded
+        tighter = tighten_node(state, best, node)
+        assert tighter is not None
+        assert bool(tighter.tubes) is bounded
 
 
 def test_sizes_lie_in_their_bounds_which_are_next_to_what_is_reached(model: ConicModel) -> None:
