@@ -148,7 +148,8 @@ def questions(family: str, number: int, *, even: bool = False) -> Iterator[Quest
             continue
         objective, name = TWINS[limit["kind"]]
         gentle = deepcopy(body)
-        gentle["base_radius_mm"] = {"max": radius * (1.0 + ROOM)}
+        # a radius that is the end of the search itself is no number of a question
+        gentle["base_radius_mm"] = {"max": max(radius * (1.0 + ROOM), FLOOR * stroke)}
         gentle["limits"][position] = limit
         least = deepcopy(gentle)
         del least["limits"][position]

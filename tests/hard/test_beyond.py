@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from synthesis import DesignSpec
-from tests.hard.beyond import put, without_each
+from tests.hard.beyond import FLOOR, put, questions, without_each
 
 BODY = {
     "speed_rpm": 60,
@@ -41,3 +41,11 @@ def test_a_value_is_put_at_its_path() -> None:
     # a dimension that is given may then be anywhere up to the value
     assert put(BODY, "follower/offset_mm", 2.0)["follower"]["offset_mm"] == {"min": 0, "max": 2.0}
     assert put(BODY, "follower/arm_mm", 2.0)["follower"]["arm_mm"] == 2.0
+
+
+def test_the_end_of_a_search_is_no_number_of_a_question() -> None:
+    """The smallest cam of this scene is as small as any that is sought: 1e-7 mm."""
+    (found,) = questions("slide, residual vibration", 10)
+    assert found.kind == "jerk"
+    spec = DesignSpec.model_validate(found.body)
+    assert spec.base_radius_range()[1] == FLOOR * spec.stroke()
