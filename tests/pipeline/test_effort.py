@@ -12,7 +12,7 @@ from synthesis.numerics import clock
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.problem import formulate_problem
 from synthesis.optimise.state import solvers_of
-from synthesis.pipeline import attempt
+from synthesis.pipeline import goal
 from tests.optimise.arms import scene
 from tests.pipeline.scenes import PRESSURE, jerk, spec
 from tests.pipeline.test_auto_proof import EASY, HARD
@@ -28,7 +28,7 @@ def exits(design: Design) -> list[str]:
 def bent() -> Design:
     """An answer with everything in it: a relaxation, local searches, a proof without its end."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(attempt, "AUTO_PROGRAMS", 50)
+        patch.setattr(goal, "AUTO_PROGRAMS", 50)
         return synthesise(HARD.model_copy(update={"tolerance": 3e-6}))
 
 
@@ -59,7 +59,7 @@ def test_the_end_is_named(monkeypatch: pytest.MonkeyPatch, bent: Design) -> None
     assert exits(synthesise(EASY)) == ["tolerance"]
     rough = {"limits": [PRESSURE], "objective": LEAST_MEAN, "base_radius_mm": 60.0}
     assert exits(synthesise(spec(**rough, tolerance=1e-6))) == ["the lowest node is not divided"]
-    monkeypatch.setattr(attempt, "THOROUGH_PROGRAMS", 50)
+    monkeypatch.setattr(goal, "THOROUGH_PROGRAMS", 50)
     sharp = HARD.model_copy(update={"proof": "thorough", "tolerance": 3e-6})
     assert exits(synthesise(sharp)) == ["budget of the proof"]
 
