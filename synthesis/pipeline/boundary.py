@@ -351,7 +351,7 @@ class Boundary:
         """Name the nearest value if the question with it, as it stands, has a cam; else one near.
 
         That is the question of anyone who sends the value back.
-        ``proof``: the spec's own, which follows where a search for a cam alone finds none, or not.
+        ``proof``: where it is the spec's own, it follows if a search for a cam alone finds none.
         """
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return

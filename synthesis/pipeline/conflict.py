@@ -142,14 +142,13 @@ def _irreducible(
         return not trial.certified and trial.on_time and bool(trial.proof or not original.proof)
 
     # What was proven once is proven of fewer numbers by as long a proof, if at all; and what was
-    # not found by one may be found by nothing less.
-    shown_without = oracle.proven_without
+    # not found by one may be found by nothing less: all questions have the spec's own.
     kept, shown = list(numbers), original
     # What phase 1 names, or those that suffice alone, may have no cam by themselves.
     strained = [number for number in numbers if number.limit in original.strained]
     for few in (list(sufficing), strained):
         if 0 < len(few) < len(kept) and not oracle.is_late():
-            trial = shown_without([number for number in numbers if number not in few])
+            trial = oracle.proven_without([number for number in numbers if number not in few])
             if has_none(trial):
                 kept, shown = few, trial
     unconfirmed = list[Relaxable]()
@@ -158,7 +157,7 @@ def _irreducible(
             unconfirmed.append(number)
             continue
         removed = [one for one in numbers if one not in kept or one is number]
-        trial = shown_without(removed)
+        trial = oracle.proven_without(removed)
         if has_none(trial):
             kept.remove(number)
             shown = trial
