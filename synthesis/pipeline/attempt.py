@@ -178,6 +178,7 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
     bounded, start = None, None
     free_parameters = spec.free_parameters
     if free_parameters.parameters:
+        from synthesis.optimise.parameters.number_search import NOTHING, Enough
         from synthesis.optimise.parameters.search import choose_parameters
 
         budget = proof_budget(spec, goal, is_last=len(spec.objectives()) == 1)
@@ -186,7 +187,9 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
         by_size = spec.objective is None and bool(free_parameters.machine_indices)
         aim = {"objective": BaseRadius() if by_size else spec.objective}
         by_aim = question.scaled.model_copy(update=aim)
-        numbered, stage, proof = choose_parameters(by_aim, goal.stop, budget)
+        bound, unit = min(goal.sufficient_bound, goal.excluding_bound), question.units.length
+        enough = NOTHING if by_size else Enough(goal.sufficient / unit, bound / unit)
+        numbered, stage, proof = choose_parameters(by_aim, goal.stop, budget, enough)
         numbered = numbered.model_copy(update={"objective": spec.objective})
         if proof is not None and isfinite(proof.lower) and not by_size:
             bounded, start = Bounded(spec.objectives()[0], proof.lower, proof.valid_for), proof.cam

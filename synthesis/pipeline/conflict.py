@@ -75,10 +75,9 @@ def explain(
     spec = attempt.question.physical
     most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
     own = asked if attempt.chosen_values else spec
-    # A proof at numbers that were chosen is none over all of them.
     has_time = spec.time_budget_s is not None or spec.proof == "thorough"
-    longer = has_time and spec.proof != "quick" and not attempt.chosen_values
-    oracle = Oracle(spec, own, deadline, most, has_longer_proofs=longer)
+    longer, chosen = has_time and spec.proof != "quick", bool(attempt.chosen_values)
+    oracle = Oracle(spec, own, deadline, most, has_longer_proofs=longer and not chosen)
     numbers = relaxable_numbers(oracle.spec)
     # 1. A value of each number that suffices alone.
     boundaries = {number: Boundary(oracle, number, original) for number in numbers}
@@ -90,7 +89,8 @@ def explain(
     # 3. The least values of its members, and those that are proven impossible.
     for number in members.numbers:
         boundaries[number].narrow()
-    for number in members.numbers:
+    #    A proof at numbers that were chosen is none over all of them.
+    for number in members.numbers if not chosen else ():
         boundaries[number].seek_bound()
     # 4. Changes of the program, with all limits as they are, that mend it: in half of the time that
     #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
@@ -105,10 +105,15 @@ def explain(
             boundary.narrow()
             boundary.seek_bound()
             changes += _relaxations(boundary)
-    # 5. With what time is left, the members' values once more where a gap is open: longer proofs.
-    if oracle.open_gap > FINE and oracle.has_longer_proofs:
-        close_in(oracle, [boundaries[number] for number in members.numbers])
-    relaxations = [one for n in members.numbers for one in _relaxations(boundaries[n])]
+    # 5. With what time is left, the members' values once more where a gap is open: longer proofs,
+    #    of all numbers that are free.
+    known = [boundaries[number] for number in members.numbers]
+    if chosen:
+        oracle = replace(oracle, spec=own, known={}, has_longer_proofs=longer)
+        known = [_over_all_numbers(boundary, oracle) for boundary in known]
+    if oracle.has_longer_proofs and (chosen or oracle.open_gap > FINE):
+        close_in(oracle, known)
+    relaxations = [one for boundary in known for one in _relaxations(boundary)]
     limits = [str(number) for number in members.numbers]
     refused = [extreme for extreme in attempt.extremes if not extreme.holds]
     evidence = _evidence(original, members, "those named" if not refused else ", ".join(limits))
@@ -164,6 +169,14 @@ def _irreducible(
         elif not trial.certified:
             unconfirmed.append(number)
     return Members(kept, shown, unconfirmed, not oracle.is_late())
+
+
+def _over_all_numbers(known: Boundary, oracle: Oracle) -> Boundary:
+    """A boundary of the question with its free numbers: a cam answers that, no proof is left."""
+    return Boundary(
+        oracle, known.number, known.original, nearest=known.nearest, needed=known.needed,
+        confirmed=known.confirmed, note=known.note,
+    )  # fmt: skip
 
 
 def _evidence(original: Trial, members: Members, named: str) -> str:

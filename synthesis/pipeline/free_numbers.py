@@ -46,18 +46,8 @@ def over_all_numbers(
     chosen = zip(fields, attempt.chosen_values, strict=True)
     words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen)
     at_chosen = f"{conflict.evidence}; all this at {words}, where nothing better was found"
-    lists = {name: getattr(conflict, name) for name in ("relaxations", "program_changes")}
-    unproven = {
-        name: [each.model_copy(update={"at_least": None}) for each in listed]
-        for name, listed in lists.items()
-    }
-    return conflict.model_copy(
-        update={
-            **unproven,
-            "proven": bool(proof),
-            "evidence": f"{proof}; {at_chosen}" if proof else at_chosen,
-        }
-    )  # fmt: skip
+    evidence = f"{proof}; {at_chosen}" if proof else at_chosen
+    return conflict.model_copy(update={"proven": bool(proof), "evidence": evidence})
 
 
 def _proofs(

@@ -38,6 +38,7 @@ ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclu
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
 ENOUGH = 0.5  # of the way from a smallest cam to its maximum: a bound there lies above the latter
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
+WITHIN = 10.0  # of the tolerance: by so much a finer one may find a smaller cam
 LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
@@ -173,6 +174,7 @@ def complete(
         nearest = Goal(goal.stop, sufficient=most, cam_only=goal.cam_only)
         for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
             smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
+            smallest = _decided(spec, smallest, nearest, stages)
             if smallest is not None and smallest.attempt.certified:
                 return _restart_from(spec, smallest, goal, stages), smallest
             if clock.now() >= goal.stop:
@@ -194,31 +196,34 @@ def _decided(
     own proof is tried once, in half of the time that is left, for a gap that excludes the maximum.
     """
     tolerance, proof = spec.tolerance, "quick"
+    objective = spec.objective if minimises_radius(spec) else BaseRadius()
     while smallest is not None and clock.now() < goal.stop and proof == "quick":
         known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
         decided = known.certified or smallest.excludes or smallest.radius <= smallest.most
         if decided or not smallest.is_bounded or tolerance <= FINEST:
             break
-        if known.chosen_values:
-            break  # a finer bound over all numbers takes many programs
-        if gap <= tolerance:
+        if 1.0 - smallest.most / smallest.radius <= WITHIN * tolerance:
             tolerance = max(tolerance * FINER, FINEST)
-        elif tolerance < spec.tolerance and spec.proof != "quick":
+        elif known.chosen_values:
+            break  # a longer proof over all numbers takes many programs
+        elif gap <= spec.tolerance and tolerance < spec.tolerance and spec.proof != "quick":
             excess, now = smallest.radius / smallest.most - 1.0, clock.now()
             tolerance, proof = max(excluding_gap(excess), FINEST), spec.proof
             goal = replace(goal, stop=now + 0.5 * (goal.stop - now))
         else:
             break
-        changes = {"tolerance": tolerance, "proof": proof}
+        changes = {"tolerance": tolerance, "proof": proof, "objective": objective}
         finer = first_question(spec.model_copy(update=changes))
         # Its laws are next to the best: on their knots one that is small enough is found at once.
-        alone, most = len(spec.objectives()) == 1, smallest.most
+        alone, most = len(finer.objectives()) == 1, smallest.most
         near = replace(
             goal, warm_start=None, mesh=known.mesh(FINEST), sufficient=most if alone else -inf,
             sufficient_bound=inf if proof == "quick" else above(most), excluding_bound=above(most),
         )  # fmt: skip
-        found = with_bound_of(known, solve_spec(finer, near, stages))
+        found = solve_spec(finer, near, stages)
+        if minimises_radius(spec):  # else its bounds are of other objectives
+            found = with_bound_of(known, found)
         smallest = _smaller(smallest, _smallest(spec, found))
     return smallest
 

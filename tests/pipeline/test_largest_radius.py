@@ -329,3 +329,16 @@ def test_a_finer_search_that_comes_to_a_larger_cam_leaves_the_smaller_one() -> N
     assert kept.lower == worse.lower
     assert largest_radius._smaller(rough, fine) is fine
     assert largest_radius._smaller(rough, None) is rough
+
+
+@pytest.mark.parametrize("question", [CONVEX, OPEN_GAP], ids=["convex", "open gap"])
+@pytest.mark.parametrize("spare", [3e-5, 3e-4])
+def test_a_cam_next_to_the_smallest_is_found_whatever_is_made_small(
+    question: Spec, spare: float
+) -> None:
+    """The maximum lies nearer to the smallest base radius than the question's own tolerance."""
+    fine = {"proof": "quick", "tolerance": 1e-5, "objective": {"kind": "base_radius"}}
+    smallest = synthesise(DesignSpec.model_validate({**question, **fine}))
+    most = {"max": smallest.certificate.value * (1.0 + spare)}
+    other = {"proof": "quick", "base_radius_mm": most, "objective": {"kind": "peak_acceleration"}}
+    assert synthesise(DesignSpec.model_validate({**question, **other})).motion

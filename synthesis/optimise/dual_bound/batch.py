@@ -151,7 +151,9 @@ def _lagrangian(
     for one in row_functionals(model, order):
         own = z[:, one.first_row : one.first_row + one.count]
         lagrangian.add_rows(one.point_rows(), own)
-    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
+    vibrations, lagrangian.psi_error = vibration_terms(
+        model, order, model.vibration_multipliers(z), len(z)
+    )
     for rows, mass in (*fixed_size_rows(model, z), *vibrations):
         lagrangian.add_rows(rows, mass)
     lagrangian.reduce()
@@ -341,7 +343,7 @@ class MultiplierDensity:
         result, at = masses.copy(), self.model.program.equalities
         for runs, block in zip(self.point_runs, self.model.blocks, strict=True):
             here, at = slice(at, at + len(block.rhs)), at + len(block.rhs)
-            if runs is None:
+            if runs is None or not len(block.rhs):  # no arc: cuts may leave nothing of it
                 continue
             # 1. What a unit of each row comes to: the powers of ψ before it, and in the size.
             rows = RowFunctional(self.model, block, here.start, order).point_rows()

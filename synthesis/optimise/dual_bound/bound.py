@@ -173,7 +173,8 @@ def _bound_of_rows(
     # The Lagrangian: every term that is multiplied, as a functional of arbitrary laws.
     order = controls[0].order if controls else 3
     lagrangian = Lagrangian(model, order)
-    vibrations, lagrangian.psi_error = vibration_terms(model, order, z)
+    multipliers = model.vibration_multipliers(z[None])
+    vibrations, lagrangian.psi_error = vibration_terms(model, order, multipliers)
     for other, mass in (*terms.energy_tangents(model, solution, order), *vibrations):
         lagrangian.add_rows(other, mass)
     # Rows act at their points, or as densities between these.

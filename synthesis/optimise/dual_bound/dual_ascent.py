@@ -32,6 +32,7 @@ from synthesis.optimise.dual_bound.sensitivity import neighbour
 from synthesis.optimise.dual_bound.vibration_terms import vibration_terms
 from synthesis.optimise.problem.grid import SplineLaw
 from synthesis.optimise.problem.problem import Problem
+from synthesis.optimise.problem.residual_vibration import VibrationTerm
 
 BINDING = 1e-3  # of a row's natural size: what is farther off has no multiplier
 BESIDE = np.array([1e-2, 1e-3, 1e-4])  # of a law: ends of cells about a change of sign
@@ -82,9 +83,10 @@ class _DualProgram:
     """Multipliers of rows that bind, and what is fixed of them.
 
     Attributes:
-        groups: the rows, the last ones g to g^(m−1) at the ends of the laws, times their costates.
+        groups: the rows; first those of the vibrations, ‖y‖ where it has a price and y, and last g
+            to g^(m−1) at the ends of the laws, times their costates.
         close: which of the program's rows may bind, (m,).
-        fixed: what has its multipliers already. psi_error: of vibrations, as in ``Lagrangian``.
+        fixed: what has its multipliers already.
     """
 
     model: ConicModel
@@ -94,7 +96,6 @@ class _DualProgram:
     groups: tuple[terms.WeightedRows, ...]
     close: NDArray[np.bool_]
     fixed: terms.Terms
-    psi_error: Array
 
     @classmethod
     def of(
@@ -103,7 +104,8 @@ class _DualProgram:
     ) -> _DualProgram:  # fmt: skip
         if close is None:
             close = model.program.rhs - model.program.matrix @ solution.x <= BINDING
-        order, groups = controls[0].order, list[terms.WeightedRows]()
+        order, z = controls[0].order, solution.multipliers
+        groups = [_vibration_rows(model, one) for one, _ in model.vibration_multipliers(z)]
         # Rows that bind, or nearly: by complementary slackness the others have no multiplier. Where
         # two neighbours bind, a density between them (hat functions) may carry the limit.
         for one in terms.row_functionals(model, order):
@@ -111,7 +113,6 @@ class _DualProgram:
             groups.append(one.point_rows(own))
             if one.uniform:
                 groups.append(one.hat_rows(one.block.x).select(np.tile(own[:-1] & own[1:], 2)))
-        z = solution.multipliers
         groups += [
             rows for rows, _ in (*terms.fixed_size_rows(model, z), *terms.cone_rows(model, z))
         ]
@@ -126,12 +127,8 @@ class _DualProgram:
                 position, np.ones(order), np.eye(order), rhs, sizes, signed=True
             )
             groups.append(ends)
-        vibrations, psi_error = vibration_terms(model, order, z)
         tangents = terms.energy_tangents(model, solution, order)
-        fixed = [*tangents, *((rows, mass[0]) for rows, mass in vibrations)]
-        return cls(
-            model, solution, controls, order, tuple(groups), close, fixed, psi_error,
-        )  # fmt: skip
+        return cls(model, solution, controls, order, tuple(groups), close, tangents)
 
     @cached_property
     def first(self) -> list[int]:
@@ -144,6 +141,20 @@ class _DualProgram:
         count = len(self.model.grids) * self.order
         return np.arange(self.first[-1] - count, self.first[-1]).reshape(-1, self.order)
 
+    @cached_property
+    def vibrations(self) -> list[tuple[VibrationTerm, int]]:
+        """Limits on residual vibration, and where the two multipliers y of each are."""
+        known = self.model.vibration_multipliers(self.solution.multipliers)
+        return [(one, end - 2) for (one, _), end in zip(known, self.first[1:], strict=False)]
+
+    @cached_property
+    def per_multiplier(self) -> list[tuple[int, terms.Terms]]:
+        """What a unit of each of these multipliers adds to ψ, and which unknown it is."""
+        return [
+            (at + axis, vibration_terms(self.model, self.order, [(one, unit[None])])[0])
+            for one, at in self.vibrations for axis, unit in enumerate(np.eye(2))
+        ]  # fmt: skip
+
     def solve(self, sign_changes: Sequence[Array], time_limit: float) -> Bound | None:
         """One program, its cells close about these turns of ψ; the bound that it gives."""
         # Its point is as little trusted as any: nothing is gained by exact equalities.
@@ -153,10 +164,13 @@ class _DualProgram:
     def bound(self, x: Array) -> Bound:
         """The bound of the masses and costates that a point of such a program begins with."""
         lagrangian, laws = Lagrangian(self.model, self.order), len(self.model.grids)
-        for rows, mass in self.fixed:
+        multipliers = [(one, x[None, at : at + 2]) for one, at in self.vibrations]
+        vibrations, error = vibration_terms(self.model, self.order, multipliers)
+        for rows, mass in (*self.fixed, *vibrations):
             lagrangian.add_rows(rows, mass)
-        lagrangian.psi_error += self.psi_error
-        for at, rows in zip(self.first[:-1], self.groups[:-laws], strict=False):
+        lagrangian.psi_error += error
+        others = slice(len(self.vibrations), -laws)
+        for at, rows in zip(self.first[others], self.groups[others], strict=False):
             mass = x[at : at + len(rows.rhs)]
             mass = mass if rows.signed else np.maximum(mass, 0.0)
             lagrangian.add_rows(rows.select(mass != 0.0), mass[mass != 0.0])
@@ -193,6 +207,9 @@ class _DualProgram:
         initial_masses = np.zeros((*first.shape, n))
         for before, after, k, ratio in shared_derivatives(model, order):
             initial_masses[after, k, self.end_costates[before, k]] += ratio
+        for column, unit in self.per_multiplier:
+            for k in range(len(laws)):
+                initial_masses[k, :, column] += _at_start(unit, k, order)
         # What a unit of each unknown adds to the bound by itself.
         objective, along = -np.concatenate([rows.rhs for rows in self.groups]), np.zeros(width)
         for k, ends in enumerate(model.boundary_states):
@@ -225,14 +242,17 @@ class _DualProgram:
             (-level[None], None, rates[None], None, np.ones(1)),  # the level's share is used up
             (None, None, None, ball, np.eye(1 + len(image))[0]),
         ]
+        # A limit on residual vibration with a price on ‖y‖: (‖y‖, y) lies in a cone.
+        cones = [at - 1 for one, at in self.vibrations if one.radius > 0.0]
+        table += [(-own[at : at + 3], None, None, None, np.zeros(3)) for at in cones]
         rhs = [row[-1] for row in table]
-        counts = [len(part) for part in rhs]
+        counts, balls = [len(part) for part in rhs], len(cones) + 1
         columns = n + width + len(offset) + len(image)
         return ConeProgram(
             sparse.csc_matrix((columns, columns)),
             np.concatenate([-objective, -along, caps, -shift]),
             sparse.csc_matrix(sparse.block_array([row[:-1] for row in table])),
-            np.concatenate(rhs), sum(counts[:4]), sum(counts[4:-1]), (counts[-1],),
+            np.concatenate(rhs), sum(counts[:4]), sum(counts[4:-balls]), tuple(counts[-balls:]),
         )  # fmt: skip
 
     def _pieces(self, position: int, sign_changes: Array) -> _Pieces:
@@ -263,17 +283,44 @@ class _DualProgram:
         beyond = np.searchsorted(cuts, tau)[:, None]
         powers = (cuts[beyond] - tau[:, None]) ** np.arange(order) / factorials
         places = np.arange(len(tau))[:, None], beyond * order + np.arange(order)
-        # 3. What has its multipliers already.
-        offset, initial = np.zeros(len(tau)), np.zeros(order)
-        for rows, fixed in self.fixed:
-            if rows.position == position:
-                offset += rows.psi(tau) @ fixed
-                initial += fixed @ sums_at_start(rows.x[:, None], rows.weights[:, None])
+        # 3. Vibrations, and what has its multipliers already.
+        nodes = np.arange(len(tau))
+        densities += [
+            (nodes, np.array([column]), _psi(unit, position, tau))
+            for column, unit in self.per_multiplier
+        ]
         return _Pieces(
             shares, recursion, _sparse(masses, (count * order, n)),
             _sparse([(*places, powers)], (len(tau), count * order)),
-            _sparse(densities, (len(tau), n)), offset, initial,
+            _sparse(densities, (len(tau), n)), _psi(self.fixed, position, tau),
+            _at_start(self.fixed, position, order),
         )  # fmt: skip
+
+
+def _vibration_rows(model: ConicModel, vibration: VibrationTerm) -> terms.WeightedRows:
+    """Constants of a limit on residual vibration: of ‖y‖, where that has a price, and of y."""
+    price = [vibration.radius] if vibration.radius > 0.0 else []
+    rhs = np.array([*price, *-vibration.shift])
+    size = np.zeros((len(rhs), len(model.problem.sizing.bounds)))
+    return terms.WeightedRows.of_size(rhs, size, signed=True)
+
+
+def _psi(known: terms.Terms, position: int, tau: Array) -> Array:
+    """What rows with their multipliers add to ψ of one law at τ: (r,)."""
+    result = np.zeros(len(tau))
+    for rows, mass in known:
+        if rows.position == position:
+            result += rows.psi(tau) @ mass.ravel()
+    return result
+
+
+def _at_start(known: terms.Terms, position: int, order: int) -> Array:
+    """What they add to the sums at the start of the law: (m,)."""
+    result = np.zeros(order)
+    for rows, mass in known:
+        if rows.position == position:
+            result += mass.ravel() @ sums_at_start(rows.x[:, None], rows.weights[:, None])
+    return result
 
 
 def _sparse(entries: Sequence[tuple[Any, Any, Array]], shape: tuple[int, int]) -> Any:

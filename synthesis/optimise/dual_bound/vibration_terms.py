@@ -8,23 +8,32 @@ whatever y (Cauchy and Schwarz).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.row_functionals import Terms, WeightedRows
-from synthesis.optimise.problem.residual_vibration import switching_contribution
+from synthesis.optimise.problem.residual_vibration import VibrationTerm, switching_contribution
 
 
-def vibration_terms(model: ConicModel, order: int, z: Array) -> tuple[Terms, Array]:
-    """All limits on residual vibration, with multipliers z of the model's rows: (m,) or (q, m).
+def vibration_terms(
+    model: ConicModel,
+    order: int,
+    multipliers: Sequence[tuple[VibrationTerm, Array]],
+    count: int = 1,
+) -> tuple[Terms, Array]:
+    """Limits on residual vibration, with multipliers y of their two rows: (q, 2) each.
+
+    ``order``: m, of the control. ``count``: q.
 
     Returns:
-        the terms, and how far the laws' true ψ may be from theirs: (1 or q, laws).
+        the terms, and how far the laws' true ψ may be from theirs: (q, laws).
     """
     sizes = len(model.problem.sizing.bounds)
-    terms, error = Terms(), np.zeros((len(np.atleast_2d(z)), len(model.grids)))
-    for vibration, y in model.vibration_multipliers(np.atleast_2d(z)):
+    terms, error = Terms(), np.zeros((count, len(model.grids)))
+    for vibration, y in multipliers:
         if not y.any():
             continue
         rhs = np.array([vibration.radius, *-vibration.shift])

@@ -36,8 +36,20 @@ INWARDS = 0.5
 """Of the way from where a bound is least to the best numbers: with several free directions the
 former jump about between far corners."""
 SHARE_OF_GAP = 0.1  # of the gap at hand, to which single numbers are solved at most
+BUDGET = "budget of the proof"
 ALL_NUMBERS = "at all angles and lifts that are free"
 ROUNDING = 1e-9  # of the box [0, 1]: what the equations may miss
+
+
+@dataclass(frozen=True)
+class Enough:
+    """A value, and a lower bound, of the first objective [wire] at which a search may end."""
+
+    value: float = -inf
+    bound: float = inf
+
+
+NOTHING = Enough()
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +63,7 @@ class NumberProof:
         gap_to: relative gap of that cam to a bound, on the wire.
         searches: how many at single numbers it took. exit: why it ended.
         curved: whether limits that are not in the bound of programs at single numbers matter.
+        is_enough: whether value or bound are as good as was asked for.
         cam: the best one, where no further search is to better it.
     """
 
@@ -62,6 +75,7 @@ class NumberProof:
     searches: int
     exit: str
     curved: bool = False
+    is_enough: bool = False
     cam: Candidate | None = None
 
     @property
@@ -129,15 +143,18 @@ class NumberSearch:
         solve_at: Callable[[Array, float], SolveState | None],
         tolerance: float,
         single: float,
+        enough: Enough = NOTHING,
     ) -> None:
         """Prepare a search.
 
         Args:
             placement: where segments lie. solve_at: the search at single numbers to a gap.
             tolerance: relative gap [wire] at which to stop. single: that at single numbers.
+            enough: a value and a lower bound at which to stop as well.
         """
         self._placement, self._solve_at = placement, solve_at
         self._tolerance, self._single = tolerance, single
+        self._enough = enough
         self.known: list[tuple[ParametricBound, float]] = []
         self.best: tuple[float, Array, SolveState] | None = None
         self._searches, self._lower, self._curved = 0, -inf, False
@@ -165,9 +182,9 @@ class NumberSearch:
             if lower >= self._target:
                 pruned = min(pruned, lower)
                 continue
-            if clock.now() >= deadline or clock.programs_solved() >= last_program:
+            if reason := self._reason_to_end(last_program, deadline):
                 heappush(heap, (lower, next(order), box))
-                why = "time" if clock.now() >= deadline else "budget of the proof"
+                why = reason
                 break
             # 2. A program where that bound is least, as exact as the gap at hand is worth.
             if polytope.directions.shape[1] > 1 and box.distance(self.best[1]) == 0.0:
@@ -199,6 +216,7 @@ class NumberSearch:
             numbers, value, lower,
             f"{all_laws(self.known[0][0].lagrangian.order)}, {ALL_NUMBERS}",
             partial(state.gap_between, state.incumbent), self._searches, why, self._curved,
+            self._suffices or self._on_wire(lower) >= self._enough.bound,
         )  # fmt: skip
 
     def bound(self, box: Box, target: float) -> tuple[float, Array]:
@@ -229,13 +247,34 @@ class NumberSearch:
 
     @property
     def _target(self) -> float:
-        """The bound [core units] at which a box holds nothing better by more than the tolerance."""
+        """The bound [core units] of a box that needs no more: it holds nothing better by more than
+        the tolerance, or nothing as good as is asked for.
+        """
         if self.best is None:
             return inf
         value, _, state = self.best
-        objective, machine = state.problem.objective, state.problem.machine
-        least = objective.to_wire(value, machine) * (1.0 - self._tolerance)
-        return objective.from_wire(least, machine)
+        least = self._on_wire(value) * (1.0 - self._tolerance)
+        wanted = min(least, self._enough.bound)
+        return state.problem.objective.from_wire(wanted, state.problem.machine)
+
+    def _reason_to_end(self, last_program: float, deadline: float) -> str:
+        """Why no further program is solved, whatever the boxes' bounds; empty: one may be."""
+        if self._suffices:
+            return "sufficient"
+        late = clock.now() >= deadline
+        return "time" if late else BUDGET if clock.programs_solved() >= last_program else ""
+
+    @property
+    def _suffices(self) -> bool:
+        """Whether the best cam is as good as is asked for."""
+        return self.best is not None and self._on_wire(self.best[0]) <= self._enough.value
+
+    def _on_wire(self, value: float) -> float:
+        """A value of the objective [core units] as on the wire."""
+        if self.best is None:
+            return value
+        problem = self.best[2].problem
+        return problem.objective.to_wire(value, problem.machine)
 
     def _is_open(self, one: ParametricBound) -> bool:
         """Whether a program leaves too large a gap at its own numbers."""

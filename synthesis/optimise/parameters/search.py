@@ -33,7 +33,13 @@ from synthesis.numerics.polytope import BundlePoint, Function, minimise
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.parameters.longer_moves import LongerMoves
 from synthesis.optimise.parameters.merged_moves import MergedMoves
-from synthesis.optimise.parameters.number_search import ALL_NUMBERS, NumberProof, NumberSearch
+from synthesis.optimise.parameters.number_search import (
+    ALL_NUMBERS,
+    NOTHING,
+    Enough,
+    NumberProof,
+    NumberSearch,
+)
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.parameters.value_function import SearchedPoint, ValueFunction
 from synthesis.optimise.problem.problem import formulate_problem
@@ -81,14 +87,16 @@ P = TypeVar("P", bound=BundlePoint)
 
 
 def choose_parameters(
-    spec: DesignSpec, deadline: float = inf, proof: ProofBudget = QUICK
-) -> tuple[DesignSpec, Stage, NumberProof | None]:
+    spec: DesignSpec, deadline: float = inf, proof: ProofBudget = QUICK,
+    enough: Enough = NOTHING,
+) -> tuple[DesignSpec, Stage, NumberProof | None]:  # fmt: skip
     """Choose all that a spec leaves free.
 
     Args:
         spec: what is asked.
         deadline: ``time.monotonic()``; a part of the time until then is used.
         proof: what may be spent on a bound over all numbers.
+        enough: a value and a bound of the first objective that end the branch and bound.
 
     Returns:
         the spec with numbers in place, what the search took, and the bound over all numbers; None
@@ -100,14 +108,14 @@ def choose_parameters(
     last = inf if deadline == inf else now + PROVEN_SHARE * max(deadline - now, 0.0)
     worth = ValueFunction(spec.without_deferred(), parameters, stop)
     merged = MergedMoves.of(spec.without_deferred())
-    found = None if merged is None else _search_merged(worth, merged, last, proof)
+    found = None if merged is None else _search_merged(worth, merged, last, proof, enough)
     if found is not None:
         numbers, bounded, best = *found, None
     else:
         # The program's numbers first, then the machine's lengths one by one.
         middle, bounded, best = _middle(worth), None, None
         if len(parameters.machine_indices) < len(parameters.parameters):
-            best, bounded = _search_program(worth, middle, last, proof)
+            best, bounded = _search_program(worth, middle, last, proof, enough)
         for position in parameters.machine_indices:
             middle = middle if best is None else best.u
             best = search_length(worth, middle, position) or best
@@ -129,18 +137,19 @@ def choose_parameters(
 
 
 def _search_merged(
-    worth: ValueFunction, merged: MergedMoves, deadline: float, proof: ProofBudget
+    worth: ValueFunction, merged: MergedMoves, deadline: float, proof: ProofBudget, enough: Enough
 ) -> tuple[list[float], NumberProof] | None:
     """All numbers, and what is proven of them, of moves solved as one; None without such a cam."""
     numbered, inner, tolerance = merged.spec, None, ALL_NUMBERS_SHARE * worth.spec.tolerance
     if numbered.free_parameters.parameters:
-        numbered, _, inner = choose_parameters(numbered, deadline, proof)
+        numbered, _, inner = choose_parameters(numbered, deadline, proof, enough)
         if inner is None:
             return None
     problem = formulate_problem(numbered, numbered.objectives()[0])
     state = optimise(
         problem, tolerance, deadline, proof=QUICK if inner else proof,
         earlier=None if inner is None else inner.cam,
+        sufficient=enough.value, sufficient_bound=enough.bound,
     )  # fmt: skip
     worth.calls += 1
     if state.incumbent is None or not (inner is not None or state.covers_all_laws):
@@ -170,8 +179,9 @@ def _middle(worth: ValueFunction) -> Array:
 
 
 def _search_program(
-    worth: ValueFunction, middle: Array, deadline: float, proof: ProofBudget
-) -> tuple[BundlePoint | None, NumberProof | None]:
+    worth: ValueFunction, middle: Array, deadline: float, proof: ProofBudget,
+    enough: Enough = NOTHING,
+) -> tuple[BundlePoint | None, NumberProof | None]:  # fmt: skip
     """The best point found for angles and lifts, and what is proven of all others."""
     placement = Placement.of(worth.free_parameters, worth.problem)
     all_numbers, single = (
@@ -179,7 +189,7 @@ def _search_program(
     )
     searched = longer = None
     if placement is not None:
-        searched = NumberSearch(placement, worth.state, all_numbers, single)
+        searched = NumberSearch(placement, worth.state, all_numbers, single, enough)
         longer = LongerMoves(
             placement, partial(worth.state, deadline=deadline), searched.bound, all_numbers,
             single, proof,
@@ -192,7 +202,7 @@ def _search_program(
 
     # 1. Branch and bound: with one or two directions it often closes the gap at once.
     first = prove(middle, FIRST_PROGRAMS)
-    if first is not None and first.gap <= all_numbers:
+    if first is not None and (first.gap <= all_numbers or first.is_enough):
         return BundlePoint(first.u, first.value), first
     # 2. Longer moves bound curved limits too, and lose nothing where laws do not decide together.
     suits = longer is not None and (longer.has_one_size or (first is not None and first.curved))

@@ -175,9 +175,12 @@ def _halved(breaks: Array, chosen: NDArray[np.bool_] | bool = True) -> Array:
 def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     """Solve cone programs by ``solve_once``, each with knots on the switches of the law before."""
     cam = state.relaxed
-    if state.tolerance > COARSEST_POLISH or cam is None or not state.problem.free:
+    if cam is None or not state.problem.free:
         return state
     unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
+    if state.tolerance > COARSEST_POLISH:  # what limits outside the relaxation cost is none of it
+        best = state.incumbent
+        unfit |= best is None or best.value - cam.value > cam.value - state.lower
     if unfit or (state.is_close(cam) and state.covers_all_laws):
         return state
     state = _move_knots(state, cam, solve_once)
@@ -191,13 +194,18 @@ def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState
     """
     if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
         return state
-    (fewest, _), cam, grids = POLISH_INTERVALS, state.relaxed, tuple[Grid, ...]()
-    if polish_intervals(state.tolerance) > fewest and cam is not None:
-        grids = grids_on_switches(state.problem, cam, fewest)
-    if not grids:
+    cam, (fewest, _), (model, _, _) = state.relaxed, POLISH_INTERVALS, state.relaxation
+    grids = () if cam is None else grids_on_switches(state.problem, cam, fewest)
+    if not grids or _interval_count(model.grids) <= _interval_count(grids):
         return _with_best_multipliers(state)
     coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
+    if coarse.relaxation is state.relaxation:  # no law fits on these: too many knots are left
+        return state
     return replace(_with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation)
+
+
+def _interval_count(grids: Sequence[Grid]) -> int:
+    return sum(len(grid.space.breaks) - 1 for grid in grids)
 
 
 def _with_best_multipliers(state: SolveState) -> SolveState:

@@ -9,7 +9,7 @@ import pytest
 
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.dual_bound.arcs import density_terms
-from synthesis.optimise.dual_bound.batch import MultiplierDensity
+from synthesis.optimise.dual_bound.batch import MultiplierDensity, PointRuns
 from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian, dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
@@ -68,6 +68,18 @@ def test_what_is_balanced_comes_to_what_the_points_did() -> None:
         totals.append(np.array(total))
     assert np.max(np.abs(totals[1] - totals[0])) > 1e-3
     assert totals[2] == pytest.approx(totals[0], rel=1e-9)
+
+
+def test_an_arc_of_which_nothing_is_left_has_nothing_to_balance() -> None:
+    """Where the region of better cams excludes that a row binds anywhere on a law."""
+    answer = direct(problem(SCENE), uneven(problem(SCENE), 0))
+    model, z = answer.model, answer.solution.multipliers[None]
+    number = next(k for k, one in enumerate(row_functionals(model, 3)) if one.may_be_density)
+    block = replace(model.blocks[number], law_matrix=None, x=np.zeros(0), rhs=np.zeros(0))
+    empty = replace(model, blocks=(*model.blocks, block))
+    between = MultiplierDensity.of(empty, [(block, PointRuns.of(block.x, (), EACH))], EACH, 3)
+    masses = between._masses(z, [1.0] * len(between.point_runs))
+    assert between.balance(masses, z, 3).shape == masses.shape
 
 
 def test_densities_lie_between_points_that_ascend() -> None:

@@ -14,7 +14,7 @@ from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.separable import POINTS, Separable, least_of_largest
 from synthesis.optimise.driver import optimise
-from synthesis.optimise.parameters.number_search import Box, NumberProof, NumberSearch
+from synthesis.optimise.parameters.number_search import Box, Enough, NumberProof, NumberSearch
 from synthesis.optimise.parameters.parametric_bound import (
     ParametricBound,
     bound_over_box,
@@ -223,6 +223,24 @@ def test_no_numbers_are_better_than_the_proof_says(name: str) -> None:
         if state is not None and state.incumbent is not None:
             values.append(state.incumbent.value)
     assert min(values) >= proof.lower * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize(("value", "bound"), [(inf, inf), (-inf, 0.0)], ids=["a cam", "a bound"])
+def test_it_ends_with_what_is_enough(value: float, bound: float) -> None:
+    """With any cam, or with a bound that any cam has: after the first program."""
+    worth, placement = question("angles")
+    start = placement.polytope.centre()
+    assert start is not None
+    search = NumberSearch(placement, worth.state, 1e-6, 1e-6, Enough(value, bound))
+    proof = search.run(start, inf, inf)
+    assert proof is not None
+    assert proof.is_enough
+    assert proof.searches <= 2
+    assert proof.gap > 1e-3
+    unlimited = NumberSearch(placement, worth.state, 5e-3, 2e-3).run(start, inf, inf)
+    assert unlimited is not None
+    assert not unlimited.is_enough
+    assert unlimited.searches > 2
 
 
 def test_rows_that_depend_on_the_numbers_otherwise_have_no_bound() -> None:

@@ -21,7 +21,7 @@ def test_laws_without_a_switch_get_no_mesh_of_their_switches(
 ) -> None:
     """A law that time has ended for may be as smooth as its mesh: nothing tells where knots go."""
     state: Any = SimpleNamespace(
-        relaxation=object(), relaxed=object(), problem=None, time_left=1.0, tolerance=1e-9,
+        relaxation=(None, None, None), relaxed=object(), problem=None, time_left=1.0,
         is_close=lambda cam: False,
     )  # fmt: skip
     monkeypatch.setattr(mesh, "grids_on_switches", lambda *_: ())
