@@ -15,9 +15,11 @@ branch and bound of its own, and the nearer it is to the zero of the excess, the
     3. A trial may take an equal share of the time that is left to all members. A member whose last
        one took longer than that comes after the others, and may take a multiple of it.
 
-A proof that ends with its gap open says how wide that is: the next value is one that such a gap
-excludes. Where this promises too little, the member waits until it may take more time. At the end
-every value with a cam that is not named yet is put as it stands.
+A proof ends with a cam whose excess is far below its tolerance: it would not exclude the value, and
+the excess says where the zero is. One that ends with its gap open says how wide that is: the next
+value is one that such a gap excludes, and once that is proven, one half-way to the value that was
+not. Where this promises too little, the member waits until it may take more time. At the end every
+value with a cam that is not named yet is put as it stands.
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ CAM_SIDE, PROOF_SIDE = 0.25 * ACCURACY, 0.5 * ACCURACY
 FIRST_STEP = 1.0 / 8.0  # of the way: how far from the zero a value is that a first proof excludes
 WITHIN = 0.6, 0.8
 """Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
+HOPELESS = 0.3  # of the tolerance of a proof: with a cam of so little excess it ends
 FAR_OUT = 1.5  # of ``CAM_SIDE``: farther from the zero, a nearer value with a cam is sought
 NEARER = 0.5  # of what the values are apart: a value with a cam as much nearer is put as it stands
 STEEPER = 3.0  # factor by which one trial changes the slope at most
@@ -72,7 +75,8 @@ class Closing:
         slope: by how much the excess falls per unit of the way, near its zero.
         zero: the way at which it is 0.
         points: cams whose excess is known, that of the request first.
-        open_gap: what the last proof that excluded nothing has left.
+        open_gap: what the last proof that excluded nothing has left. unproven: the way to the
+            nearest value that a proof has not excluded in its time.
         idle: trials that have brought neither value nearer, one after the other.
         took: the time of the last trial; questions as they stand are none.
         waits_for: the share of the time beyond which another trial is made.
@@ -83,6 +87,7 @@ class Closing:
     zero: float
     points: list[Point]
     open_gap: float = 0.0
+    unproven: float = inf
     idle: int = 0
     took: float = 0.0
     waits_for: float = 0.0
@@ -171,28 +176,33 @@ class Closing:
         """Whether the excess of a cam is known, besides that of the request."""
         return len(self.points) > 1
 
-    def _next_trial(self) -> tuple[float, float, bool] | None:
-        """The way to a value, a tolerance, and whether any cam will do; None: nothing is promised.
+    def _next_trial(self) -> tuple[float, float, float | None] | None:
+        """The way to a value, a tolerance, and the excess of a cam with which the search may end.
 
-        The tolerance is a part of the excess that is expected there.
+        None: nothing is promised. Of the excess: the smallest cam is sought. The tolerance is a
+        part of the excess that is expected there.
         """
         number, good, finer = self.boundary.number, self.good, FINER**self.idle
         if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
             excess = self.boundary.excesses[number.tightest]
-            return good, PROOF_SIDE * finer * excess / (1.0 + excess), False
+            return good, PROOF_SIDE * finer * excess / (1.0 + excess), None
         exclusion, cam = (within * finer * self.slope for within in WITHIN)
         step, room = FIRST_STEP * self.zero, CAM_SIDE * good
         if not self._is_rough:
             if not self._has_point:
-                return good, exclusion * step, False
+                return good, exclusion * step, None
             if good - self.zero > FAR_OUT * room:
-                return self.zero + room, cam * room, True
+                return self.zero + room, cam * room, 0.0
             step = PROOF_SIDE * good
         tolerance, widest = exclusion * step, 0.5 * (self.zero - self.bad)
         step = max(min(step * WIDER**self.idle, widest), WORSE * self.open_gap / self.slope)
-        if step > (1.0 - GAIN) * (self.zero - self.bad):
+        way = self.zero - step
+        if way >= self.unproven:
+            way = 0.5 * (self.bad + self.unproven)
+            tolerance *= (self.zero - way) / step
+        if way - self.bad < GAIN * (self.zero - self.bad):
             return None
-        return self.zero - step, tolerance, False
+        return way, tolerance, HOPELESS * tolerance
 
     @property
     def _is_worth_confirming(self) -> bool:
@@ -212,17 +222,19 @@ class Closing:
         """
         counts = self.boundary.oracle.last_program < inf
         self.idle, self.open_gap, self.waits_for = 0, 0.0, inf if counts else share
+        self.unproven = inf
 
-    def _try(self, way: float, tolerance: float, any_cam: bool) -> None:
-        """Look for the smallest cam at a value, or for one that is small enough.
+    def _try(self, way: float, tolerance: float, enough: float | None) -> None:
+        """Look for the smallest cam at a value, or for one whose excess is small ``enough``.
 
         Either ends where the bound excludes the value.
         """
         boundary, tolerance = self.boundary, max(tolerance, FINEST)
         value = boundary.value_at(way)
         trial = boundary.oracle.relaxed(
-            boundary.number, value, tolerance, exactly=not any_cam, proof="thorough"
-        )
+            boundary.number, value, tolerance, exactly=enough is None, enough=enough or 0.0,
+            proof="thorough",
+        )  # fmt: skip
         before = boundary.nearest
         boundary.record(value, trial)
         if boundary.number.minimised and boundary.nearest is not before:
@@ -233,8 +245,10 @@ class Closing:
             return
         if excess is None or bound is None:
             return
-        if not trial.certified and relative_gap(excess, bound) > tolerance:
-            self.open_gap = excess - bound
+        ended_early = enough is not None and excess <= enough
+        if not (trial.certified or ended_early) and relative_gap(excess, bound) > tolerance:
+            self.open_gap, self.unproven = excess - bound, min(way, self.unproven)
+            self.zero = min(self.zero, way + excess / self.slope)  # the smallest exceeds it by less
             return
         self.points.append(Point(way, excess, tolerance))
         self._follow_slope()

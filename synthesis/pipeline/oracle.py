@@ -146,22 +146,23 @@ class Oracle:
 
     def ask(
         self, spec: DesignSpec, tolerance: float = COARSEST, objective: Objective | None = None,
-        near: Trial | None = None, *, exactly: bool = False, cam_only: bool = False,
-        proof: str = "quick",
+        near: Trial | None = None, *, exactly: bool = False, enough: float = 0.0,
+        cam_only: bool = False, proof: str = "quick",
     ) -> Trial:  # fmt: skip
         """Look for a cam: a small one where the base radius has a maximum, else any.
 
         For any cam the peak acceleration is minimised, since a law of little acceleration leaves
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
-        is sought to the tolerance though any that is small enough would do. ``cam_only``: whether
+        is sought to the tolerance though any that is small enough would do; else one whose excess
+        over the maximum is ``enough`` ends the search, relatively. ``cam_only``: whether
         the bound is of no use. ``proof``: how far that there is none is sought; a longer one than
         the quick one ends where its bound excludes the maximum.
         """
         low, high = spec.requested_radii()
         limited = low < high < inf
-        any_other = high if limited else ANY
-        enough = -inf if objective is not None or (limited and exactly) else any_other
+        any_other = high * (1.0 + enough) if limited else ANY
+        sufficient = -inf if objective is not None or (limited and exactly) else any_other
         objective = objective or (BaseRadius() if limited else PeakAcceleration())
         tolerance = min(tolerance, COARSE) if limited and proof == "quick" else tolerance
         mesh = () if near is None or near.smallest is None else near.attempt.mesh(tolerance)
@@ -170,7 +171,7 @@ class Oracle:
         changes = {**QUICK, "objective": objective, "tolerance": tolerance, "proof": proof}
         bound = above(high) if limited and proof != "quick" else inf
         goal = Goal(
-            self.stop, sufficient=enough, sufficient_bound=bound, mesh=mesh, cam_only=cam_only
+            self.stop, sufficient=sufficient, sufficient_bound=bound, mesh=mesh, cam_only=cam_only
         )
         return self._trial(*compare(spec.model_copy(update=changes), goal, []))
 
@@ -240,12 +241,12 @@ class Oracle:
 
     def relaxed(
         self, number: Relaxable, value: float, tolerance: float, near: Trial | None = None, *,
-        exactly: bool, proof: str = "quick",
+        exactly: bool, enough: float = 0.0, proof: str = "quick",
     ) -> Trial:  # fmt: skip
         """The question with one number relaxed to a value; its cam is one without the number."""
         changed = relaxed(self.spec, number, value)
         trial = self.ask(
-            changed, tolerance, near=near, exactly=exactly, proof=proof,
+            changed, tolerance, near=near, exactly=exactly, enough=enough, proof=proof,
             cam_only=not exactly and proof == "quick",
         )  # fmt: skip
         if trial.certified:

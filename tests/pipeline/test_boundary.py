@@ -474,17 +474,17 @@ def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
     assert len(closed) == 2
 
 
-def test_no_longer_proofs_follow_at_numbers_that_were_chosen(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """They would hold for these numbers alone."""
+def test_longer_proofs_are_of_all_numbers_that_are_free(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With numbers that were chosen they would hold for these alone."""
     closed = longer_proofs_of(["jerk", "base radius"], monkeypatch)
     free = {**rise(71.7), "angle_deg": {"min": 60.0, "max": 80.0}}
     rest = {**dwell(0.0), "angle_deg": {"min": 100.0, "max": 200.0}}
-    for program, times in ((PLAIN, 1), ((free, *PLAIN[1:3], rest), 1)):
+    for program, count in ((PLAIN, 0), ((free, *PLAIN[1:3], rest), 2)):
         spec = scene(program, angles(30.0, 31.0), jerk(50.0, 71.7), base={"max": 20.0})
         why(spec.model_copy(update={"proof": "auto", "time_budget_s": 20.0}))
-        assert len(closed) == times
+        oracle, boundaries = closed.pop()
+        assert len(oracle.spec.free_parameters.parameters) == count
+        assert all(each.oracle is oracle for each in boundaries)
 
 
 def test_a_conflict_ends_after_some_programs_where_the_spec_gives_no_time(

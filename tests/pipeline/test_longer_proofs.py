@@ -65,10 +65,11 @@ class Questions:
         return replace(self, part=self.left / parts, began=self.seconds[0])
 
     def relaxed(
-        self, number: Relaxable, value: float, tolerance: float, *, exactly: bool, proof: str
-    ) -> Any:
+        self, number: Relaxable, value: float, tolerance: float, *, exactly: bool, enough: float,
+        proof: str,
+    ) -> Any:  # fmt: skip
         assert proof == "thorough"
-        self.asked.append((number.name, value, tolerance, not exactly))
+        self.asked.append((number.name, value, tolerance, not exactly and not enough))
         assert len(self.asked) < 200
         excess = self.curves[number.name].at(number.direction * (value - REQUEST))
         took = sqrt(ROUGH / min(tolerance, ROUGH))
@@ -77,7 +78,8 @@ class Questions:
             took, gap = self.left, tolerance * (took / max(self.left, 1e-3)) ** 2
         self.seconds[0] -= took
         gap *= 1.0 + min(excess, 0.0)
-        return answer(excess, gap, self.random.uniform(0.0, 0.95), any_cam=not exactly)
+        part = self.random.uniform(0.0, 0.95)
+        return answer(excess, gap, part, enough=None if exactly else enough)
 
     def ask_as_it_stands(
         self, number: Relaxable, value: float, proof: str, *, cam_only: bool = False
@@ -99,7 +101,7 @@ class Questions:
         return None, ""
 
 
-def answer(excess: float, gap: float, part: float = 0.4, *, any_cam: bool = False) -> Any:
+def answer(excess: float, gap: float, part: float = 0.4, *, enough: float | None = None) -> Any:
     """A trial whose cam and whose bound are a gap apart, if neither decides before.
 
     ``part``: of the gap, by which the cam is larger than the smallest.
@@ -107,7 +109,7 @@ def answer(excess: float, gap: float, part: float = 0.4, *, any_cam: bool = Fals
     upper, lower = excess + part * gap, excess - (0.95 - part) * gap
     if lower > 0.0:
         upper, lower = excess + 0.3 * abs(excess), 1e-9
-    elif any_cam and upper <= 0.0:
+    elif enough is not None and upper <= enough:
         lower = excess - 1.0
     return SimpleNamespace(
         excess=upper, bound_excess=lower, certified=upper <= 0.0, smallest=None, on_time=True,
@@ -276,7 +278,7 @@ def test_one_trial_changes_the_slope_by_no_more_than_a_factor(
         found.points.append(Point(0.9 * found.good, 0.0, 1e-5))
         cam = answer(excess, 1e-6)
         monkeypatch.setattr(Questions, "relaxed", lambda *_, cam=cam, **__: cam)
-        found._try(found.good, 1e-5, any_cam=False)
+        found._try(found.good, 1e-5, None)
         factor = found.slope / before
         assert max(factor, 1.0 / factor) == pytest.approx(longer_proofs.STEEPER)
 
@@ -452,9 +454,9 @@ def test_a_smallest_radius_is_sought_at_the_value_itself() -> None:
     path = ("base_radius_mm/max",)
     found.boundary.number = replace(found.boundary.number, paths=path, dimension="base_radius_mm")
     assert found.boundary.number.minimised
-    way, tolerance, any_cam = found._next_trial() or (0.0, 0.0, True)
+    way, tolerance, enough = found._next_trial() or (0.0, 0.0, 0.0)
     assert way == found.good
-    assert not any_cam
+    assert enough is None
     excess = found.boundary.excesses[REQUEST]
     assert tolerance == pytest.approx(longer_proofs.PROOF_SIDE * excess / (1.0 + excess))
 
@@ -473,7 +475,7 @@ def test_a_question_with_a_smallest_radius_as_its_maximum_has_some_room() -> Non
     cam = answer(2e-5, 1e-6)
     cam.smallest = smallest
     found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=lambda *_, **__: cam))
-    found._try(found.good, 1e-5, any_cam=False)
+    found._try(found.good, 1e-5, None)
     assert found.good == pytest.approx((1.0 + longer_proofs.CAM_SIDE) * 211.5)
     found.boundary.needed = REQUEST + 211.6  # that is known to suffice
     found.boundary.nearest = REQUEST + 211.4, cast(Trial, answer(0.0, 1e-9))
@@ -520,7 +522,7 @@ def test_a_proof_that_succeeds_forgets_the_gap_of_another_value() -> None:
     assert closing is not None
     closing.zero, closing.open_gap = 211.0, 0.04
     assert closing._next_trial() is None
-    closing._try(140.0, 1e-3, any_cam=False)
+    closing._try(140.0, 1e-3, None)
     assert closing.bad == pytest.approx(140.0)
     assert closing._next_trial() is not None
 
@@ -578,3 +580,51 @@ def test_a_trial_that_takes_all_its_time_and_shows_nothing_is_made_once(
         if share > found.waits_for:
             found.advance(cast(Oracle, questions.share(2)), share)
     assert len(questions.asked) == 1
+
+
+def test_a_proof_ends_with_a_cam_of_little_excess_there() -> None:
+    """It would exclude nothing, and go on for all of its time: the zero is farther away."""
+    found = closing(Questions({"jerk": Curve(0.05, 211.0)}, [1e6]))
+    found.boundary.exclude(REQUEST + 190.0)
+    found.points.append(Point(found.good, found.slope, 1e-5))
+    found.zero, tolerances = 0.999 * found.good, list[float]()
+    way, tolerance, enough = found._next_trial() or (0.0, 0.0, None)
+    assert enough == pytest.approx(longer_proofs.HOPELESS * tolerance)
+
+    def relaxed(*given: Any, enough: float, **_: Any) -> Any:
+        tolerances.append(enough)
+        return answer(0.9 * enough, 3.0 * tolerance, 0.0)
+
+    found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=relaxed))
+    found._try(way, tolerance, enough)
+    assert tolerances == [enough]
+    assert found.points[-1][:2] == pytest.approx((way, 0.9 * enough))
+    assert found.open_gap == 0.0
+
+
+def test_after_a_nearer_value_a_proof_is_tried_half_way_to_the_one_that_failed() -> None:
+    """Not that one once more: it would take as long again."""
+    questions = Questions({"jerk": Curve(0.05, 211.0)}, [1e6])
+    found = closing(questions)
+    found.points.append(Point(1.0, 0.05, 1e-3))
+    first, tolerance, _ = found._next_trial() or (0.0, 0.0, 0.0)
+    left = answer(0.006, 0.02)
+    left.proof, left.bound_excess = "", -0.01
+    found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=lambda *_, **__: left))
+    found._try(first, tolerance, 0.0)
+    assert found.unproven == first
+    nearer, *_ = found._next_trial() or (inf,)
+    assert nearer < first
+    proven = answer(0.02, 0.001)
+    found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=lambda *_, **__: proven))
+    found._try(nearer, tolerance, 0.0)
+    assert found.bad == pytest.approx(nearer)
+    half_way, tolerance_there, enough = found._next_trial() or (inf, 0.0, 0.0)
+    assert half_way == pytest.approx(0.5 * (nearer + first))
+    assert enough == pytest.approx(longer_proofs.HOPELESS * tolerance_there)
+    assert tolerance_there == pytest.approx(
+        longer_proofs.WITHIN[0] * found.slope * (found.zero - half_way)
+    )
+    found.boundary.oracle = cast(Oracle, questions)
+    found._wait(10.0)  # with more time that one is tried again
+    assert (found._next_trial() or [0.0])[0] == pytest.approx(first)
