@@ -187,8 +187,9 @@ def prepare(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
         by_size = spec.objective is None and bool(free_parameters.machine_indices)
         aim = {"objective": BaseRadius() if by_size else spec.objective}
         by_aim = question.scaled.model_copy(update=aim)
-        bound, unit = min(goal.sufficient_bound, goal.excluding_bound), question.units.length
-        enough = NOTHING if by_size else Enough(goal.sufficient / unit, bound / unit)
+        unit = question.units.length
+        enough = Enough(goal.sufficient / unit, goal.sufficient_bound / unit)
+        enough = NOTHING if by_size else enough
         numbered, stage, proof = choose_parameters(by_aim, goal.stop, budget, enough)
         numbered = numbered.model_copy(update={"objective": spec.objective})
         if proof is not None and isfinite(proof.lower) and not by_size:
@@ -305,7 +306,7 @@ def with_bound_of(other: Attempt, attempt: Attempt) -> Attempt:
     own, *later = attempt.bounds or (
         Bounded(objective, -inf, "") for objective in attempt.solved_spec.objectives()
     )
-    if known.lower <= own.lower:
+    if known.lower <= own.lower or known.objective.kind != own.objective.kind:
         return attempt
     own = replace(own, lower=known.lower, valid_for=known.valid_for)
     return replace(attempt, bounds=[own, *later])

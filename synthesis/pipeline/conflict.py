@@ -76,7 +76,10 @@ def explain(
     most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
     own = asked if attempt.chosen_values else spec
     has_time = spec.time_budget_s is not None or spec.proof == "thorough"
-    longer, chosen = has_time and spec.proof != "quick", bool(attempt.chosen_values)
+    chosen = bool(attempt.chosen_values)
+    if chosen:  # programs of a search over numbers are not counted one by one
+        has_time = spec.time_budget_s is not None
+    longer = has_time and spec.proof != "quick"
     oracle = Oracle(spec, own, deadline, most, has_longer_proofs=longer and not chosen)
     numbers = relaxable_numbers(oracle.spec)
     # 1. A value of each number that suffices alone.
@@ -89,8 +92,8 @@ def explain(
     # 3. The least values of its members, and those that are proven impossible.
     for number in members.numbers:
         boundaries[number].narrow()
-    #    A proof at numbers that were chosen is none over all of them.
-    for number in members.numbers if not chosen else ():
+    #    A proof at numbers that were chosen is none over all of them: longer ones are, below.
+    for number in members.numbers if not (chosen and longer) else ():
         boundaries[number].seek_bound()
     # 4. Changes of the program, with all limits as they are, that mend it: in half of the time that
     #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
@@ -110,7 +113,7 @@ def explain(
     known = [boundaries[number] for number in members.numbers]
     if chosen:
         oracle = replace(oracle, spec=own, known={}, has_longer_proofs=longer)
-        known = [_over_all_numbers(boundary, oracle) for boundary in known]
+        known = [_with_free_numbers(boundary, oracle) for boundary in known]
     if oracle.has_longer_proofs and (chosen or oracle.open_gap > FINE):
         close_in(oracle, known)
     relaxations = [one for boundary in known for one in _relaxations(boundary)]
@@ -171,12 +174,14 @@ def _irreducible(
     return Members(kept, shown, unconfirmed, not oracle.is_late())
 
 
-def _over_all_numbers(known: Boundary, oracle: Oracle) -> Boundary:
-    """A boundary of the question with its free numbers: a cam answers that, no proof is left."""
-    return Boundary(
+def _with_free_numbers(known: Boundary, oracle: Oracle) -> Boundary:
+    """The same of the question that leaves numbers free: cams answer it, proofs do not."""
+    free = Boundary(
         oracle, known.number, known.original, nearest=known.nearest, needed=known.needed,
         confirmed=known.confirmed, note=known.note,
     )  # fmt: skip
+    free.direction = known.direction
+    return free
 
 
 def _evidence(original: Trial, members: Members, named: str) -> str:

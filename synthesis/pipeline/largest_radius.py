@@ -38,7 +38,7 @@ ROUNDING = 1e-9  # relative: what a bound must lie above the maximum by to exclu
 ROUNDING_DOWN = 1e-12  # relative: a bound that is a number of the question itself
 ENOUGH = 0.5  # of the way from a smallest cam to its maximum: a bound there lies above the latter
 FINER, FINEST = 0.1, 1e-6  # of the tolerance from one solve to the next, and its least
-WITHIN = 10.0  # of the tolerance: by so much a finer one may find a smaller cam
+FINDABLE = 10.0  # of the tolerance: by so much a finer one may find a smaller cam
 LEAST_ACCELERATION = (1.0, 1e-3)  # tolerances of that search: on few knots, then on many
 ANY = 1e300  # a value of an objective that every cam has
 SECANT_STEPS = 8  # for the size with a given base radius: it is almost linear in the size
@@ -145,7 +145,8 @@ def compare(
     if first_question(spec) is not spec:
         first = enlarge_until_simple(first, goal, stages)
         smallest = _smallest(spec, first)
-        smallest = _decided(spec, smallest, goal, stages) if finer else smallest
+        if finer:
+            smallest = _decided(spec, first_question(spec), smallest, goal, stages)
         if smallest is not None:
             return smallest.attempt, smallest
     return complete(spec, first, goal, stages)
@@ -162,7 +163,8 @@ def complete(
     # 2. The smallest cam without the maximum, and its bound, compared with it: the answer, or the
     #    proof that there is none; else the maximum is a constraint of the search.
     if limited and minimised:
-        smallest = _decided(spec, _smallest(spec, attempt), goal, stages)
+        smallest = _smallest(spec, attempt)
+        smallest = _decided(spec, first_question(spec), smallest, goal, stages)
         if smallest is not None and (smallest.attempt.certified or smallest.excludes):
             return smallest.attempt, smallest
         if clock.now() >= goal.stop:
@@ -173,8 +175,10 @@ def complete(
     elif limited and not attempt.certified and not infeasibility_proof(attempt):
         nearest = Goal(goal.stop, sufficient=most, cam_only=goal.cam_only)
         for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
-            smallest = _smallest(spec, solve_spec(open_spec, nearest, stages))
-            smallest = _decided(spec, smallest, nearest, stages)
+            found = _smallest(spec, solve_spec(open_spec, nearest, stages))
+            smallest = _decided(spec, open_spec, found, nearest, stages) or smallest
+            if smallest is not None and smallest.excludes:
+                return attempt, smallest
             if smallest is not None and smallest.attempt.certified:
                 return _restart_from(spec, smallest, goal, stages), smallest
             if clock.now() >= goal.stop:
@@ -188,22 +192,25 @@ def complete(
 
 
 def _decided(
-    spec: DesignSpec, smallest: Smallest | None, goal: Goal, stages: list[Effort]
+    spec: DesignSpec, wider: DesignSpec, smallest: Smallest | None, goal: Goal, stages: list[Effort]
 ) -> Smallest | None:
     """The smallest cam, with ever finer tolerances while the maximum lies between bound and cam.
 
     Where the quick proof does not close a finer gap (limits that bind are not convex), the spec's
     own proof is tried once, in half of the time that is left, for a gap that excludes the maximum.
+
+    ``wider``: the question without the maximum whose smallest cam that is.
     """
     tolerance, proof = spec.tolerance, "quick"
-    objective = spec.objective if minimises_radius(spec) else BaseRadius()
     while smallest is not None and clock.now() < goal.stop and proof == "quick":
         known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
         decided = known.certified or smallest.excludes or smallest.radius <= smallest.most
         if decided or not smallest.is_bounded or tolerance <= FINEST:
             break
-        if 1.0 - smallest.most / smallest.radius <= WITHIN * tolerance:
+        if known.chosen_values and goal.stop == inf:
+            break  # each search over numbers takes as many programs again
+        if 1.0 - smallest.most / smallest.radius <= FINDABLE * tolerance:
             tolerance = max(tolerance * FINER, FINEST)
         elif known.chosen_values:
             break  # a longer proof over all numbers takes many programs
@@ -213,30 +220,33 @@ def _decided(
             goal = replace(goal, stop=now + 0.5 * (goal.stop - now))
         else:
             break
-        changes = {"tolerance": tolerance, "proof": proof, "objective": objective}
-        finer = first_question(spec.model_copy(update=changes))
+        finer = wider.model_copy(update={"tolerance": tolerance, "proof": proof})
         # Its laws are next to the best: on their knots one that is small enough is found at once.
         alone, most = len(finer.objectives()) == 1, smallest.most
         near = replace(
             goal, warm_start=None, mesh=known.mesh(FINEST), sufficient=most if alone else -inf,
             sufficient_bound=inf if proof == "quick" else above(most), excluding_bound=above(most),
         )  # fmt: skip
-        found = solve_spec(finer, near, stages)
-        if minimises_radius(spec):  # else its bounds are of other objectives
-            found = with_bound_of(known, found)
-        smallest = _smaller(smallest, _smallest(spec, found))
+        smallest = _smaller(smallest, _smallest(spec, solve_spec(finer, near, stages)))
     return smallest
 
 
 def _smaller(known: Smallest, other: Smallest | None) -> Smallest:
-    """The smaller of two cams, with the bound of the other one, which is no lower.
+    """The smaller of two cams, with the better bound of both.
 
     On a finer mesh a cam may be farther from the best: the solver's last digits are lost there.
     """
-    if other is None or other.radius <= known.radius:
-        return other or known
-    attempt = with_bound_of(other.attempt, known.attempt)
-    return replace(known, attempt=attempt, lower=other.lower, valid_for=other.valid_for)
+    if other is None:
+        return known
+    better, worse = (known, other) if other.radius > known.radius else (other, known)
+    if not worse.is_bounded or (better.is_bounded and worse.lower <= better.lower):
+        return better
+    attempt = better.attempt
+    if attempt.chosen_values:  # bounds at single numbers are of other ones than those of this cam
+        attempt = replace(attempt, number_bound=worse.attempt.number_bound)
+    else:
+        attempt = with_bound_of(worse.attempt, attempt)
+    return replace(better, attempt=attempt, lower=worse.lower, valid_for=worse.valid_for)
 
 
 def minimises_radius(spec: DesignSpec) -> bool:
@@ -318,8 +328,6 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
     question = replace(wider.question, physical=wider.question.physical.model_copy(update=restored))
     final_spec = question.to_physical(wider.final_spec)
     radius = final_spec.follower.dimensions(wider.cam.size)["base_radius_mm"]
-    first = wider.number_bound or wider.bounds[0]
-    (bounded,) = in_wire_units(wider.question, wider.final_spec, [first])
     least, most = spec.requested_radii()
     cam, bounds = wider.cam, wider.bounds
     if not least <= radius <= most:  # above it by a clearance only, or below the least allowed
@@ -330,10 +338,12 @@ def _smallest(spec: DesignSpec, wider: Attempt) -> Smallest | None:
         bounds[:1] = wider.bounds[:1] if bounds[0].objective.kind == "base_radius" else bounds[:1]
     least_scaled = least / question.units.length
     bounds = _with_least_radius(bounds, wider, least_scaled)
-    over_numbers = wider.number_bound or Bounded(first.objective, -inf, "")
-    if wider.chosen_values:  # the least one allowed holds whatever the numbers are
-        (over_numbers,) = _with_least_radius([over_numbers], wider, least_scaled)
-    number_bound = over_numbers if over_numbers.lower > -inf else None
+    first, number_bound = wider.bounds[0], None
+    if wider.chosen_values:  # a bound at these says nothing of others; the least one allowed does
+        first = wider.number_bound or replace(first, lower=-inf, valid_for="")
+        (first,) = _with_least_radius([first], wider, least_scaled)
+        number_bound = first if first.lower > -inf else None
+    (bounded,) = in_wire_units(wider.question, wider.final_spec, [first])
     if cam is wider.cam:  # what is traced all round is as it was: only dimensions are judged anew
         before = certify_size(wider.question.physical, cam.size, final_spec.follower)
         traced = wider.extremes[: len(wider.extremes) - len(before)]

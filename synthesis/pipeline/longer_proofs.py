@@ -39,6 +39,7 @@ FIRST_STEP = 1.0 / 8.0  # of the way: how far from the zero a value is that a fi
 WITHIN = 0.6, 0.8
 """Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
 HOPELESS = 0.3  # of the tolerance of a proof: with a cam of so little excess it ends
+CERTIFIED = 0.1  # of it: by how much the certificate may draw such a cam outwards
 FAR_OUT = 1.5  # of ``CAM_SIDE``: farther from the zero, a nearer value with a cam is sought
 NEARER = 0.5  # of what the values are apart: a value with a cam as much nearer is put as it stands
 STEEPER = 3.0  # factor by which one trial changes the slope at most
@@ -242,10 +243,11 @@ class Closing:
         excess, bound = trial.excess, trial.bound_excess
         if trial.proof:  # it ends before its cam is the smallest
             self.open_gap = 0.0  # that of another value says nothing any more
+            self.unproven = inf if way >= self.unproven else self.unproven
             return
         if excess is None or bound is None:
             return
-        ended_early = enough is not None and excess <= enough
+        ended_early = enough is not None and excess <= enough + CERTIFIED * tolerance
         if not (trial.certified or ended_early) and relative_gap(excess, bound) > tolerance:
             self.open_gap, self.unproven = excess - bound, min(way, self.unproven)
             self.zero = min(self.zero, way + excess / self.slope)  # the smallest exceeds it by less

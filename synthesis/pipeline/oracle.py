@@ -154,10 +154,10 @@ class Oracle:
         For any cam the peak acceleration is minimised, since a law of little acceleration leaves
         limits on size and curvature the most slack; a smallest cam is sought where they bind.
         ``near``: what a question came to that differs little. ``exactly``: whether a smallest cam
-        is sought to the tolerance though any that is small enough would do; else one whose excess
-        over the maximum is ``enough`` ends the search, relatively. ``cam_only``: whether
-        the bound is of no use. ``proof``: how far that there is none is sought; a longer one than
-        the quick one ends where its bound excludes the maximum.
+        is sought to the tolerance though any that is small enough would do. ``enough``: else, by
+        how much, relatively, a cam that ends the search may exceed the maximum. ``cam_only``:
+        whether the bound is of no use. ``proof``: how far that there is none is sought; a longer
+        one than the quick one ends where its bound excludes the maximum.
         """
         low, high = spec.requested_radii()
         limited = low < high < inf
@@ -304,7 +304,7 @@ class Oracle:
                 return None, extreme.evidence
             needed = number.value_needed(extreme.value, extreme.width, extreme.bound)
             if number.is_tighter(worst, needed) or worst == -inf:
-                worst, note = needed, _place_note(self.spec, extreme.angle_deg)
+                worst, note = needed, _place_note(question.physical, extreme.angle_deg)
         return (worst, note) if worst > -inf else (None, ALONE)
 
 

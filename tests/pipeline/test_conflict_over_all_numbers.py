@@ -8,12 +8,14 @@ import pytest
 
 from synthesis import DesignSpec, synthesise
 from synthesis.design.design import Design
+from synthesis.numerics import clock
 from synthesis.pipeline import conflict
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 
 REQUEST, MOST = 31.8, 13.0
 STEPS = {"min": 4.83, "max": 11.3}
 REQUESTS = {"limits/0/return_deg": REQUEST, "base_radius_mm/max": MOST}
+SECONDS = 15.0  # 500 programs
 SPLITS = (4.83, 8.3)
 
 
@@ -43,16 +45,16 @@ def question(return_deg: float, first: Any = None, most: float = MOST) -> Design
 
 @pytest.fixture(scope="module")
 def explained() -> Design:
-    """Of two of its numbers alone, by so many programs."""
+    """Of two of its numbers alone, in so many programs: they are the clock."""
 
     def two_numbers(spec: DesignSpec) -> list[Relaxable]:
         return [number for number in relaxable_numbers(spec) if number.paths[0] in REQUESTS]
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(conflict, "MOST_PROGRAMS", 500)
+        patched.setattr(clock, "now", lambda: 0.03 * clock.programs_solved())
         patched.setattr(conflict, "relaxable_numbers", two_numbers)
         patched.setattr(conflict, "program_numbers", lambda *_: ())
-        return synthesise(question(REQUEST))
+        return synthesise(question(REQUEST).model_copy(update={"time_budget_s": SECONDS}))
 
 
 def known(design: Design, field: str) -> tuple[float, float]:

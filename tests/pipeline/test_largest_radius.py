@@ -342,3 +342,11 @@ def test_a_cam_next_to_the_smallest_is_found_whatever_is_made_small(
     most = {"max": smallest.certificate.value * (1.0 + spare)}
     other = {"proof": "quick", "base_radius_mm": most, "objective": {"kind": "peak_acceleration"}}
     assert synthesise(DesignSpec.model_validate({**question, **other})).motion
+
+
+def test_a_radius_next_to_the_smallest_may_be_given() -> None:
+    fine = {"proof": "quick", "tolerance": 1e-5, "objective": {"kind": "base_radius"}}
+    smallest = synthesise(DesignSpec.model_validate({**CONVEX, **fine})).certificate.value
+    other = {"proof": "quick", "objective": {"kind": "peak_acceleration"}}
+    given = {**CONVEX, **other, "base_radius_mm": smallest * (1.0 + 3e-5)}
+    assert synthesise(DesignSpec.model_validate(given)).motion

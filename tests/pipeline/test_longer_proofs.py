@@ -625,6 +625,9 @@ def test_after_a_nearer_value_a_proof_is_tried_half_way_to_the_one_that_failed()
     assert tolerance_there == pytest.approx(
         longer_proofs.WITHIN[0] * found.slope * (found.zero - half_way)
     )
+    found._try(first, tolerance, 0.0)
+    assert found.unproven == inf  # proven after all, on the way to a cam
     found.boundary.oracle = cast(Oracle, questions)
+    found.unproven, found.boundary.excluded = first, REQUEST + nearer
     found._wait(10.0)  # with more time that one is tried again
     assert (found._next_trial() or [0.0])[0] == pytest.approx(first)

@@ -19,20 +19,17 @@ from synthesis.optimise.problem.residual_vibration import VibrationTerm, switchi
 
 
 def vibration_terms(
-    model: ConicModel,
-    order: int,
-    multipliers: Sequence[tuple[VibrationTerm, Array]],
-    count: int = 1,
+    model: ConicModel, order: int, multipliers: Sequence[tuple[VibrationTerm, Array]], sets: int = 1
 ) -> tuple[Terms, Array]:
     """Limits on residual vibration, with multipliers y of their two rows: (q, 2) each.
 
-    ``order``: m, of the control. ``count``: q.
+    ``order``: m, of the control. ``sets``: q.
 
     Returns:
         the terms, and how far the laws' true ψ may be from theirs: (q, laws).
     """
     sizes = len(model.problem.sizing.bounds)
-    terms, error = Terms(), np.zeros((count, len(model.grids)))
+    terms, error = Terms(), np.zeros((sets, len(model.grids)))
     for vibration, y in multipliers:
         if not y.any():
             continue

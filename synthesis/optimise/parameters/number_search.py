@@ -36,7 +36,7 @@ INWARDS = 0.5
 """Of the way from where a bound is least to the best numbers: with several free directions the
 former jump about between far corners."""
 SHARE_OF_GAP = 0.1  # of the gap at hand, to which single numbers are solved at most
-BUDGET = "budget of the proof"
+SUFFICIENT, BUDGET = "sufficient", "budget of the proof"  # exits, as of single programs
 ALL_NUMBERS = "at all angles and lifts that are free"
 ROUNDING = 1e-9  # of the box [0, 1]: what the equations may miss
 
@@ -212,11 +212,12 @@ class NumberSearch:
                     heappush(heap, (lower, next(order), inside))
         value, numbers, state = self.best
         lower = self._lower = min([pruned, *(each[0] for each in heap)])
+        enough = self._suffices or self._on_wire(lower) >= self._enough.bound
         return NumberProof(
             numbers, value, lower,
             f"{all_laws(self.known[0][0].lagrangian.order)}, {ALL_NUMBERS}",
-            partial(state.gap_between, state.incumbent), self._searches, why, self._curved,
-            self._suffices or self._on_wire(lower) >= self._enough.bound,
+            partial(state.gap_between, state.incumbent), self._searches,
+            SUFFICIENT if enough else why, self._curved, enough,
         )  # fmt: skip
 
     def bound(self, box: Box, target: float) -> tuple[float, Array]:
@@ -260,7 +261,7 @@ class NumberSearch:
     def _reason_to_end(self, last_program: float, deadline: float) -> str:
         """Why no further program is solved, whatever the boxes' bounds; empty: one may be."""
         if self._suffices:
-            return "sufficient"
+            return SUFFICIENT
         late = clock.now() >= deadline
         return "time" if late else BUDGET if clock.programs_solved() >= last_program else ""
 

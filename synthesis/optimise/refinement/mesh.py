@@ -1,9 +1,10 @@
 """The next mesh: knots where the law costs more than the ideal one, points where rows are violated.
 
-Where a tolerance asks for its last digits, knots are moved onto the switches of the best law
-(``polish_knots``). Its highest derivative is often constant but for steps: ±cap, 0, or what a
-quadratic objective leaves. A spline's is constant between knots; where a step falls between two of
-them, that interval has a value in between, and its share of either level says where the step is.
+Where a tolerance asks for its last digits, or meshes leave more than it, knots are moved onto the
+switches of the best law (``polish_knots``). Its highest derivative is often constant but for steps:
+±cap, 0, or what a quadratic objective leaves. A spline's is constant between knots; where a step
+falls between two of them, that interval has a value in between, and its share of either level says
+where the step is.
 With knots there the spline is the best law itself, and the bound gets its best multipliers.
 """
 
@@ -41,7 +42,9 @@ from synthesis.optimise.state import SolveState, Stage
 
 MOST_INTERVALS: Final = 480  # of a law: a cone program of twice as many takes seconds
 COSTLY: Final = 0.05  # of the mean loss of all laws: intervals that lose more get knots
-COARSEST_POLISH: Final = 1e-4  # tolerance: knots are moved with this one or a finer one
+COARSEST_POLISH: Final = 1e-4
+"""Tolerance: with this one or a finer one knots are moved in any case, with a coarser one where the
+mesh leaves most of the gap."""
 POLISH_INTERVALS: Final = (48, 432)
 """Equal ones between the switches, at least and at most: along arcs where a limit binds, a law on
 48 of them costs some 1e-5 more than the best, which falls with the square of their number."""
@@ -178,13 +181,16 @@ def polish_knots(state: SolveState, solve_once: SolveOnce) -> SolveState:
     if cam is None or not state.problem.free:
         return state
     unfit = state.problem.has_curved_limits or state.problem.objective.quasiconvex
-    if state.tolerance > COARSEST_POLISH:  # what limits outside the relaxation cost is none of it
+    if state.tolerance > COARSEST_POLISH:
+        # Only where the mesh leaves more of the gap than limits outside the relaxation do.
         best = state.incumbent
         unfit |= best is None or best.value - cam.value > cam.value - state.lower
+        unfit |= state.cam_only
     if unfit or (state.is_close(cam) and state.covers_all_laws):
         return state
     state = _move_knots(state, cam, solve_once)
-    return state if state.suffices else _improve_multipliers(state, solve_once)
+    enough = state.suffices or state.cam_only
+    return state if enough else _improve_multipliers(state, solve_once)
 
 
 def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState:

@@ -227,7 +227,7 @@ def test_what_the_ledger_books_is_what_the_rows_say() -> None:
             image += rows @ plan.recover(x)[0][share.position].coefficients
         expected += float(y @ image) - float(np.linalg.norm(y)) * ring.radius
     ledger = Lagrangian(plan, 3)
-    terms, missed = vibration_terms(plan, 3, z)
+    terms, missed = vibration_terms(plan, 3, plan.vibration_multipliers(np.atleast_2d(z)))
     for rows, mass in terms:
         ledger.add_rows(rows, mass)
     ledger.reduce()
