@@ -593,12 +593,12 @@ def test_a_proof_ends_with_a_cam_of_little_excess_there() -> None:
 
     def relaxed(*given: Any, enough: float, **_: Any) -> Any:
         tolerances.append(enough)
-        return answer(0.9 * enough, 3.0 * tolerance, 0.0)
+        return answer(1.2 * enough, 3.0 * tolerance, 0.0)  # as the certificate measures it
 
     found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=relaxed))
     found._try(way, tolerance, enough)
     assert tolerances == [enough]
-    assert found.points[-1][:2] == pytest.approx((way, 0.9 * enough))
+    assert found.points[-1][:2] == pytest.approx((way, 1.2 * enough))
     assert found.open_gap == 0.0
 
 
@@ -609,16 +609,18 @@ def test_after_a_nearer_value_a_proof_is_tried_half_way_to_the_one_that_failed()
     found.points.append(Point(1.0, 0.05, 1e-3))
     first, tolerance, _ = found._next_trial() or (0.0, 0.0, 0.0)
     left = answer(0.006, 0.02)
-    left.proof, left.bound_excess = "", -0.01
+    left.proof, left.excess, left.bound_excess = "", 1e-3, -5e-3
     found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=lambda *_, **__: left))
     found._try(first, tolerance, 0.0)
     assert found.unproven == first
+    assert found.zero == pytest.approx(first + 1e-3 / found.slope)  # no farther than that
     nearer, *_ = found._next_trial() or (inf,)
     assert nearer < first
     proven = answer(0.02, 0.001)
     found.boundary.oracle = cast(Oracle, SimpleNamespace(relaxed=lambda *_, **__: proven))
     found._try(nearer, tolerance, 0.0)
     assert found.bad == pytest.approx(nearer)
+    found.boundary.nearest = REQUEST + found.zero, cast(Trial, answer(0.0, 1e-9))
     half_way, tolerance_there, enough = found._next_trial() or (inf, 0.0, 0.0)
     assert half_way == pytest.approx(0.5 * (nearer + first))
     assert enough == pytest.approx(longer_proofs.HOPELESS * tolerance_there)
@@ -629,5 +631,5 @@ def test_after_a_nearer_value_a_proof_is_tried_half_way_to_the_one_that_failed()
     assert found.unproven == inf  # proven after all, on the way to a cam
     found.boundary.oracle = cast(Oracle, questions)
     found.unproven, found.boundary.excluded = first, REQUEST + nearer
-    found._wait(10.0)  # with more time that one is tried again
-    assert (found._next_trial() or [0.0])[0] == pytest.approx(first)
+    found._wait(10.0)  # with more time one as near is tried again
+    assert (found._next_trial() or [0.0])[0] >= first

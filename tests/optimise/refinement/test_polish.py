@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -31,6 +32,53 @@ def test_laws_without_a_switch_get_no_mesh_of_their_switches(
         pytest.fail("a program without a mesh")
 
     assert mesh._improve_multipliers(state, solve_once) == ("raised", state)
+
+
+def test_where_no_law_fits_on_few_knots_the_multipliers_stay(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The program of the best ones takes seconds on many."""
+
+    def intervals(count: int) -> Any:
+        return (SimpleNamespace(space=SimpleNamespace(breaks=range(count + 1))),)
+
+    @dataclass(frozen=True)
+    class State:
+        relaxation: Any = (SimpleNamespace(grids=intervals(800)), None, None)
+        relaxed: Any = "cam"
+        problem: Any = None
+        time_left: float = 1.0
+        grids: Any = ()
+        stages: tuple[Any, ...] = ()
+
+        def is_close(self, cam: Any) -> bool:
+            return False
+
+    monkeypatch.setattr(mesh, "grids_on_switches", lambda *_: intervals(100))
+    monkeypatch.setattr(mesh, "_with_best_multipliers", lambda state: "raised")
+    state: Any = State()
+    assert mesh._improve_multipliers(state, lambda state, number: (state, None)) is state
+
+
+@pytest.mark.parametrize(("tolerance", "moved"), [(1e-2, False), (1e-5, True)])
+def test_a_search_for_a_cam_alone_moves_knots_for_its_digits_at_most(
+    monkeypatch: pytest.MonkeyPatch, tolerance: float, moved: bool
+) -> None:
+    """Nobody asks for its bound."""
+    problem = SimpleNamespace(
+        free=(1,), has_curved_limits=False, objective=SimpleNamespace(quasiconvex=False)
+    )
+    cam = SimpleNamespace(value=1.1)
+    state: Any = SimpleNamespace(
+        relaxed=cam, incumbent=cam, lower=0.5, tolerance=tolerance, cam_only=True, problem=problem,
+        is_close=lambda cam: False, suffices=False, covers_all_laws=True,
+    )  # fmt: skip
+    polished: Any = SimpleNamespace(suffices=False, cam_only=True)
+    monkeypatch.setattr(mesh, "_move_knots", lambda *_: polished)
+    monkeypatch.setattr(mesh, "_improve_multipliers", lambda *_: pytest.fail("a bound"))
+    assert mesh.polish_knots(state, lambda *_: pytest.fail("a program")) is (
+        polished if moved else state
+    )
 
 
 def test_a_law_on_arcs_is_next_to_the_best_to_a_millionth() -> None:
