@@ -27,6 +27,7 @@ from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import (
     add_midpoints,
+    count_intervals,
     halve_intervals,
     is_same_mesh,
     polish_knots,
@@ -124,7 +125,7 @@ class RootNode(Node):
             return self._finish(replace(state, grids=mesh))
         idle = IDLE * _over_bound(gap_before) < _over_bound(state.relaxation_gap) < inf
         fine = state.relaxation_gap <= FINE_ENOUGH * state.tolerance  # for the local search
-        intervals = _count(state.grids)
+        intervals = count_intervals(state.grids)
         many_added = intervals >= GROWTH * self.previous_interval_count
         gained = state.lower - bound_before
         if (
@@ -305,11 +306,6 @@ def _with_first_cam(state: SolveState, mesh_number: int) -> SolveState:
     return state if known or not state.problem.omits_curved_rows else local_search(state)
 
 
-def _count(grids: Sequence[Grid]) -> int:
-    """Intervals of all laws."""
-    return sum(len(grid.space.breaks) - 1 for grid in grids)
-
-
 def _mesh_for_local_search(
     state: SolveState, cam: Candidate | None, bound: Bound | None, violations: Sequence[Array]
 ) -> tuple[Grid, ...]:
@@ -336,7 +332,7 @@ def _needs_no_finer_mesh(
         return False
     value = in_problem_units(model, model.program.value(solution.x))
     close = value - bound.value <= 0.5 * state.tolerance * abs(value)
-    return close or _count(state.grids) > FINEST_WITHOUT_ROWS
+    return close or count_intervals(state.grids) > FINEST_WITHOUT_ROWS
 
 
 def _solve_fractional(state: SolveState, _: float) -> MeshSolution:

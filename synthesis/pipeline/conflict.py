@@ -75,10 +75,10 @@ def explain(
     spec = attempt.question.physical
     most = inf if spec.time_budget_s is not None else clock.programs_solved() + MOST_PROGRAMS
     own = asked if attempt.chosen_values else spec
-    has_time = spec.time_budget_s is not None or spec.proof == "thorough"
     chosen = bool(attempt.chosen_values)
-    if chosen:  # programs of a search over numbers are not counted one by one
-        has_time = spec.time_budget_s is not None
+    # Programs of a search over numbers are not counted one by one: it takes a time.
+    counted = spec.proof == "thorough" and not chosen
+    has_time = spec.time_budget_s is not None or counted
     longer = has_time and spec.proof != "quick"
     oracle = Oracle(spec, own, deadline, most, has_longer_proofs=longer and not chosen)
     numbers = relaxable_numbers(oracle.spec)

@@ -42,7 +42,7 @@ from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import formulate
-from synthesis.optimise.driver import optimise
+from synthesis.optimise.driver import BUDGET, optimise
 from synthesis.optimise.parameters.number_search import ALL_NUMBERS, Box, NumberProof
 from synthesis.optimise.parameters.placement import Placement
 from synthesis.optimise.problem.grid import uniform_grid
@@ -187,7 +187,7 @@ class LongerMoves:
         target = objective.from_wire(value * (1.0 - self.tolerance), machine)
         while heap and heap[0][0] < target:
             if clock.now() >= deadline or clock.programs_solved() >= last_program:
-                why = "time" if clock.now() >= deadline else "budget of the proof"
+                why = "time" if clock.now() >= deadline else BUDGET
                 break
             # 3. Where laws decide together, narrower boxes have better bounds.
             lower, _, box = heappop(heap)

@@ -20,6 +20,7 @@ import numpy as np
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.polytope import Polytope
+from synthesis.optimise.driver import BUDGET, SUFFICIENT
 from synthesis.optimise.dual_bound.bound import all_laws
 from synthesis.optimise.parameters.parametric_bound import (
     ParametricBound,
@@ -36,7 +37,6 @@ INWARDS = 0.5
 """Of the way from where a bound is least to the best numbers: with several free directions the
 former jump about between far corners."""
 SHARE_OF_GAP = 0.1  # of the gap at hand, to which single numbers are solved at most
-SUFFICIENT, BUDGET = "sufficient", "budget of the proof"  # exits, as of single programs
 ALL_NUMBERS = "at all angles and lifts that are free"
 ROUNDING = 1e-9  # of the box [0, 1]: what the equations may miss
 

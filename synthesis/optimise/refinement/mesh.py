@@ -202,7 +202,7 @@ def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState
         return state
     cam, (fewest, _), (model, _, _) = state.relaxed, POLISH_INTERVALS, state.relaxation
     grids = () if cam is None else grids_on_switches(state.problem, cam, fewest)
-    if not grids or _interval_count(model.grids) <= _interval_count(grids):
+    if not grids or count_intervals(model.grids) <= count_intervals(grids):
         return _with_best_multipliers(state)
     coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
     if coarse.relaxation is state.relaxation:  # no law fits on these: too many knots are left
@@ -210,7 +210,8 @@ def _improve_multipliers(state: SolveState, solve_once: SolveOnce) -> SolveState
     return replace(_with_best_multipliers(coarse), grids=state.grids, relaxation=state.relaxation)
 
 
-def _interval_count(grids: Sequence[Grid]) -> int:
+def count_intervals(grids: Sequence[Grid]) -> int:
+    """Intervals of all laws."""
     return sum(len(grid.space.breaks) - 1 for grid in grids)
 
 
