@@ -30,9 +30,9 @@ from synthesis.optimise.refinement.mesh import (
     count_intervals,
     halve_intervals,
     is_same_mesh,
-    polish_knots,
     refine_mesh,
 )
+from synthesis.optimise.refinement.polish import polish_knots
 from synthesis.optimise.relaxation.any_law import size_conflict
 from synthesis.optimise.separation.mesh_relaxation import (
     offer_cam,

@@ -25,7 +25,11 @@ from synthesis.optimise.problem.problem import (
 )
 from synthesis.optimise.recovery.candidate import Candidate, given_cam, objective_value
 from synthesis.optimise.recovery.counter_roller import place_counter_roller
-from synthesis.optimise.refinement.mesh import COARSEST_POLISH, grids_on_switches, polish_intervals
+from synthesis.optimise.refinement.polish import (
+    COARSEST_POLISH,
+    grids_on_switches,
+    polish_intervals,
+)
 from synthesis.optimise.state import AT_END, SINGLE_SHARE, SolveState
 from synthesis.pipeline.assembly import Bounded, Cam, certify_cam, to_physical_cam
 from synthesis.pipeline.goal import Goal, proof_budget

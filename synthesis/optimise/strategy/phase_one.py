@@ -37,7 +37,8 @@ from synthesis.optimise.problem.derivative_caps import caps_derivative, highest_
 from synthesis.optimise.problem.grid import RAMP_STEP, Grid, SplineLaw, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, Problem
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
-from synthesis.optimise.refinement.mesh import grids_on_switches, is_same_mesh, refine_mesh
+from synthesis.optimise.refinement.mesh import is_same_mesh, refine_mesh
+from synthesis.optimise.refinement.polish import grids_on_switches
 
 MAX_ITERATIONS = 8  # of moving knots to the switches of the ideal law
 PROOF_ITERATIONS = 12  # of finer knots in a proof that limits exclude each other
