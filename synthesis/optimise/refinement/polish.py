@@ -294,6 +294,8 @@ def _ends_of_arc(
     # Wider by what intervals outside both knots have of its level; narrower by what those between
     # have of the levels outside.
     level = float(np.mean(levels[left:right])) if returns else 0.0
+    if abs(level - start) <= least:
+        return []  # between the knots the derivative is at its cap
     before = (levels[:left] - start) / (level - start) @ widths[:left]
     behind = (levels[right:] - end) / (level - end) @ widths[right:]
     excess = float((levels[left:right] - level) @ widths[left:right])

@@ -164,6 +164,28 @@ def test_a_step_to_an_arc_of_the_same_sign_is_one() -> None:
     assert len(polish._locate_switches(KNOTS, level, np.array([0.302]))) == 1
 
 
+@pytest.mark.parametrize("cap", [1.0, -1.7])
+def test_a_derivative_that_comes_back_to_its_cap_has_both_ends_of_the_arc(cap: float) -> None:
+    level = np.full(8, cap)
+    level[3] = 0.85 * cap  # 15 % of [0.25, 0.302] are missing
+    found = polish._locate_switches(KNOTS, level, np.zeros(0))
+    assert found == pytest.approx([0.276 - 0.0039, 0.276 + 0.0039], abs=1e-12)
+    # With knots there, at whatever level it is between them, it is wider by what is missing beside.
+    knots = np.array([0.0, 0.1, 0.2, 0.25, *found, 0.35, 0.4, 0.6, 1.0])
+    level = np.array([1.0, 1.0, 1.0, 0.95, -0.5, 0.98, 1.0, 1.0, 1.0]) * cap
+    wider = polish._locate_switches(knots, level, found)
+    left, right = found[0] - 0.25, 0.35 - found[1]
+    assert wider == pytest.approx(
+        [found[0] - 0.05 / 1.5 * left, found[1] + 0.02 / 1.5 * right], abs=1e-12
+    )
+    assert len(polish._locate_switches(KNOTS, np.full(8, cap), found)) == 0
+
+
+def test_between_two_knots_at_a_cap_lies_no_arc() -> None:
+    level = np.array([1.0, 1.0, 1.0, 0.5, 1.0, 0.5, 1.0, 1.0])
+    assert len(polish._locate_switches(KNOTS, level, KNOTS[[4, 5]])) == 0
+
+
 def test_the_ramps_at_both_ends_are_no_part_of_a_step_next_to_them() -> None:
     ramp = 4e-5
     knots = np.array([0.0, ramp, 0.02, 0.04, 0.06, 0.3, 0.6, 0.94, 0.96, 1.0 - ramp, 1.0])
