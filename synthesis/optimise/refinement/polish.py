@@ -44,7 +44,7 @@ POLISH_INTERVALS: Final = (48, 432)
 POLISH_INTERVALS_AT_UNIT_TOLERANCE: Final = 0.4  # by the same square: over the root of a tolerance
 POLISH_ITERATIONS: Final = 8  # of moving knots to switches, and of making ramps shorter
 SHORTER: Final = 0.25  # from one length of the ramps to the next
-MOST_IDLE: Final = 1  # of these iterations in turn: a cam that does not gain
+MOST_IDLE: Final = 1  # of these iterations in turn that give no better cam, before the last
 LITTLE: Final = 0.1  # of the tolerance: a cam that gains less is the best as far as is asked
 STAYS: Final = 1e-9  # share of a segment: a switch that moves by less has been located
 STEP: Final = 0.02  # share of the derivative's range: less is no switch
@@ -94,16 +94,16 @@ def _move_knots(
         shorten = shorten or nearly_equal(switches, before, STAYS)
         if not switches or (shorten and not has_ramps) or state.time_left <= 0.0:
             break
-        # 1. The best law with knots on the switches, and the switches of that law.
+        # 1. The best law with knots on the switches, and where that law switches itself.
         ramp_step *= SHORTER if shorten else 1.0
         intervals = polish_intervals(state.tolerance)
         grids = _through_switches(state.problem, switches, intervals, order, ramp_step)
         state, latest = solve_once(replace(state, grids=grids), len(state.stages) + 1)
         if latest is None:
             break
-        found_before, found = found, _switches_of_laws(latest, order, switches)
         if state.suffices or (state.is_close(state.relaxed) and state.covers_all_laws):
             break
+        found_before, found = found, _switches_of_laws(latest, order, switches)
         # 2. Go on while the cam gains. One that does not may have knots beyond its switches, on
         #    the other side than those before: the next ones lie between.
         gained = cam.value - latest.value > LITTLE * state.tolerance * latest.value
@@ -126,7 +126,7 @@ def _extrapolate(
     either side of a switch in turn is its fixed point taken, which lies between; else what is found
     last.
     """
-    if [*map(len, before)] != [*map(len, found)] or [*map(len, on_knots)] != [*map(len, found)]:
+    if not [*map(len, before)] == [*map(len, on_knots)] == [*map(len, found)]:
         return found
     result = list[Array]()
     for x, f_of_x, z, f_of_z in zip(before, found_before, on_knots, found, strict=True):
@@ -147,8 +147,7 @@ def _improve_multipliers(
     if state.relaxation is None or state.time_left <= 0.0 or state.is_close(state.relaxed):
         return state
     (fewest, _), (model, _, _), problem = POLISH_INTERVALS, state.relaxation, state.problem
-    order = control_order(problem)
-    grids = _through_switches(problem, switches, fewest, order) if switches else ()
+    grids = _through_switches(problem, switches, fewest, control_order(problem))
     if not grids or count_intervals(model.grids) <= count_intervals(grids):
         return _with_best_multipliers(state)
     coarse, _ = solve_once(replace(state, grids=grids), len(state.stages) + 1)
@@ -187,13 +186,15 @@ def grids_on_switches(problem: Problem, cam: Candidate, intervals: int) -> tuple
     Nothing where no law has a step.
     """
     order = control_order(problem)
-    switches = _switches_of_laws(cam, order)
-    return _through_switches(problem, switches, intervals, order) if switches else ()
+    return _through_switches(problem, _switches_of_laws(cam, order), intervals, order)
 
 
 def _through_switches(
     problem: Problem, switches: Switches, intervals: int, order: int, ramp_step: float = RAMP_STEP
 ) -> tuple[Grid, ...]:
+    """Equal intervals, and knots on the switches; nothing where there are none."""
+    if not switches:
+        return ()
     equal = tuple(uniform_grid(segment, intervals) for segment in problem.free)
     states, _ = boundary_states(problem.segments, equal)
     grids = list[Grid]()
@@ -278,24 +279,25 @@ def _ends_of_arc(
         known: breaks that are known as switches. least: a smaller change of the level is none.
     """
     (start, end), widths = outside, np.diff(breaks)
-    returns = abs(start - end) <= least
-    if min(abs(start), abs(end)) <= least or (start * end > 0.0 and not returns):
+    comes_back, has_ends = abs(start - end) <= least, len(known) > 1
+    if min(abs(start), abs(end)) <= least or (start * end > 0.0 and not comes_back):
         return []
-    left, right = (int(known[0]), int(known[-1])) if len(known) else (0, 0)
-    if returns and left == right:
+    if comes_back and not has_ends:
         # As wide as if it were 0, about the middle by moments of what the integral lacks.
         share = (1.0 - levels / start) * widths
         width = float(np.sum(share))
         middle = float(share @ (0.5 * (breaks[1:] + breaks[:-1]))) / width if width else 0.0
         return [middle - 0.5 * width, middle + 0.5 * width] if width > 0.0 else []
-    beside = min(abs(levels[left - 1] - start), abs(levels[left] - end))
-    if left == right and (left == 0 or beside <= least):
+    if not len(known):
+        return []
+    left, right = int(known[0]), int(known[-1])
+    if not has_ends and min(abs(levels[left - 1] - start), abs(levels[right] - end)) <= least:
         return []  # the switch is not where the knot is
-    # Wider by what intervals outside both knots have of its level; narrower by what those between
-    # have of the levels outside.
-    level = float(np.mean(levels[left:right])) if returns else 0.0
+    level = float(np.mean(levels[left:right])) if comes_back else 0.0
     if abs(level - start) <= least:
         return []  # between the knots the derivative is at its cap
+    # Wider by what intervals outside both knots have of its level; narrower by what those between
+    # have of the levels outside.
     before = (levels[:left] - start) / (level - start) @ widths[:left]
     behind = (levels[right:] - end) / (level - end) @ widths[right:]
     excess = float((levels[left:right] - level) @ widths[left:right])
