@@ -150,11 +150,15 @@ def twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str, Any]]:
     }
 
 
+Number = Annotated[float, Field(ge=-1e30, le=1e30)]
+"""A number of either sign whose squares and cubes are no overflow, in any unit of length."""
+
+
 class Range(FiniteModel):
     """A dimension left free between two ends; an end left out is open."""
 
-    min: float | None = Field(None, description="Smallest value allowed.")
-    max: float | None = Field(None, description="Largest value allowed.")
+    min: Number | None = Field(None, description="Smallest value allowed.")
+    max: Number | None = Field(None, description="Largest value allowed.")
 
     @model_validator(mode="after")
     def _ordered(self) -> Range:
@@ -166,6 +170,11 @@ class Range(FiniteModel):
                 {"low": self.min, "high": self.max},
             )
         return self
+
+
+def range_between(low: float | None, high: float | None) -> Range:
+    """A range in a question of our own: its ends may lie beyond what may be asked for."""
+    return Range().model_copy(update={"min": low, "max": high})
 
 
 class AngleRange(Range):
@@ -214,7 +223,7 @@ Keyway = Annotated[
 ]
 
 Dimension = Annotated[
-    float | Range | None,
+    Number | Range | None,
     Field(
         description="A number fixes it; {min, max} leaves it free in between; "
         "left out, it is free within what is physical."
@@ -268,15 +277,15 @@ def ends(dimension: float | Range | None) -> tuple[float, float]:
     return -math.inf if low is None else low, math.inf if high is None else high
 
 
-def named_lengths(*models: BaseModel) -> Iterator[float]:
-    """Every length [mm] that models name, ends of ranges too."""
+def named_lengths(*models: BaseModel) -> Iterator[tuple[str, float, float]]:
+    """Every length that models name: its field, its lower and its upper end [mm]."""
     for model in models:
         for name in type(model).model_fields:
             value = getattr(model, name)
             if isinstance(value, BaseModel) and not isinstance(value, Range):
                 yield from named_lengths(value)
             elif name.endswith("_mm") and isinstance(value, float | Range):
-                yield from (abs(end) for end in ends(value) if math.isfinite(end))
+                yield (name, *ends(value))
 
 
 def without_end(dimension: float | Range | None, end: str) -> Range | None:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from math import inf
 
 from synthesis.catalogue.constraints import Vector
-from synthesis.catalogue.fields import Range
+from synthesis.catalogue.fields import range_between
 from synthesis.design.design import Effort
 from synthesis.numerics import clock
 from synthesis.optimise.problem.problem import Problem
@@ -113,7 +113,7 @@ def enlarge_until_simple(
         trial_radius = min(least + step, largest) if found_none else 0.5 * (least + most)
         if clock.now() >= goal.stop or trial_radius <= least * (1.0 + 0.1 * accuracy):
             break
-        raised = Range(min=trial_radius, max=largest)
+        raised = range_between(trial_radius, largest)
         larger = spec.model_copy(update={"base_radius_mm": raised, "proof": "quick"})
         trial_question = question.with_scaled(larger)
         trial = unsolved(replace(self_crossing_attempt, question=trial_question), larger)

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from synthesis.catalogue.fields import Range, ends, without_end
+from synthesis.catalogue.fields import Range, ends, range_between, without_end
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Claim, Limit
 from synthesis.spec.design_spec import DesignSpec
@@ -162,7 +162,7 @@ def _without_maximum(spec: DesignSpec) -> Range | None:
     largest = BEYOND * ends(spec.base_radius_mm)[1]
     if spec.model_copy(update={"base_radius_mm": opened}).searched_radii()[1] >= largest:
         return opened
-    return Range(min=None if opened is None else opened.min, max=largest)
+    return range_between(None if opened is None else opened.min, largest)
 
 
 def relaxed(spec: Spec, number: Relaxable, value: float) -> Spec:
@@ -172,7 +172,7 @@ def relaxed(spec: Spec, number: Relaxable, value: float) -> Spec:
         if number.sense == "±":
             spec = _with(spec, parent, _widened(_at(spec, parent), field, changed))
         elif number.sense == "=":
-            both = Range(min=min(requested, changed), max=max(requested, changed))
+            both = range_between(min(requested, changed), max(requested, changed))
             spec = _with(spec, place, both)
         else:
             spec = _with(spec, place, changed)
@@ -283,4 +283,4 @@ def _widened(item: BaseModel, field: str, deviation: float) -> BaseModel:
     if field.startswith("travel_") and tolerance in type(item).model_fields:
         return item.model_copy(update={tolerance: deviation})
     low, high = ends(getattr(item, field))
-    return item.model_copy(update={field: Range(min=low - deviation, max=high + deviation)})
+    return item.model_copy(update={field: range_between(low - deviation, high + deviation)})

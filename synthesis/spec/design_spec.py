@@ -39,7 +39,12 @@ from synthesis.spec.free_parameters import FreeParameters, ProgramAndFollower
 from synthesis.spec.program import Segment
 from synthesis.spec.schedule import angles_of, check_closed, check_turn, check_units, placed
 from synthesis.spec.shaft import check_shaft
-from synthesis.spec.well_posedness import check_growth_ends, check_jerk_finite, check_shrinking_ends
+from synthesis.spec.well_posedness import (
+    check_growth_ends,
+    check_jerk_finite,
+    check_shrinking_ends,
+    check_size_ratio,
+)
 from synthesis.units import MotionUnits, rad_per_s
 
 MAX_SEGMENTS = 100  # of a program
@@ -134,18 +139,18 @@ class DesignSpec(FiniteModel):
         self._check_parameters()
         self._check_closure()
         segments = self.placed_segments()
+        check_size_ratio(self.follower, self.base_radius_mm, self.stroke())
         self._check_base_radius()
         self.free_parameters.check_reach(lambda values: self._with(values).check_reach())
         self._check_limits(segments)
         named = [(getattr(limit, "place", limit.kind), limit) for limit in self.all_limits()]
         check_jerk_finite(segments, named, self.objectives(), self.machine())
         requested, searched = self.requested_radii(), self.searched_radii()
-        reached = self.base_radius_range()
-        aims = self.objectives()
+        reached, aims = self.base_radius_range(), self.objectives()
         check_growth_ends(self.follower, self.limits, aims, requested, searched, reached)
-        if self.objective is None or self.objectives()[0].kind == "base_radius":
-            law_is_free = any(segment.law_is_free for segment in segments)
-            check_shrinking_ends(self.follower, self.limits, requested, law_is_free=law_is_free)
+        if self.objective is None or aims[0].kind == "base_radius":
+            free = any(segment.law_is_free for segment in segments)
+            check_shrinking_ends(self.follower, self.limits, requested, law_is_free=free)
         return self
 
     def _check_parameters(self) -> None:
@@ -182,9 +187,8 @@ class DesignSpec(FiniteModel):
                 "base_radius_mm = {value} leaves no positive base radius. Give a positive one.",
                 {"value": largest},
             )
-        hub, shaft = self.hub, self.shaft_diameter_mm
         follower = self.follower.without_free_counter()
-        check_shaft(follower, shaft, hub, largest, keyway=self.keyway)
+        check_shaft(follower, self.shaft_diameter_mm, self.hub, largest, keyway=self.keyway)
 
     def _check_limits(self, segments: Segments) -> None:
         """Refuse limits and a load that do not suit the follower, its motion, or each other."""
@@ -289,8 +293,7 @@ class DesignSpec(FiniteModel):
 
     def stroke(self) -> float:
         """Highest less lowest displacement [mm]: the unit of length inside the formulations."""
-        lowest, highest, _ = self._reach
-        return highest - lowest
+        return self._reach[1] - self._reach[0]
 
     @property
     def hub(self) -> float | None:
@@ -327,7 +330,8 @@ class DesignSpec(FiniteModel):
         least = max(least, 0.0)
         if math.isfinite(largest):
             return least, largest
-        lengths = named_lengths(self.follower, *self.limits)
+        named = named_lengths(self.follower, *self.limits)
+        lengths = (abs(end) for _, *both in named for end in both if math.isfinite(end))
         return least, FARTHEST * max(self.stroke(), least, *lengths)
 
     def all_limits(self) -> tuple[Limit, ...]:

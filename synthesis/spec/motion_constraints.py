@@ -11,13 +11,13 @@ from typing import Annotated
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import Range, UnitFields, ends
+from synthesis.catalogue.fields import Number, Range, UnitFields, ends
 from synthesis.catalogue.limits.motion import FIELDS, TRAVEL, SegmentBound
 
 SHORTEST = 1e-3  # of the segment: knots may not lie closer
 MOST = 50  # windows, and points, on a segment
 Degrees = Annotated[float, Field(ge=0.0, le=360.0)]
-Bounds = float | Range | None
+Bounds = Number | Range | None
 Bound = tuple[int, str, float, float]  # order of the derivative, field, lower and upper bound
 
 

@@ -1,4 +1,7 @@
-"""Questions without an answer: no cam is the best one, or a limit speaks of what is infinite."""
+"""Questions without an answer.
+
+No cam is the best one, a limit speaks of what is infinite, or rounding hides the motion.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,31 @@ from collections.abc import Sequence
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import Ends
+from synthesis.catalogue.fields import Range, ends, named_lengths
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import Segments
 from synthesis.catalogue.objectives import Objective
 
 JERK = 3  # order of the derivative
+LARGEST_RATIO = 1e9  # of a length to the stroke: numbers of the problem are rounded to 1e-11
+
+
+def check_size_ratio(follower: Follower, base_radius: float | Range | None, stroke: float) -> None:
+    """Refuse lengths [mm] so far above the stroke that rounding errors are as large as the motion.
+
+    What leaves a range open towards small lengths is no such length.
+    """
+    named = [("base_radius_mm", *ends(base_radius)), *named_lengths(follower)]
+    for field, low, high in named:
+        if max(low, -high) > LARGEST_RATIO * stroke:
+            raise PydanticCustomError(
+                "length_beyond_stroke",
+                "{field} = {length} mm is over a billion times the stroke, which is {stroke} mm: "
+                "numbers of 16 digits do not tell such a motion from rounding errors. Check the "
+                "units of the two.",
+                {"field": field, "length": max(low, -high), "stroke": f"{stroke:.6g}"},
+            )  # fmt: skip
 
 
 def check_growth_ends(

@@ -117,3 +117,59 @@ def test_elsewhere_the_base_circle_is_no_part_of_the_cam(ring: bool) -> None:
     inside = ROLLER | {"closure": {"kind": "force", "contact": "inside"}}
     question = request(inside, RADIUS) if ring else request(ROLLER, RADIUS, below=0.0)
     assert formulate_problem(question, question.objectives()[0]).least_base_circle == 0.0
+
+
+@pytest.mark.parametrize("field", ["base_radius_mm", "offset_mm", "centre_distance_mm"])
+def test_a_length_that_rounding_hides_the_motion_of_is_refused(field: str) -> None:
+    def ask(value: Any) -> DesignSpec:
+        if field == "base_radius_mm":
+            return request(ROLLER, PRESSURE, base_radius_mm=value)
+        return request((ROLLER if field == "offset_mm" else ARM) | {field: value}, PRESSURE)
+
+    stroke = ask(None).stroke()
+    for value in (1.1e9 * stroke, {"min": 1.1e9 * stroke}):
+        with pytest.raises(ValidationError) as refused:
+            ask(value)
+        (error,) = refused.value.errors()
+        assert error["type"] == "length_beyond_stroke"
+        assert error["msg"].startswith(f"{field} = ")
+    ask(0.9e9 * stroke)
+    ask({"max": 1.1e9 * stroke})  # which leaves small ones
+    if field == "offset_mm":
+        with pytest.raises(ValidationError, match="over a billion times the stroke"):
+            ask(-1.1e9 * stroke)
+
+
+ABSURD = {
+    "base radius": ({"base_radius_mm": {"max": 1e30}}, ROLLER),
+    "offset": ({}, ROLLER | {"offset_mm": {"min": -1e30, "max": 1e30}}),
+    "centre distance": ({}, ARM | {"centre_distance_mm": {"max": 1e30}}),
+    "face on a pivot": ({}, FACE | {"centre_distance_mm": {"min": 50.0, "max": 1e30}}),
+}
+
+
+@pytest.mark.parametrize(("more", "follower"), ABSURD.values(), ids=ABSURD)
+def test_ranges_as_wide_as_may_be_asked_are_answered(
+    more: dict[str, Any], follower: dict[str, Any]
+) -> None:
+    spec = request(follower, PRESSURE, RADIUS, law="cycloidal", tolerance=0.1, **more)
+    assert synthesise(spec).status in ("optimal", "feasible")
+
+
+@pytest.mark.parametrize("value", [1.1e30, 1e155, -1e200])
+def test_numbers_whose_squares_overflow_are_refused(value: float) -> None:
+    for number in (value, {"min": value}, {"max": value}):
+        with pytest.raises(ValidationError, match="1e\\+30"):
+            request(ROLLER | {"offset_mm": number}, PRESSURE)
+
+
+def test_a_conflict_steps_no_farther_than_may_be_asked() -> None:
+    """The step outwards from a jerk of next to nothing would be a base radius of 3e307 mm."""
+    limit = jerk() | {"max_mm_per_s3": 1e-300}
+    spec = request(ROLLER, PRESSURE, limit, base_radius_mm={"max": 31.0})
+    answer = synthesise(spec)
+    assert answer.status == "infeasible"
+    assert answer.conflict is not None
+    (relaxation,) = answer.conflict.relaxations
+    assert relaxation.limit == "jerk"
+    assert relaxation.needed is not None

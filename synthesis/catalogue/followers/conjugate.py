@@ -26,7 +26,7 @@ from pydantic import Field
 
 from synthesis.catalogue.box_bounds import BoxBounds
 from synthesis.catalogue.constraints import AffineNorm, Ends, LinearInequality, PressureTerm, Vector
-from synthesis.catalogue.fields import Dimension, Range, ends
+from synthesis.catalogue.fields import Dimension, Number, Range, ends
 from synthesis.catalogue.followers.arm_curvature import ArmCurvatureBound
 from synthesis.catalogue.followers.closures import Closure, Force, Groove
 from synthesis.catalogue.followers.kinematics import Flank, Tip, TracePoint, Vector2
@@ -238,7 +238,7 @@ class ConjugateArm(Conjugate):
     given_field: ClassVar[str] = "arm_mm"
     eased_by_distance: ClassVar[bool] = False
     arm_mm: float = Field(gt=0.0, le=1e6, description="Length of the counter arm.")
-    angle_deg: float | Range | None = Field(
+    angle_deg: Number | Range | None = Field(
         None,
         description="Angle between the two arms, the cam's axis inside. A number fixes it; "
         "{min, max} leaves it free in between; left out, it is the least that works.",

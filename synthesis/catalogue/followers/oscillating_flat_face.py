@@ -41,7 +41,7 @@ from synthesis.catalogue.constraints import (
     SizeDomain,
     Vector,
 )
-from synthesis.catalogue.fields import Range, ends
+from synthesis.catalogue.fields import Number, Range, ends
 from synthesis.catalogue.followers.base import FlatFaceFollower
 from synthesis.catalogue.followers.kinematics import Face, Link, Vector2
 from synthesis.catalogue.followers.pivot import PivotDirection, PivotedFollower, PivotSense
@@ -67,7 +67,7 @@ class OscillatingFlatFace(FlatFaceFollower, PivotedFollower):
     swing_range: ClassVar[tuple[float, float]] = (-RIGHT_ANGLE, RIGHT_ANGLE)
     face_ends: ClassVar[tuple[str, str]] = ("near", "far")
 
-    centre_distance_mm: float | Range = Field(
+    centre_distance_mm: Number | Range = Field(
         description="Distance of the pivot from the cam's axis: a number, or a range with an "
         "upper end within which it is free."
     )

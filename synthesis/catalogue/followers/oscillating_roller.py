@@ -35,7 +35,7 @@ from synthesis.catalogue.constraints import (
     SlideCoordinates,
     Vector,
 )
-from synthesis.catalogue.fields import ArmLength, Dimension, Range, ends
+from synthesis.catalogue.fields import ArmLength, Dimension, Number, Range, ends
 from synthesis.catalogue.followers.arm_curvature import ArmCurvatureBound
 from synthesis.catalogue.followers.arm_pressure_angle import (
     FixedPivotPressureAngle,
@@ -69,7 +69,7 @@ class OscillatingRoller(RollerFollower, PivotedFollower):
     roller_radius_mm: float = Field(
         ge=0.0, le=1e6, description="Radius of the roller; 0 is a knife edge."
     )
-    initial_angle_deg: float | Range | None = Field(
+    initial_angle_deg: Number | Range | None = Field(
         None,
         description="Angle at the pivot between the line to the cam's axis and the arm, at "
         "the lowest position. Usually left out: it follows from the base radius.",

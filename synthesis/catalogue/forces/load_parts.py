@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from synthesis.catalogue.fields import FiniteModel, Range, ends
+from synthesis.catalogue.fields import FiniteModel, Number, Range, ends
 from synthesis.numerics.piecewise import Piecewise
 from synthesis.units import DEGREE, FULL_TURN
 
@@ -94,8 +94,8 @@ class Spring(FiniteModel):
 class SlideSpring(Spring):
     """A spring that presses a slide on its cam."""
 
-    rate_n_per_mm: float | Range | None = Field(None, description=f"Spring rate. {RATE}")
-    preload_n: float | Range | None = Field(
+    rate_n_per_mm: Number | Range | None = Field(None, description=f"Spring rate. {RATE}")
+    preload_n: Number | Range | None = Field(
         None, description=f"Force with which it presses at the lowest position. {RATE}"
     )
     solid_mm: float | None = Field(
@@ -110,10 +110,10 @@ class SlideSpring(Spring):
 class ArmSpring(Spring):
     """A spring that turns an arm against its cam."""
 
-    rate_n_m_per_rad: float | Range | None = Field(
+    rate_n_m_per_rad: Number | Range | None = Field(
         None, description=f"Rate about the pivot. {RATE}"
     )
-    preload_n_m: float | Range | None = Field(
+    preload_n_m: Number | Range | None = Field(
         None, description=f"Moment with which it presses at the lowest position. {RATE}"
     )
 
