@@ -115,7 +115,7 @@ class Studio {
       if (editor !== this.editor) return;
       editor.form.showErrors([]);
       history.replaceState(null, "", `#kind=${kind}&${toAddress(spec)}`);
-      byId("conflict").replaceChildren(...(found.conflict ? conflict(found.conflict, (change) => this.#relax(change)) : []));
+      byId("conflict").replaceChildren(...(found.conflict ? conflict(found.conflict, (changes) => this.#relax(changes)) : []));
       editor.files.show(found);
       await editor.view.show(found, signal);
     } catch (error) {
@@ -127,11 +127,13 @@ class Studio {
   }
 
   /** Makes the least change of one requirement that helps. */
-  #relax({ field, requested, needed }) {
+  #relax(changes) {
     const spec = structuredClone(this.editor.store.spec);
-    const present = this.editor.store.at(field);
-    const wider = needed < requested ? "min" : "max";
-    put(spec, typeof present === "object" ? `${field}/${wider}` : field, needed);
+    for (const { field, requested, needed } of changes) {
+      const present = this.editor.store.at(field);
+      const wider = needed < requested ? "min" : "max";
+      put(spec, typeof present === "object" ? `${field}/${wider}` : field, needed);
+    }
     this.#take(spec);
   }
 }

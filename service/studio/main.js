@@ -152,7 +152,7 @@ class Studio {
       ? await Promise.all([fetched("motion.json?points_per_degree=2"), fetched("profile.json?points_per_degree=2"), fetched("animation.json")])
       : [null, null, null];
     this.present = { design, motion, profile, scene };
-    showDesign(design, (change) => this.#relax(design, change));
+    showDesign(design, (changes) => this.#relax(changes));
     showSummary(design);
     this.files.show(design);
     byId("keep").disabled = !made;
@@ -180,13 +180,10 @@ class Studio {
     this.#draw();
   }
 
-  /** Makes the least change of one limit that helps. */
-  #relax(design, { field, needed }) {
-    const [kind, ...rest] = field.split("/");
-    const index = (this.store.spec.limits ?? []).findIndex((limit) => limit.kind === kind);
-    const pointer = index >= 0 ? `/limits/${[index, ...rest].join("/")}` : `/${field}`;
+  /** Makes the least change of one limit that helps, in every field where it stands. */
+  #relax(changes) {
     const spec = structuredClone(this.store.spec);
-    put(spec, pointer, needed);
+    for (const { field, needed } of changes) put(spec, `/${field}`, needed);
     this.#open(spec);
   }
 }

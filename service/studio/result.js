@@ -118,22 +118,41 @@ function meter(used) {
   return element("meter", { min: 0, max: 1, value: used, title: `${figure(100 * used, 3)} %` }, `${figure(100 * used, 3)} %`);
 }
 
-/** What cannot hold together, and what would help; `apply` is given the change that is taken. */
+// How the notes of relaxations begin that change together, and of those that are no value of their field.
+const TOGETHER = "all limits of this name together", DEVIATION = "deviation allowed";
+
+/** What cannot hold together, and what would help; `apply` is given the changes that are taken. */
 export function conflict({ limits, relaxations, program_changes: changes = [], evidence }, apply) {
-  const lines = relaxations.map((each) => {
-    if (each.needed === null) return element("li", {}, `${nameAndUnit(each.limit)[0]}: ${each.note || "alone cannot help"}`);
-    const bound = each.at_least === null ? "" : `, ${figure(each.at_least, 6)} proven impossible`;
-    const text = `${nameAndUnit(each.limit)[0]}: ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}${bound} `;
-    const label = `apply ${nameAndUnit(each.limit)[0]} ${figure(each.needed, 6)}`;
-    const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(each) }, "Apply");
+  const groups = new Map();
+  for (const each of relaxations.filter(({ needed }) => needed !== null)) {
+    const key = each.note?.startsWith(TOGETHER) ? each.limit : each;
+    groups.set(key, [...(groups.get(key) ?? []), each]);
+  }
+  const helps = [...groups.values()].map((group) => {
+    const name = nameAndUnit(group[0].limit)[0];
+    const text = `${name}: ${group.map(changeOf).join(" and ")} `;
+    if (group[0].note?.startsWith(DEVIATION)) return element("li", {}, `${text}(${group[0].note})`);
+    const label = `apply ${name} ${group.map((each) => figure(each.needed, 6)).join(" and ")}`;
+    const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(group) }, "Apply");
     return element("li", {}, text, button);
   });
+  const others = relaxations.filter((each) => each.needed === null)
+    .map((each) => element("li", {}, `${nameAndUnit(each.limit)[0]}${boundOf(each)}: ${each.note || "alone cannot help"}`));
   return [
-    element("p", {}, `What cannot hold together: ${limits.map((each) => nameAndUnit(each)[0]).join(", ")}. Any one of these changes would help:`),
-    element("ul", {}, ...lines),
+    element("p", {}, `What cannot hold together: ${limits.map((each) => nameAndUnit(each)[0]).join(", ")}.`),
+    ...(helps.length ? [element("p", {}, "Any one of these changes would help:"), element("ul", {}, ...helps)] : []),
+    ...(others.length ? [element("p", {}, "No change of these alone is known to help:"), element("ul", {}, ...others)] : []),
     ...(changes.length ? programChanges(changes) : []),
     element("p", { class: "note" }, evidence),
   ];
+}
+
+function changeOf(each) {
+  return `${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}${boundOf(each)}`;
+}
+
+function boundOf({ at_least: bound, unit }) {
+  return bound === null || bound === undefined ? "" : `, ${figure(bound, 6)} ${unit} proven impossible`;
 }
 
 // Numbers of the program whose change helps with all limits kept; those of one name change together.

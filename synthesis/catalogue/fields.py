@@ -289,7 +289,7 @@ def named_lengths(*models: BaseModel) -> Iterator[tuple[str, float, float]]:
 
 
 def without_end(dimension: float | Range | None, end: str) -> Range | None:
-    """A dimension with its ``min`` or ``max`` left open; a number, or another word, with both."""
+    """A dimension with its ``min`` or ``max`` left open; a number with both ends left open."""
     if isinstance(dimension, Range) and end in Range.model_fields:
         return dimension.model_copy(update={end: None})
     return None

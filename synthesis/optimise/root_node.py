@@ -40,9 +40,9 @@ from synthesis.optimise.separation.mesh_relaxation import (
     solve_and_separate,
 )
 from synthesis.optimise.separation.outer_approximation import MeshSolution, solve_on_mesh
-from synthesis.optimise.state import QUICK, SolveState, program_stage
+from synthesis.optimise.state import QUICK, Optimise, SolveState, program_stage
 from synthesis.optimise.strategy.dimension_search import search_dimension
-from synthesis.optimise.strategy.idle_caps import Optimise, search_without_idle_caps
+from synthesis.optimise.strategy.idle_caps import search_without_idle_caps
 from synthesis.optimise.strategy.phase_one import minimise_excess
 from synthesis.optimise.strategy.tight_laws import WIDER, fix_tight_laws
 

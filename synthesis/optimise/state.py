@@ -7,7 +7,7 @@ role that fails, or is tried and given up, leaves nothing behind.
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite
@@ -212,16 +212,14 @@ class SolveState:
 
         Where limits are curved, the relaxation's best cam may be no better than this one.
         """
-        return (
-            self.with_relaxed(cam) if self.problem.has_curved_limits else self.with_incumbent(cam)
-        )
+        curved = self.problem.has_curved_limits
+        return self.with_relaxed(cam) if curved else self.with_incumbent(cam)
 
     def with_incumbent(self, cam: Candidate) -> SolveState:
         """Enlarge a cam until every limit holds, and keep it if it is the best so far."""
         enlarged = enlarge_until_feasible(cam, densely=self.tighten > DEFAULT_TIGHTENING)
-        if enlarged is None or (
-            self.incumbent is not None and enlarged.value >= self.incumbent.value
-        ):
+        known = self.incumbent
+        if enlarged is None or (known is not None and enlarged.value >= known.value):
             return self
         return replace(self, incumbent=enlarged)
 
@@ -242,10 +240,8 @@ class SolveState:
         valid_for = bound.valid_for
         if self.problem.omits_curved_rows:
             valid_for += "; limits of the face on free laws left out: the cam a local optimum"
-        all_laws = bool(bound.switching) or not self.grids
-        return replace(
-            self, lower=value, valid_for=valid_for, bound=bound, covers_all_laws=all_laws
-        )
+        covers = bool(bound.switching) or not self.grids
+        return replace(self, lower=value, valid_for=valid_for, bound=bound, covers_all_laws=covers)
 
     def raise_bound(self, lower: float, valid_for: str) -> SolveState:
         """Take a lower bound that was proven elsewhere, if it is better."""
@@ -398,3 +394,6 @@ def solvers_of(state: SolveState, known: tuple[str, ...] = ()) -> tuple[str, ...
     """The solvers that a solve's stages have used, after those known, each named once."""
     used = (name for stage in state.stages for name in stage.solver.split(", ") if name != "none")
     return tuple(dict.fromkeys((*known, *used)))
+
+
+Optimise = Callable[..., SolveState]  # ``driver.optimise``, as strategies call it

@@ -331,7 +331,7 @@ def with_free_parameters(
     chosen = {parameter.field: value for parameter, value in zip(searched, numbers, strict=True)}
     proof = answer.certificate
     each = [proof, *proof.other_objectives]
-    proven = [_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
+    proven = [_with_bound_over_numbers(*pair) for pair in zip(each, over_numbers, strict=False)]
     first, *others = (*proven, *map(_limited_to_values, each[len(proven) :]))
     covered = [p.bound_valid_for for p in (first, *others)] == [b.valid_for for b in over_numbers]
     close = covered and all_close(proven, question)
@@ -348,7 +348,7 @@ def with_free_parameters(
     )
 
 
-def _over_numbers(proof: ProofLine, bounded: Bounded) -> ProofLine:
+def _with_bound_over_numbers(proof: ProofLine, bounded: Bounded) -> ProofLine:
     """A proof with the bound over all numbers in place of that at those chosen."""
     lower = None if proof.value is None else _valid_bound(bounded.lower, proof.value)
     if lower is None or proof.value is None:

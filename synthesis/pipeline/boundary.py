@@ -49,7 +49,7 @@ CLOSE = 0.1  # of the width of a bracket: how near the zero of a bound is come t
 
 LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
-UNCONFIRMED = "a cam was found on the way, but none with a value of this number put back"
+UNCONFIRMED = "a cam was found on the way, but none for the spec with a value of this number in it"
 DEVIATION = "deviation allowed either way; a cam was found with it"
 
 
@@ -78,7 +78,7 @@ class Boundary:
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
-        excesses, trials: by the values tried. levels: excesses, with signs where none is known.
+        excesses, trials: by the values tried. levels: excesses, or 1 without a cam, −1 with one.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
     """
@@ -120,7 +120,7 @@ class Boundary:
             return
         self.finest = FINEST[self.oracle.spec.proof]
         with suppress(TimeoutError):
-            if self._takes_a_proof_of_each_value():
+            if self._is_left_to_longer_proofs():
                 return
             bounded = self.number.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
@@ -177,8 +177,7 @@ class Boundary:
                 way = known - max(0.5 * width, (BEYOND - 1.0) * (best - known))
                 way, step = max(way, 0.5 * (bad + best)), WIDENING * step
             open_gap = 0.0 if bound_zero is None else cam_zero - bound_zero
-            reach = REACH * max(width, open_gap)
-            if good - bad <= reach:
+            if good - bad <= REACH * max(width, open_gap):
                 return
             exactly = not (nearer and any_cam)
             trial = self.tried(self.value_at(way), self.fine, exactly=exactly)
@@ -201,10 +200,10 @@ class Boundary:
             if self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
                 return
 
-    def _takes_a_proof_of_each_value(self) -> bool:
-        """Whether no multipliers exclude other values, as nodes have none: longer proofs serve too.
+    def _is_left_to_longer_proofs(self) -> bool:
+        """Whether both ends are left to longer proofs, which begin where the request is excluded.
 
-        Those begin where the request is excluded.
+        Where no multipliers exclude other values, as nodes have none, quick ones gain no more.
         """
         begins = self.excluded is not None and self.way_to(self.excluded) >= 0.0
         if not (begins and self._is_for_longer_proofs(self.oracle.open_gap / LEFT)):
@@ -233,10 +232,13 @@ class Boundary:
 
     @property
     def at_least(self) -> float | None:
-        """The value farthest from the request that is proven impossible; None where none is."""
-        if self.excluded is None or self.needed is None:
-            return self.excluded
-        return None if self._beyond(self.needed, self.excluded) > 0.0 else self.excluded
+        """The value farthest from the request that is proven impossible; None where none is.
+
+        Not one beyond the value that suffices, nor a stricter one than the request.
+        """
+        most = inf if self.needed is None else self.way_to(self.needed)
+        known = self.excluded is not None and 0.0 <= self.way_to(self.excluded) <= most
+        return self.excluded if known else None
 
     # -- trials ------------------------------------------------------------------------------
 
@@ -285,9 +287,8 @@ class Boundary:
             self.nearest = value, trial
 
     def exclude(self, value: float) -> None:
-        if not self.number.monotone:
-            return  # values nearer to the request might do
-        if self.excluded is None or self._beyond(self.excluded, value) > 0.0:
+        farther = self.excluded is None or self._beyond(self.excluded, value) > 0.0
+        if self.number.monotone and farther:  # else values nearer to the request might do
             self.excluded = value
 
     def way_to(self, value: float) -> float:
@@ -322,7 +323,7 @@ class Boundary:
             levels = self.levels
             failed = [v for v in levels if levels[v] > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
-            known = any(value in self.excesses for value in failed[-1:])
+            known = bool(failed) and bad in self.excesses
             width = max((ROUGH if known else UNKNOWN) * self._way(good), ROUNDING * abs(good))
             if self.levels.get(good, 0.0) >= 0.0 or abs(good - bad) <= width:
                 return
@@ -372,8 +373,7 @@ class Boundary:
                 return
             # Most cams are found without a proof, in a fraction of the time.
             found = self.oracle.ask_as_it_stands(self.number, value, "quick", cam_only=True)
-            own = proof == self.oracle.spec.proof
-            if own and not found.certified and not self.oracle.is_late():
+            if proof == self.oracle.spec.proof and not (found.certified or self.oracle.is_late()):
                 found = self.oracle.ask_as_it_stands(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)

@@ -26,7 +26,7 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
 from synthesis.pipeline.attempt import Attempt
-from synthesis.pipeline.boundary import FINE, LATE, ROUGH, Boundary
+from synthesis.pipeline.boundary import FINE, ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.longer_proofs import close_in
 from synthesis.pipeline.oracle import Oracle, Trial
@@ -38,9 +38,9 @@ from synthesis.spec.design_spec import DesignSpec
 MOST_PROGRAMS = 1000
 """Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
 answer is the same on every machine; most conflicts take 100 to 700."""
-CHANGES_PARTS = {False: 2, True: 8}
-"""In how many equal parts of the time that is left changes of the program have one; by whether
-longer proofs follow."""
+CHANGES_PARTS, PARTS_BEFORE_LONGER_PROOFS = 2, 8
+"""Changes of the program have one of so many equal parts of the time that is left."""
+UNTRIED = "the budget ended before every number was tried"
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
 
@@ -99,7 +99,7 @@ def explain(
     #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
     #    another program leaves open says nothing of the one asked for.
     changes = list[Relaxation]()
-    parts = CHANGES_PARTS[longer]
+    parts = PARTS_BEFORE_LONGER_PROOFS if longer else CHANGES_PARTS
     changed = replace(oracle.share(parts), spec=own, known={}, has_longer_proofs=False)
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
         boundary = Boundary(changed, changeable, original, ROUGH)
@@ -113,7 +113,7 @@ def explain(
     known = [boundaries[number] for number in members.numbers]
     if chosen:
         oracle = replace(oracle, spec=own, known={}, has_longer_proofs=longer)
-        known = [_with_free_numbers(boundary, oracle) for boundary in known]
+        known = [_with_numbers_free_again(boundary, oracle) for boundary in known]
     if oracle.has_longer_proofs and (chosen or oracle.open_gap > FINE):
         close_in(oracle, known)
     relaxations = [one for boundary in known for one in _relaxations(boundary)]
@@ -147,7 +147,8 @@ def _irreducible(
 
     def has_none(trial: Trial) -> bool:
         """Whether a question with fewer numbers has no cam either, as surely as the original."""
-        return not trial.certified and trial.on_time and bool(trial.proof or not original.proof)
+        found_none = trial.on_time and not original.proof
+        return not trial.certified and (bool(trial.proof) or found_none)
 
     # What was proven once is proven of fewer numbers by as long a proof, if at all; and what was
     # not found by one may be found by nothing less: all questions have the spec's own.
@@ -174,7 +175,7 @@ def _irreducible(
     return Members(kept, shown, unconfirmed, not oracle.is_late())
 
 
-def _with_free_numbers(known: Boundary, oracle: Oracle) -> Boundary:
+def _with_numbers_free_again(known: Boundary, oracle: Oracle) -> Boundary:
     """The same of the question that leaves numbers free: cams answer it, proofs do not."""
     free = Boundary(
         oracle, known.number, known.original, nearest=known.nearest, needed=known.needed,
@@ -200,7 +201,7 @@ def _evidence(original: Trial, members: Members, named: str) -> str:
     if not proven:
         parts.append("no cam was found that keeps these limits; that there is none is not proven")
     if not members.on_time:
-        parts.append(LATE)
+        parts.append(UNTRIED)
     if not members.numbers:
         parts.append("leaving out all that the spec limits, none was found either")
     elif not members.unconfirmed:

@@ -24,7 +24,7 @@ ROUNDING = 1e-9  # relative: what a bound must lie above a limit by to exclude e
 ROUGH = 2e-2  # tolerance of a search for a least peak: most caps are missed by more
 
 
-def over_all_numbers(
+def prove_over_free_numbers(
     conflict: Conflict,
     spec: DesignSpec,
     attempt: Attempt,
@@ -45,7 +45,7 @@ def over_all_numbers(
     fields = (parameter.field for parameter in spec.free_parameters.parameters)
     chosen = zip(fields, attempt.chosen_values, strict=True)
     words = ", ".join(f"{field} = {value:.6g}" for field, value in chosen)
-    at_chosen = f"{conflict.evidence}; all this at {words}, where nothing better was found"
+    at_chosen = f"with {words}, the best numbers that were found: {conflict.evidence}"
     evidence = f"{proof}; {at_chosen}" if proof else at_chosen
     return conflict.model_copy(update={"proven": bool(proof), "evidence": evidence})
 

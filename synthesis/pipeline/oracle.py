@@ -41,7 +41,7 @@ from synthesis.spec.design_spec import DesignSpec
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
 ON_KNOTS = 1e-2  # relative: of a bound on a neighbour's knots; the cam is a hundred times nearer
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
-ALONE = "no cam was found however far this number alone is relaxed"
+ALONE = "no cam was found however far this number alone is relaxed: others may conflict as well"
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +274,10 @@ class Oracle:
         return bounded.lower / spec.requested_radii()[1] - 1.0 - ROUNDING
 
     def is_valid(self, number: Relaxable, value: float) -> bool:
-        """Whether a spec may have this value of a number."""
+        """Whether a spec may have this value of a number, and it ends no nearer."""
+        farthest = number.farthest
+        if farthest is not None and number.direction * (value - farthest) > 0.0:
+            return False
         try:
             DesignSpec.model_validate(relaxed(self.asked, number, value).model_dump())
         except ValidationError:

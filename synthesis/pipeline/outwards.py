@@ -43,7 +43,9 @@ def _step_outwards(boundary: Boundary) -> bool:
         return False
     way, strips = (excess + COARSE) * abs(value) / boundary.number.power, 0
     for _ in range(STEPS):
-        value = boundary.number.tightest + boundary.direction * way
+        value, farthest = boundary.value_at(way), boundary.number.farthest
+        if farthest is not None and way >= boundary.way_to(farthest):
+            return boundary.tried(farthest).certified
         if not boundary.oracle.is_valid(boundary.number, value):
             return False
         trial = boundary.tried(value)
@@ -57,7 +59,7 @@ def _step_outwards(boundary: Boundary) -> bool:
         fall = (excess - trial.excess) / abs(value - before)
         ahead = (trial.excess + COARSE) / fall
         # Trials become dearer as limits are relaxed: does anything suffice at all?
-        far = boundary.number.farthest is None and ahead > AHEAD * way
+        far = farthest is None and ahead > AHEAD * way
         if far and not boundary.oracle.without([boundary.number]).certified:
             return False
         way += ahead

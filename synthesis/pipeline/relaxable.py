@@ -148,6 +148,8 @@ def without(spec: DesignSpec, numbers: Iterable[Relaxable]) -> DesignSpec:
             empty.add(item)  # a point is its travel
         if path == "base_radius_mm/max":
             spec = _with(spec, [top], _without_maximum(spec))
+        elif path == "hub_diameter_mm":  # else the rule for the shaft would give another hub
+            spec = spec.model_copy(update={"hub_diameter_mm": None, "shaft_diameter_mm": None})
         elif top != "limits" or f"limits/{place[0]}" not in empty:
             spec = _with(spec, path.split("/"), None)
     for item in sorted(empty):

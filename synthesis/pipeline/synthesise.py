@@ -25,7 +25,7 @@ from synthesis.pipeline.assembly import (
     with_free_parameters,
 )
 from synthesis.pipeline.conflict import explain
-from synthesis.pipeline.free_numbers import over_all_numbers
+from synthesis.pipeline.free_numbers import prove_over_free_numbers
 from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import complete, first_attempt
 from synthesis.spec.design_spec import DesignSpec
@@ -77,7 +77,7 @@ def synthesise(
     # 2. Without a certified cam: why.
     conflict = None if attempt.certified else explain(spec, attempt, smallest, stop)
     if conflict is not None:
-        conflict = over_all_numbers(conflict, spec, attempt, smallest, goal, stages)
+        conflict = prove_over_free_numbers(conflict, spec, attempt, smallest, goal, stages)
     # 3. Values, bounds and gaps in the units of the wire; the status follows from them.
     #    Questions on the way had objectives, tolerances and proofs of their own.
     question = attempt.question

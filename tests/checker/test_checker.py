@@ -40,7 +40,7 @@ def refusal_of(name: str, **changes: Any) -> Any:
     conflict = Conflict(limits=[], relaxations=[], evidence="", proven=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(f"{synthesise.__module__}.explain", lambda *_: conflict)
-        patch.setattr(f"{synthesise.__module__}.over_all_numbers", lambda *_: conflict)
+        patch.setattr(f"{synthesise.__module__}.prove_over_free_numbers", lambda *_: conflict)
         return proof_of(name, **changes)
 
 
@@ -52,7 +52,7 @@ def impossible() -> Any:
 def test_a_pair_without_a_cam_has_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
     conflict = Conflict(limits=[], relaxations=[], evidence="", proven=True)
     monkeypatch.setattr(f"{synthesise.__module__}.explain", lambda *_: conflict)
-    monkeypatch.setattr(f"{synthesise.__module__}.over_all_numbers", lambda *_: conflict)
+    monkeypatch.setattr(f"{synthesise.__module__}.prove_over_free_numbers", lambda *_: conflict)
     jerk = {"kind": "jerk", "max_mm_per_s3": 10.0}
     angle = {"kind": "pressure_angle", "rise_deg": 40.0, "return_deg": 40.0}
     document = proof_of("conjugate", limits=[jerk, angle])

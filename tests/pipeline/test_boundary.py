@@ -394,10 +394,45 @@ def test_none_are_left_where_longer_ones_do_not_begin(excluded: float | None) ->
     )
     known.oracle.open_gap = 3e-2
     cast(Any, known.oracle).bound_excess = lambda *_: -inf
-    assert known._takes_a_proof_of_each_value()
+    assert known._is_left_to_longer_proofs()
     known.excluded = excluded
-    assert not known._takes_a_proof_of_each_value()
+    assert not known._is_left_to_longer_proofs()
     assert longer_proofs.Closing.of(known) is None
+
+
+@pytest.mark.parametrize(
+    ("excluded", "needed", "at_least"),
+    [(990.0, 1050.0, None), (990.0, None, None), (1000.0, 1050.0, 1000.0), (1020.0, None, 1020.0),
+     (1020.0, 1050.0, 1020.0), (1060.0, 1050.0, None)],
+)  # fmt: skip
+def test_what_is_proven_impossible_lies_between_the_request_and_what_suffices(
+    excluded: float, needed: float | None, at_least: float | None
+) -> None:
+    """A bound of the smallest cam below its maximum excludes none of the values above that."""
+    known, _ = tried_by({}, lambda v: 0.2 * (1.0 - (v - 1000.0) / 98.3), 1e-3)
+    known.excluded, known.needed = excluded, needed
+    assert known.at_least == at_least
+
+
+def test_a_proof_counts_where_it_came_late() -> None:
+    """The member is idle: the others have no cam, which is proven, whatever time it took."""
+    names = ("jerk", "acceleration", "velocity")
+    numbers = [Relaxable(name, (f"limits/{name}",), (1.0,), "", "≤") for name in names]
+    jerk_alone = numbers[:1]
+
+    def trial(*, proof: str, on_time: bool) -> Any:
+        return SimpleNamespace(certified=False, proof=proof, on_time=on_time, strained=())
+
+    oracle: Any = SimpleNamespace(
+        is_late=lambda: False, proven_without=lambda _: trial(proof="proven", on_time=False)
+    )
+    members = conflict._irreducible(oracle, numbers, jerk_alone, trial(proof="", on_time=True))
+    assert members.numbers == jerk_alone
+    assert members.trial.proof
+    oracle.proven_without = lambda _: trial(proof="", on_time=False)
+    members = conflict._irreducible(oracle, numbers, jerk_alone, trial(proof="", on_time=True))
+    assert members.numbers == numbers
+    assert members.unconfirmed == numbers[1:]
 
 
 def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:
@@ -494,10 +529,10 @@ def test_a_conflict_ends_after_some_programs_where_the_spec_gives_no_time(
     monkeypatch.setattr(conflict, "MOST_PROGRAMS", 0)
     spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
     short = why(spec)
-    assert boundary.LATE in short.evidence
+    assert conflict.UNTRIED in short.evidence
     assert {each.note for each in short.relaxations} == {boundary.LATE}
     timed = why(spec.model_copy(update={"time_budget_s": 3600.0}))
-    assert boundary.LATE not in timed.evidence
+    assert conflict.UNTRIED not in timed.evidence
     assert all(each.needed is not None for each in timed.relaxations)
 
 

@@ -92,7 +92,7 @@ def test_a_number_that_is_relaxed_downwards_stays_so_with_numbers_free() -> None
     known = Boundary(oracle, number, cast(Trial, excess))
     known.direction = -1.0
     known.nearest = -0.8, cast(Trial, excess)
-    free = conflict._with_free_numbers(known, oracle)
+    free = conflict._with_numbers_free_again(known, oracle)
     assert free.direction == -1.0
     assert free.nearest == known.nearest
     assert free.excluded == 0.0

@@ -17,6 +17,7 @@ from synthesis.exporters import PROFILE_FORMATS
 from synthesis.exporters.curves.dxf import DrawingOptions
 from synthesis.exporters.solids.blank import SolidOptions, blank
 from synthesis.pipeline.proof_file.claims import proof_file
+from synthesis.pipeline.relaxable import relaxable_numbers, without
 from tests.pipeline import scenes
 
 SHAFT = 33.0
@@ -151,6 +152,13 @@ def test_a_conflict_names_the_shaft() -> None:
     shaft = known["shaft_diameter_mm"]
     assert shaft.requested == SHAFT
     assert shaft.needed == pytest.approx((2.0 * 26.0 - 6.35) / 1.75, rel=1e-2)
+
+
+def test_without_room_for_a_hub_the_shaft_gives_no_other_one() -> None:
+    """By the rule that would be a larger one than is given: a tighter question, not a looser."""
+    asked = spec(shaft_diameter_mm=SHAFT, hub_diameter_mm=45.0)
+    (room,) = (number for number in relaxable_numbers(asked) if number.name == "room for hub")
+    assert without(asked, [room]).hub is None
 
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {

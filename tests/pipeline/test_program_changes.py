@@ -42,6 +42,18 @@ def with_changes(spec: DesignSpec, changes: list[Relaxation], share: float) -> D
     return DesignSpec.model_validate(body)
 
 
+@pytest.mark.parametrize("factor", [1.7, 3.0, 9.0])
+def test_no_change_is_larger_than_by_a_half(factor: float) -> None:
+    """Jerk of 3 h ω³/β³ has a cam at 0.45 of the speed: that is no change, but another machine."""
+    changes = why(scene(PLAIN, jerk(32.0 / factor, 71.7), base={"min": 4.3})).program_changes
+    for each in changes:
+        assert each.needed is not None
+        assert 0.5 - 1e-9 <= each.needed / each.requested <= 1.5 + 1e-9
+    named = {each.limit for each in changes}
+    assert ("speed" in named) is (factor ** (-1 / 3) > 0.5)
+    assert ("all_lifts" in named) is (1.0 / factor > 0.5)
+
+
 @pytest.fixture(scope="module")
 def conflict() -> tuple[DesignSpec, Conflict]:
     spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})

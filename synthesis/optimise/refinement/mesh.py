@@ -72,9 +72,10 @@ def refine_mesh(
 def halve_intervals(
     problem: Problem, grids: tuple[Grid, ...], violated_points: Sequence[Array] = ()
 ) -> tuple[Grid, ...]:
-    """Finer knots everywhere: all intervals cut in two, where none loses more than the others.
+    """Finer knots everywhere: all intervals cut in two.
 
-    The gap is then the bound's: the points at which it has multipliers lie too far apart.
+    For laws of which no interval loses more than the others. What is left of the gap is the bound's
+    then: the points at which it has multipliers lie too far apart.
     """
     before = (grid.space.breaks for grid in grids)
     chosen = [_halved(breaks) if len(breaks) <= MOST_INTERVALS else breaks for breaks in before]
@@ -127,7 +128,7 @@ def _knots_of_costly_intervals(
     softer = free.smoothness + 1 - lower.order
     ends, step = np.array(free.knots), beside_step(softer)
     steps = end_steps(free, state, softer)
-    # A law that is less smooth than it has to be switches at once, on knots that cost it nothing.
+    # A law of a lower class than is asked for switches at once, on knots that cost it nothing.
     jumps = curve.poly.shape[1] - 2 < free.smoothness
     wanted = switches[(counts == 1 if jumps else single)[inside]]
     finer, present = (

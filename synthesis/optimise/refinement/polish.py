@@ -106,7 +106,8 @@ def _move_knots(
         found_before, found = found, _switches_of_laws(latest, order, switches)
         # 2. Go on while the cam gains. One that does not may have knots beyond its switches, on
         #    the other side than those before: the next ones lie between.
-        gained = cam.value - latest.value > LITTLE * state.tolerance * latest.value
+        tolerance = state.problem_tolerance(latest.value)
+        gained = cam.value - latest.value > LITTLE * tolerance * latest.value
         idle = 0 if gained else idle + 1
         cam = latest if gained else cam
         if idle > MOST_IDLE:
@@ -122,18 +123,18 @@ def _extrapolate(
 ) -> Switches:
     """The next places of knots: fixed points by the secant of two iterations, switch by switch.
 
-    An iteration takes knots to the switches that are found with them. Only where knots lie on
-    either side of a switch in turn is its fixed point taken, which lies between; else what is found
-    last.
+    An iteration f takes knots x to the switches f(x) that are found with them. Only where knots lie
+    on either side of a switch in turn is its fixed point taken, which lies between; else what is
+    found last.
     """
     if not [*map(len, before)] == [*map(len, on_knots)] == [*map(len, found)]:
         return found
     result = list[Array]()
-    for x, f_of_x, z, f_of_z in zip(before, found_before, on_knots, found, strict=True):
-        moved = np.abs(z - x) > STAYS
-        slope = np.divide(f_of_z - f_of_x, z - x, out=np.zeros(len(z)), where=moved)
+    for x, f_of_x, y, f_of_y in zip(before, found_before, on_knots, found, strict=True):
+        moved = np.abs(y - x) > STAYS
+        slope = np.divide(f_of_y - f_of_x, y - x, out=np.zeros(len(y)), where=moved)
         slope = np.minimum(slope, 0.0)
-        result.append((f_of_z - slope * z) / (1.0 - slope))
+        result.append((f_of_y - slope * y) / (1.0 - slope))
     return result
 
 
@@ -250,7 +251,8 @@ def _locate_switches(breaks: Array, level: Array, before: Array) -> Array:
     least, places = STEP * float(np.ptp(level)), list[float]()
     large = np.flatnonzero(np.abs(np.diff(level)) > least)
     for group in np.split(large, np.flatnonzero(np.diff(large) > 1) + 1) if len(large) else ():
-        # The intervals of the step; its levels are those of the next interval but one.
+        # The intervals that the step is spread over; it leads from the level of the interval
+        # before these to that of the one behind them.
         first, last = int(group[0]), int(group[-1]) + 2
         start, end = float(level[max(first - 1, 0)]), float(level[min(last, len(level) - 1)])
         around, levels = breaks[first : last + 1], level[first:last]
@@ -296,8 +298,9 @@ def _ends_of_arc(
     level = float(np.mean(levels[left:right])) if comes_back else 0.0
     if abs(level - start) <= least:
         return []  # between the knots the derivative is at its cap
-    # Wider by what intervals outside both knots have of its level; narrower by what those between
-    # have of the levels outside.
+    # The integral stays as it is on either side: an interval outside both knots, whose level lies
+    # between that outside and the arc's, makes the arc wider by that share of its width; what those
+    # between the knots differ from the arc's level makes it narrower.
     before = (levels[:left] - start) / (level - start) @ widths[:left]
     behind = (levels[right:] - end) / (level - end) @ widths[right:]
     excess = float((levels[left:right] - level) @ widths[left:right])

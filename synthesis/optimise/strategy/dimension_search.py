@@ -8,7 +8,7 @@ the dimension is known here: the answer is a local optimum, and the report says 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, log
 
@@ -26,7 +26,7 @@ from synthesis.optimise.recovery.candidate import (
     smallest_size,
 )
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state import CAM_ONLY, SolveState, Stage, solvers_of
+from synthesis.optimise.state import CAM_ONLY, Optimise, SolveState, Stage, solvers_of
 
 STARTS = 9
 """Values of the dimension from which a local search starts."""
@@ -44,8 +44,6 @@ REACH = 16.0
 """Units of the dimension to which an open end of its range is taken."""
 ASIDE = (0.8, 1.25)
 """Factors on the dimension of a start: other starts."""
-
-Optimise = Callable[..., SolveState]  # as ``driver.optimise``
 
 
 @dataclass(frozen=True, eq=False)

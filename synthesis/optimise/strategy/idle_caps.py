@@ -9,7 +9,6 @@ bind costs neither cam nor bound.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from synthesis.optimise.conic.linear_rows import row_excess
@@ -17,9 +16,7 @@ from synthesis.optimise.heuristics.local_search import local_search
 from synthesis.optimise.problem.derivative_caps import without_lower_caps
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.state import QUICK, SolveState
-
-Optimise = Callable[..., SolveState]  # as ``driver.optimise``
+from synthesis.optimise.state import QUICK, Optimise, SolveState
 
 
 def search_without_idle_caps(state: SolveState, optimise: Optimise) -> SolveState:

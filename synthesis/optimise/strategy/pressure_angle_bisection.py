@@ -10,7 +10,6 @@ point in the region of better cams, which the dual bound proves.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, isfinite, log
@@ -26,7 +25,7 @@ from synthesis.optimise.dual_bound.costates import boundary_multipliers
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
 from synthesis.optimise.recovery.closed_form import closed_form_size
-from synthesis.optimise.state import SolveState, Stage, solvers_of
+from synthesis.optimise.state import Optimise, SolveState, Stage, solvers_of
 
 FIRST = 1.0
 """tan 45°: where the bisection begins."""
@@ -48,8 +47,6 @@ PROOFS = (1.0, 2.0, 4.0, 8.0, 16.0)
 HIGHEST = 3  # derivative up to which the ends of laws have costates
 TIGHTENINGS = 2
 """Of the region in one proof."""
-
-Optimise = Callable[[Problem, float, float, float], SolveState]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,15 +8,12 @@ share is the only one. With it given, the problem is as any other.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
-from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import cam_at_size
-from synthesis.optimise.state import SolveState, Stage
+from synthesis.optimise.state import Optimise, SolveState, Stage
 from synthesis.optimise.strategy.phase_one import MET, PhaseOneResult
 
-Optimise = Callable[[Problem, float, float, float], SolveState]
 WIDER = 1e-6
 """Relative: by how much limits are wider for a bound where they leave no slack."""
 

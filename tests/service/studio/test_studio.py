@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -167,6 +168,22 @@ def test_a_conflict_is_mended_by_the_change_that_it_names(studio: Page) -> None:
     studio.locator("#conflict").get_by_role("button").first.click()
     expect(studio.locator("#status")).to_have_class("optimal", timeout=PATIENT)
     expect(studio.locator("#views")).to_be_visible()
+
+
+def test_like_limits_are_changed_together(studio: Page) -> None:
+    """One button for both jerk limits."""
+    short = examples()["infeasible-on-purpose"]["value"]
+    limits = [*short["limits"], {"kind": "jerk", "max_mm_per_s3": 590_000.0}]
+    studio.get_by_role("tab", name="JSON").click()
+    studio.locator("#json").fill(json.dumps({**short, "limits": limits}))
+    expect(studio.locator("#status")).to_have_class("infeasible", timeout=PATIENT)
+    changes = studio.locator("#conflict li", has=studio.get_by_role("button"))
+    expect(changes).to_have_count(1)
+    expect(changes).to_contain_text(re.compile("jerk: 6.*→.* and 5.*→.*proven impossible"))
+    changes.get_by_role("button").click()
+    expect(studio.locator("#status")).to_have_class("optimal", timeout=PATIENT)
+    limits = json.loads(studio.locator("#json").input_value())["limits"]
+    assert limits[-2]["max_mm_per_s3"] == limits[-1]["max_mm_per_s3"] > 600_000.0
 
 
 def test_two_designs_are_compared(studio: Page) -> None:
