@@ -54,7 +54,7 @@ ANY_CAM = {"kind": "peak_acceleration"}  # an objective that has a best cam what
 CONVEX = (
     "slide, centred", "slide, offset", "slide, laws given", "slide, laws given, centred",
     "slide, one law given", "slide, acceleration", "slide, velocity", "slide, window",
-    "slide, splines", "face, ",
+    "slide, splines", "slide, all three", "face, ",
 )  # fmt: skip
 BINDS = 1e-2  # of the base radius: a least radius of curvature has less to spare where it binds
 

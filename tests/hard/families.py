@@ -146,6 +146,18 @@ def _jerk(s: Scene) -> Spec:
     return s.jerk()
 
 
+def _velocity(s: Scene) -> Spec:
+    return s.peak(1, 2.0, 0.8, 1.2)
+
+
+def _acceleration(s: Scene) -> Spec:
+    return s.peak(2, 4.0, 1.15, 2.0)
+
+
+def _acceleration_and_jerk(s: Scene) -> list[Spec]:
+    return [s.peak(2, 5.0, 1.15, 2.0), s.jerk()]
+
+
 def _radius(s: Scene) -> Spec:
     return {"kind": "profile_radius", "min_mm": s.between(2.0, 7.0)}
 
@@ -294,12 +306,15 @@ FAMILIES: Mapping[str, Callable[[Scene], Spec]] = MappingProxyType({
     "slide, laws given, profile radius": lambda s: s.spec(
         s.roller(), [s.pressure(), _radius(s)], s.program(_named("modified_sine"))),
     "slide, profile radius": _roller_spec(_jerk, _radius),
-    "slide, acceleration": _roller_spec(lambda s: s.peak(2, 4.0, 1.15, 2.0)),
-    "slide, acceleration and profile radius": _roller_spec(
-        lambda s: s.peak(2, 4.0, 1.15, 2.0), _radius
-    ),
-    "slide, velocity, acceleration and jerk": _roller_spec(
-        lambda s: s.peak(1, 2.0, 0.8, 1.2), lambda s: s.peak(2, 5.0, 1.15, 2.0), _jerk),
+    "slide, acceleration": _roller_spec(_acceleration),
+    "slide, acceleration and profile radius": _roller_spec(_acceleration, _radius),
+    "slide, acceleration, splines of class C3": lambda s: s.spec(
+        s.roller(), [s.pressure(), _acceleration(s)], s.program(_smooth(3))),
+    "slide, velocity, acceleration and jerk": lambda s: s.spec(
+        s.roller(), [s.pressure(), _velocity(s), *_acceleration_and_jerk(s)]),
+    "slide, all three, splines of class C3": lambda s: s.spec(
+        s.roller(), [s.pressure(), _velocity(s), *_acceleration_and_jerk(s)],
+        s.program(_smooth(3))),
     "slide, outer radius": _roller_spec(
         _jerk, lambda s: {"kind": "outer_radius", "max_mm": three_digits(8.0 * s.lift)}),
     "slide, cutter radius": _roller_spec(

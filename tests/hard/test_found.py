@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from synthesis import DesignSpec, synthesise
-from synthesis.pipeline.boundary import LATE
+from synthesis.pipeline.conflict import UNTRIED
 from synthesis.pipeline.oracle import Oracle
 from tests.hard.cases import ANGLES, CASES, jerk, scene
 from tests.hard.run import outcome
@@ -40,7 +40,7 @@ def test_a_diagnosis_stops_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch
     found = synthesise(DesignSpec.model_validate(scene(ANGLES, jerk(28.8)))).conflict
     assert found is not None
     assert found.limits
-    assert LATE in found.evidence
+    assert UNTRIED in found.evidence
     assert all(relaxation.needed is None for relaxation in found.relaxations)
 
 
