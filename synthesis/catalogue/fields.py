@@ -151,7 +151,7 @@ def twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str, Any]]:
 
 
 Number = Annotated[float, Field(ge=-1e30, le=1e30)]
-"""A number of either sign whose squares and cubes are no overflow, in any unit of length."""
+"""A number of either sign, so large at most that no power of it overflows in any unit of length."""
 
 
 class Range(FiniteModel):

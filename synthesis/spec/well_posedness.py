@@ -29,12 +29,14 @@ def check_size_ratio(follower: Follower, base_radius: float | Range | None, stro
     named = [("base_radius_mm", *ends(base_radius)), *named_lengths(follower)]
     for field, low, high in named:
         if max(low, -high) > LARGEST_RATIO * stroke:
+            sign = "=" if low == high else "≥" if low > 0.0 else "≤"
             raise PydanticCustomError(
                 "length_beyond_stroke",
-                "{field} = {length} mm is over a billion times the stroke, which is {stroke} mm: "
-                "numbers of 16 digits do not tell such a motion from rounding errors. Check the "
-                "units of the two.",
-                {"field": field, "length": max(low, -high), "stroke": f"{stroke:.6g}"},
+                "{field} {sign} {length} mm is over a billion times the stroke, which is {stroke} "
+                "mm: numbers of 16 digits do not tell such a motion from rounding errors. Check "
+                "the units of the two.",
+                {"field": field, "sign": sign, "length": f"{low if low > 0.0 else high:.6g}",
+                 "stroke": f"{stroke:.6g}"},
             )  # fmt: skip
 
 
