@@ -118,7 +118,7 @@ function meter(used) {
   return element("meter", { min: 0, max: 1, value: used, title: `${figure(100 * used, 3)} %` }, `${figure(100 * used, 3)} %`);
 }
 
-// How the notes of relaxations begin that change together, and of those that are no value of their field.
+// How notes begin: of limits that only help together, and of a value that is no number of its field but a deviation from it.
 const TOGETHER = "all limits of this name together", DEVIATION = "deviation allowed";
 
 /** What cannot hold together, and what would help; `apply` is given the changes that are taken. */
@@ -136,8 +136,9 @@ export function conflict({ limits, relaxations, program_changes: changes = [], e
     const button = element("button", { type: "button", class: "small", "aria-label": label, onclick: () => apply(group) }, "Apply");
     return element("li", {}, text, button);
   });
-  const others = relaxations.filter((each) => each.needed === null)
-    .map((each) => element("li", {}, `${nameAndUnit(each.limit)[0]}${boundOf(each)}: ${each.note || "alone cannot help"}`));
+  const unhelpful = relaxations.filter((each) => each.needed === null)
+    .map((each) => `${nameAndUnit(each.limit)[0]}${boundOf(each)}: ${each.note || "alone cannot help"}`);
+  const others = [...new Set(unhelpful)].map((text) => element("li", {}, text));
   return [
     element("p", {}, `What cannot hold together: ${limits.map((each) => nameAndUnit(each)[0]).join(", ")}.`),
     ...(helps.length ? [element("p", {}, "Any one of these changes would help:"), element("ul", {}, ...helps)] : []),

@@ -151,7 +151,7 @@ def twins(model: type[BaseModel]) -> Mapping[str, tuple[str, str, Any]]:
 
 
 Number = Annotated[float, Field(ge=-1e30, le=1e30)]
-"""A number of either sign, so large at most that no power of it overflows in any unit of length."""
+"""A number of either sign. The limits keep its powers from an overflow, in any unit of length."""
 
 
 class Range(FiniteModel):
@@ -278,12 +278,12 @@ def ends(dimension: float | Range | None) -> tuple[float, float]:
 
 
 def named_lengths(*models: BaseModel) -> Iterator[tuple[str, float, float]]:
-    """Every length that models name: its field, its lower and its upper end [mm]."""
+    """Every length that models name: the path of its field, its lower and its upper end [mm]."""
     for model in models:
         for name in type(model).model_fields:
             value = getattr(model, name)
             if isinstance(value, BaseModel) and not isinstance(value, Range):
-                yield from named_lengths(value)
+                yield from ((f"{name}/{path}", *both) for path, *both in named_lengths(value))
             elif name.endswith("_mm") and isinstance(value, float | Range):
                 yield (name, *ends(value))
 

@@ -39,7 +39,8 @@ MOST_PROGRAMS = 1000
 """Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
 answer is the same on every machine; most conflicts take 100 to 700."""
 CHANGES_PARTS, PARTS_BEFORE_LONGER_PROOFS = 2, 8
-"""Changes of the program have one of so many equal parts of the time that is left."""
+"""Changes of the program have one of so many equal parts of the time that is left: the first where
+nothing else follows, the second where longer proofs do."""
 UNTRIED = "the budget ended before every number was tried"
 TOGETHER = "all limits of this name together; a cam was found with this value"
 
@@ -51,7 +52,7 @@ class Members:
     Attributes:
         numbers: these. trial: the question with them alone.
         unconfirmed: those of them without which neither a cam nor a proof was found.
-        on_time: whether all numbers were tried.
+        on_time: whether every number was tried before the budget ended.
     """
 
     numbers: list[Relaxable]
@@ -160,10 +161,11 @@ def _irreducible(
             trial = oracle.proven_without([number for number in numbers if number not in few])
             if has_none(trial):
                 kept, shown = few, trial
-    unconfirmed = list[Relaxable]()
+    unconfirmed, on_time = list[Relaxable](), True
     for number in [number for number in kept if number not in sufficing]:
         if oracle.is_late():
             unconfirmed.append(number)
+            on_time = False
             continue
         removed = [one for one in numbers if one not in kept or one is number]
         trial = oracle.proven_without(removed)
@@ -172,7 +174,8 @@ def _irreducible(
             shown = trial
         elif not trial.certified:
             unconfirmed.append(number)
-    return Members(kept, shown, unconfirmed, not oracle.is_late())
+            on_time = on_time and trial.on_time
+    return Members(kept, shown, unconfirmed, on_time)
 
 
 def _with_numbers_free_again(known: Boundary, oracle: Oracle) -> Boundary:

@@ -274,7 +274,7 @@ class Oracle:
         return bounded.lower / spec.requested_radii()[1] - 1.0 - ROUNDING
 
     def is_valid(self, number: Relaxable, value: float) -> bool:
-        """Whether a spec may have this value of a number, and it ends no nearer."""
+        """Whether a spec may have this value of a number, which is not beyond the farthest one."""
         farthest = number.farthest
         if farthest is not None and number.direction * (value - farthest) > 0.0:
             return False

@@ -21,6 +21,7 @@ from synthesis.spec.program import Dwell, Return, Rise
 
 MOST = 0.5  # relative: larger changes of a program make another task of it
 JERK = 3.0  # power with which jerk goes with the speed, and inversely with an angle
+ROUNDING = 1e-12  # relative: of an angle that is given to another, what its difference is off by
 AT_END = 1e-3  # of a range: a number so near to its end may want to lie beyond
 
 
@@ -41,7 +42,9 @@ class ProgramNumber(Relaxable):
     def values_at(self, value: float) -> Iterator[tuple[str, float, float]]:
         change = value - self.requested[0]
         for path, requested, slope in zip(self.paths, self.requested, self.slopes, strict=True):
-            yield path, requested, requested + slope * change
+            value = requested + slope * change
+            # A dwell that gives all of its angle is left with rounding of it.
+            yield path, requested, 0.0 if abs(value) < ROUNDING * abs(requested) else value
 
 
 def program_numbers(spec: DesignSpec, chosen: Sequence[float]) -> Iterator[ProgramNumber]:

@@ -139,7 +139,7 @@ class DesignSpec(FiniteModel):
         self._check_parameters()
         self._check_closure()
         segments = self.placed_segments()
-        check_size_ratio(self.follower, self.base_radius_mm, self.stroke())
+        check_size_ratio(self.follower, self.requested_radii(), self.stroke())
         self._check_base_radius()
         self.free_parameters.check_reach(lambda values: self._with(values).check_reach())
         self._check_limits(segments)

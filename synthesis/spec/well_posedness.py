@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pydantic_core import PydanticCustomError
 
 from synthesis.catalogue.constraints import Ends
-from synthesis.catalogue.fields import Range, ends, named_lengths
+from synthesis.catalogue.fields import named_lengths
 from synthesis.catalogue.followers import Follower
 from synthesis.catalogue.limits import Limit, Machine
 from synthesis.catalogue.motion import Segments
@@ -21,12 +21,12 @@ JERK = 3  # order of the derivative
 LARGEST_RATIO = 1e9  # of a length to the stroke: numbers of the problem are rounded to 1e-11
 
 
-def check_size_ratio(follower: Follower, base_radius: float | Range | None, stroke: float) -> None:
+def check_size_ratio(follower: Follower, requested: Ends, stroke: float) -> None:
     """Refuse lengths [mm] so far above the stroke that rounding errors are as large as the motion.
 
-    What leaves a range open towards small lengths is no such length.
+    ``requested``: base radii. What leaves a range open towards small lengths is no such length.
     """
-    named = [("base_radius_mm", *ends(base_radius)), *named_lengths(follower)]
+    named = [("base_radius_mm", *requested), *named_lengths(follower)]
     for field, low, high in named:
         if max(low, -high) > LARGEST_RATIO * stroke:
             sign = "=" if low == high else "≥" if low > 0.0 else "≤"

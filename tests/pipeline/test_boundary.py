@@ -433,6 +433,7 @@ def test_a_proof_counts_where_it_came_late() -> None:
     members = conflict._irreducible(oracle, numbers, jerk_alone, trial(proof="", on_time=True))
     assert members.numbers == numbers
     assert members.unconfirmed == numbers[1:]
+    assert not members.on_time
 
 
 def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -33,10 +34,10 @@ def jerk(unit: str = "mm") -> dict[str, Any]:
 
 def request(
     follower: dict[str, Any], *limits: dict[str, Any], law: str = "spline", below: float = 181.0,
-    **more: Any,
+    lift: float = LIFT, **more: Any,
 ) -> DesignSpec:  # fmt: skip
     unit = "deg" if follower["kind"].startswith("oscillating") else "mm"
-    move = {f"lift_{unit}": LIFT, "law": {"kind": law}}
+    move = {f"lift_{unit}": lift, "law": {"kind": law}}
     program = [
         {"kind": "rise", "angle_deg": 83.0, **move},
         {"kind": "dwell", "angle_deg": 206.0 - below},
@@ -157,11 +158,32 @@ def test_ranges_as_wide_as_may_be_asked_are_answered(
     assert synthesise(spec).status in ("optimal", "feasible")
 
 
+SPRUNG = {"kind": "slide", "moving_mass_kg": 1.0}
+PLACES: dict[str, Callable[[Any], DesignSpec]] = {
+    "base radius": lambda x: request(ROLLER, PRESSURE, base_radius_mm=x),
+    "offset": lambda x: request(ROLLER | {"offset_mm": x}, PRESSURE),
+    "centre distance": lambda x: request(ARM | {"centre_distance_mm": x}, PRESSURE),
+    "initial angle": lambda x: request(ARM | {"initial_angle_deg": x}, PRESSURE),
+    "face on a pivot": lambda x: request(FACE | {"centre_distance_mm": x}, RADIUS),
+    "spring": lambda x: request(ROLLER, PRESSURE, load={**SPRUNG, "spring": {"rate_n_per_mm": x}}),
+    "preload": lambda x: request(ROLLER, PRESSURE, load={**SPRUNG, "spring": {"preload_n": x}}),
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("value", [1.1e30, 1e155, -1e200])
-def test_numbers_whose_squares_overflow_are_refused(value: float) -> None:
+def test_numbers_whose_squares_overflow_are_refused(place: str, value: float) -> None:
     for number in (value, {"min": value}, {"max": value}):
         with pytest.raises(ValidationError, match="1e\\+30"):
-            request(ROLLER | {"offset_mm": number}, PRESSURE)
+            PLACES[place](number)
+
+
+def test_a_hub_and_a_counter_roller_are_named_where_they_stand() -> None:
+    with pytest.raises(ValidationError, match=r"base_radius_mm ≥ .* over a billion"):
+        request(ROLLER, PRESSURE, hub_diameter_mm=9e5, lift=1e-4)
+    counter = {"kind": "conjugate", "roller_radius_mm": 7.3, "offset_mm": 9e5}
+    with pytest.raises(ValidationError, match="closure/offset_mm = 900000 mm is over"):
+        request(ROLLER | {"closure": counter}, PRESSURE, lift=1e-4)
 
 
 def test_a_conflict_steps_no_farther_than_may_be_asked() -> None:

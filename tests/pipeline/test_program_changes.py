@@ -44,7 +44,7 @@ def with_changes(spec: DesignSpec, changes: list[Relaxation], share: float) -> D
 
 @pytest.mark.parametrize("factor", [1.7, 3.0, 9.0])
 def test_no_change_is_larger_than_by_a_half(factor: float) -> None:
-    """Jerk of 3 h ω³/β³ has a cam at 0.45 of the speed: that is no change, but another machine."""
+    """9 times less jerk than h/β³ needs would take 0.48 of the speed: that is another machine."""
     changes = why(scene(PLAIN, jerk(32.0 / factor, 71.7), base={"min": 4.3})).program_changes
     for each in changes:
         assert each.needed is not None
@@ -52,6 +52,18 @@ def test_no_change_is_larger_than_by_a_half(factor: float) -> None:
     named = {each.limit for each in changes}
     assert ("speed" in named) is (factor ** (-1 / 3) > 0.5)
     assert ("all_lifts" in named) is (1.0 / factor > 0.5)
+
+
+@pytest.mark.parametrize(("move", "rest"), [(143.3, 22.4), (131.9, 17.7), (97.1, 31.3)])
+def test_a_dwell_that_gives_all_of_its_angle_has_none(move: float, rest: float) -> None:
+    program = (rise(move), dwell(rest), fall(360.0 - move - rest))
+    spec = scene(program, jerk(31.0, 71.7), base={"min": 4.3})
+    number = next(n for n in program_numbers(spec, ()) if n.name == "angle of program/0")
+    assert number.farthest is not None
+    for _, requested, value in number.values_at(number.farthest):
+        assert value >= 0.0
+        assert value == 0.0 or value > 1e-9 * requested
+    assert Oracle(spec, spec, inf).is_valid(number, number.farthest)
 
 
 @pytest.fixture(scope="module")

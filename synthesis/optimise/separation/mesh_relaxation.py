@@ -28,27 +28,33 @@ def solve_and_separate(state: SolveState, number: int) -> tuple[SolveState, Cand
     """The relaxation on the present knots, reported; its best cam, if it has one.
 
     A cam is as large as its laws need it, between points too: where these would break rows at the
-    program's own size, points are added. Rows take a margin against what they miss between points,
-    and this mesh one of its own: first points alone are added, between which they miss far less.
+    program's own size, points are added. Of the cams the best one that keeps its rows is returned;
+    where none does, the last.
+
+    The margin of other meshes says nothing of this one: it begins without. The first cam that
+    breaks rows adds points alone, since between more of them rows need far less of a margin.
     """
-    best: Candidate | None = None
+    best, keeps, separated = None, False, False
     state = replace(state, margin=0.0)
     for separation in range(number, number + MOST_SEPARATIONS):
         started = time.perf_counter()
         state, model, solution, bound = solve_on_mesh(state, 0.0)
-        offered, cam, _ = offer_cam(state, model, solution, bound)
-        state = replace(offered, margin=0.0) if separation == number else offered
+        offered, cam, violated = offer_cam(state, model, solution, bound)
+        state = offered if separated else replace(offered, margin=0.0)
         seconds = time.perf_counter() - started
         state = state.with_stage(program_stage(f"convex {separation}", model, solution, seconds))
         if cam is None:
             break
-        best = cam if best is None or cam.value < best.value else best
+        breaks = any(map(len, violated))
+        if best is None or not keeps or (not breaks and cam.value < best.value):
+            best, keeps = cam, not breaks
+        separated = separated or breaks
         unfitted = recover_cam(model.problem, *model.recover(solution.x), keep_size=True)
         points, _ = row_violations(state, unfitted)
         if state.time_left <= 0.0 or not any(map(len, points)):
             break
-        separated = zip(state.grids, points, strict=True)
-        state = replace(state, grids=tuple(grid.with_points(x) for grid, x in separated))
+        finer = zip(state.grids, points, strict=True)
+        state = replace(state, grids=tuple(grid.with_points(x) for grid, x in finer))
     return state, best
 
 

@@ -306,8 +306,8 @@ def test_a_smoother_law_reaches_its_cap_on_acceleration(smoothness: int, share: 
     assert found.covers_all_laws
     assert found.relaxed is not None
     assert rough.relaxed is not None
-    assert found.relaxed.value == pytest.approx(rough.relaxed.value, rel=1e-3)
-    assert 0.0 < found.relaxation_gap < 1e-3
+    assert found.relaxed.value == pytest.approx(rough.relaxed.value, rel=4e-4)
+    assert 0.0 < found.relaxation_gap < 6e-4
 
 
 def test_points_are_added_where_a_law_breaks_rows_between_them() -> None:
