@@ -283,7 +283,8 @@ def named_lengths(*models: BaseModel) -> Iterator[tuple[str, float, float]]:
         for name in type(model).model_fields:
             value = getattr(model, name)
             if isinstance(value, BaseModel) and not isinstance(value, Range):
-                yield from ((f"{name}/{path}", *both) for path, *both in named_lengths(value))
+                for path, low, high in named_lengths(value):
+                    yield f"{name}/{path}", low, high
             elif name.endswith("_mm") and isinstance(value, float | Range):
                 yield (name, *ends(value))
 
