@@ -10,7 +10,9 @@ import pytest
 from pydantic import ValidationError
 
 from synthesis import DesignSpec, synthesise
+from synthesis.catalogue.fields import Range
 from synthesis.optimise.problem.problem import formulate_problem
+from synthesis.pipeline.relaxable import relaxable_numbers, without
 
 RPM, LIFT = 71.3, 11.7
 ROLLER = {"kind": "translating_roller", "roller_radius_mm": 7.3}
@@ -184,6 +186,14 @@ def test_a_hub_and_a_counter_roller_are_named_where_they_stand() -> None:
     counter = {"kind": "conjugate", "roller_radius_mm": 7.3, "offset_mm": 9e5}
     with pytest.raises(ValidationError, match="closure/offset_mm = 900000 mm is over"):
         request(ROLLER | {"closure": counter}, PRESSURE, lift=1e-4)
+
+
+def test_a_largest_radius_is_left_out_by_one_beyond_what_may_be_asked() -> None:
+    spec = request(ROLLER, PRESSURE, base_radius_mm={"max": 1e30})
+    (most,) = (number for number in relaxable_numbers(spec) if number.dimension)
+    opened = without(spec, [most]).base_radius_mm
+    assert isinstance(opened, Range)
+    assert opened.max == pytest.approx(1e31)
 
 
 def test_a_conflict_steps_no_farther_than_may_be_asked() -> None:

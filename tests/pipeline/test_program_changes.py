@@ -54,6 +54,14 @@ def test_no_change_is_larger_than_by_a_half(factor: float) -> None:
     assert ("all_lifts" in named) is (1.0 / factor > 0.5)
 
 
+def test_a_value_beyond_the_farthest_is_not_tried() -> None:
+    spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
+    speed = next(n for n in program_numbers(spec, ()) if n.name == "speed")
+    asked = Oracle(spec, spec, inf)
+    assert asked.is_valid(speed, 0.501 * spec.speed_rpm)
+    assert not asked.is_valid(speed, 0.499 * spec.speed_rpm)
+
+
 @pytest.mark.parametrize(("move", "rest"), [(143.3, 22.4), (131.9, 17.7), (97.1, 31.3)])
 def test_a_dwell_that_gives_all_of_its_angle_has_none(move: float, rest: float) -> None:
     program = (rise(move), dwell(rest), fall(360.0 - move - rest))
