@@ -123,12 +123,8 @@ const TOGETHER = "all limits of this name together", DEVIATION = "deviation allo
 
 /** What cannot hold together, and what would help; `apply` is given the changes that are taken. */
 export function conflict({ limits, relaxations, program_changes: changes = [], evidence }, apply) {
-  const groups = new Map();
-  for (const each of relaxations.filter(({ needed }) => needed !== null)) {
-    const key = each.note?.startsWith(TOGETHER) ? each.limit : each;
-    groups.set(key, [...(groups.get(key) ?? []), each]);
-  }
-  const helps = [...groups.values()].map((group) => {
+  const known = relaxations.filter(({ needed }) => needed !== null);
+  const helps = grouped(known, (each) => (each.note?.startsWith(TOGETHER) ? each.limit : each)).map((group) => {
     const name = nameAndUnit(group[0].limit)[0];
     const text = `${name}: ${group.map(changeOf).join(" and ")} `;
     if (group[0].note?.startsWith(DEVIATION)) return element("li", {}, `${text}(${group[0].note})`);
@@ -148,6 +144,13 @@ export function conflict({ limits, relaxations, program_changes: changes = [], e
   ];
 }
 
+/** Lists of the items that have one key, in the order of their first ones. */
+function grouped(items, keyOf) {
+  const groups = new Map();
+  for (const each of items) groups.set(keyOf(each), [...(groups.get(keyOf(each)) ?? []), each]);
+  return [...groups.values()];
+}
+
 function changeOf(each) {
   return `${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}${boundOf(each)}`;
 }
@@ -158,11 +161,10 @@ function boundOf({ at_least: bound, unit }) {
 
 // Numbers of the program whose change helps with all limits kept; those of one name change together.
 function programChanges(changes) {
-  const names = [...new Set(changes.map((each) => each.limit))];
-  const lines = names.map((name) => {
-    const parts = changes.filter((each) => each.limit === name && each.needed !== null)
+  const lines = grouped(changes, (each) => each.limit).map((group) => {
+    const parts = group.filter((each) => each.needed !== null)
       .map((each) => `${each.field} ${figure(each.requested, 5)} → ${figure(each.needed, 6)} ${each.unit}`);
-    return element("li", {}, `${nameAndUnit(name)[0]}: ${parts.join(", ")}`);
+    return element("li", {}, `${nameAndUnit(group[0].limit)[0]}: ${parts.join(", ")}`);
   });
   return [element("p", {}, "Or one of these changes of the motion, with all limits kept:"), element("ul", {}, ...lines)];
 }

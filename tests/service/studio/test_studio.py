@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from service.contract.examples import examples
+from synthesis.pipeline import boundary, conflict
 from tests.pipeline.advice.bad_cams import FIRST
 from tests.service.browsing import PATIENT, Closed, expect, picture
 from tests.service.conftest import Running
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Locator, Page
 
 pytestmark = pytest.mark.browser
+ROOT = Path(__file__).resolve().parents[3]
 SIZED = examples()["p2-sized"]["value"]
 
 
@@ -184,6 +186,14 @@ def test_like_limits_are_changed_together(studio: Page) -> None:
     expect(studio.locator("#status")).to_have_class("optimal", timeout=PATIENT)
     limits = json.loads(studio.locator("#json").input_value())["limits"]
     assert limits[-2]["max_mm_per_s3"] == limits[-1]["max_mm_per_s3"] > 600_000.0
+
+
+def test_the_page_knows_the_notes_that_the_core_writes() -> None:
+    page = (ROOT / "service/studio/result.js").read_text()
+    for name, note in (("TOGETHER", conflict.TOGETHER), ("DEVIATION", boundary.DEVIATION)):
+        known = re.search(rf'\b{name} = "([^"]+)"', page)
+        assert known is not None
+        assert note.startswith(known[1])
 
 
 def test_two_designs_are_compared(studio: Page) -> None:
