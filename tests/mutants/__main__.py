@@ -52,12 +52,14 @@ class Room:
 
 # Tests of whole designs (pipeline, studies) take seconds each and see little that these do not.
 NEAR = ("catalogue", "machines/dynamics")
+HUBS = ("pipeline/test_hub.py",)
 ANALYSES = tuple(f"studies/test_{each}.py" for each in ("analyse", "analyse_arm", "self_crossing"))
 SWEEPS = tuple(  # without those that kill processes and wait
     f"service/sweeps/test_{each}.py"
     for each in ("leases", "runner", "sweep_store", "sweeps", "warm_sweeps")
 )
 RESOURCES = tuple(f"service/resources/test_{each}.py" for each in ("designs", "earlier_engines"))
+KEYS = ("service/wire/test_access.py", "service/commands/test_keys.py")
 # What bounds over all laws rest on: rows, their functionals, least integrals, ranges. The rest of
 # the optimiser proposes cams and multipliers, of which any are valid, and meshes.
 BOUNDS = (
@@ -66,15 +68,15 @@ BOUNDS = (
     "dual_bound/row_functionals", "dual_bound/switching", "propagation/*", "relaxation/*",
 )  # fmt: skip
 ROOMS = (
-    Room("certify", 150, ("synthesis/certify/*.py",), ("certify", *NEAR, *ANALYSES)),
-    Room("second", 100, ("synthesis/certify/second/*.py",), ("certify", *NEAR)),
+    Room("certify", 150, ("synthesis/certify/*.py",), ("certify", *NEAR, *ANALYSES, *HUBS)),
+    Room("second", 100, ("synthesis/certify/second/*.py",), ("certify", *NEAR, *HUBS)),
     Room(
         "optimise", 120, tuple(f"synthesis/optimise/{file}.py" for file in BOUNDS),
         ("optimise", *NEAR),
     ),
     Room(
         "store", 80, ("service/storage/*.py", "service/sweeps/[cst]*.py"),
-        ("service/storage", *SWEEPS, *RESOURCES), store=True,
+        ("service/storage", *SWEEPS, *RESOURCES, *KEYS), store=True,
     ),
 )  # fmt: skip
 
