@@ -13,6 +13,7 @@ import synthesis as c
 from synthesis.design.design import Design
 from synthesis.design.summary import CamGeometry
 from synthesis.exporters.samples.cam import Cam
+from tests.hard.random_specs import random_spec
 
 EXAMPLES = Path(__file__).parents[2] / "openapi" / "examples"
 TURN = 2.0 * math.pi
@@ -192,6 +193,25 @@ def test_nothing_on_a_fine_grid_is_beyond_an_extreme():
     assert flank.convex_radius_mm.value == pytest.approx(convex, rel=1e-3)
     assert flank.hollow_radius_mm.value <= hollow + 1e-9
     assert flank.hollow_radius_mm.value == pytest.approx(hollow, rel=1e-3)
+
+
+def test_the_outer_wall_of_a_groove_is_hollow_all_round():
+    """One arc, the whole turn; and walls cut into a disc are no body that has a mass."""
+    body = {"thickness_mm": 12.0, "density_kg_per_m3": 7800.0}
+    groove = {"kind": "groove", "clearance_mm": 0.1, "rim_mm": 8.0}
+    found = geometry(designed(roller(closure=groove), 60.0, body=body))
+    assert [flank.hollows for flank in found.flanks] == [0, 1]
+    assert [flank.hollow_radius_mm is None for flank in found.flanks] == [True, False]
+    assert found.mass_properties is None
+
+
+def test_a_point_of_the_cam_nearest_to_the_axis_is_never_missed():
+    """A cam so sharp that the search between points of a grid ends above the lowest of them."""
+    design = c.synthesise(c.DesignSpec.model_validate(random_spec(122)))
+    (flank,), cam = geometry(design).flanks, Cam.of(design)
+    near = math.radians(flank.smallest_radius_mm.angle_deg)
+    radius = np.hypot(*cam.place(cam.at((near + np.linspace(-1e-3, 1e-3, 20_001)) % TURN)))
+    assert flank.smallest_radius_mm.value <= radius.min() * (1.0 + 1e-12)
 
 
 def test_a_corner_is_bridged_by_an_arc_about_the_rollers_centre():

@@ -19,8 +19,8 @@ RPM, LIFT, RISE, RETURN = 200.0, 45.0, 120.0, 100.0
 
 
 ROLLER = {"kind": "translating_roller", "roller_radius_mm": 16.0, "offset_mm": 0.0}
-JERK = [{"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0},
-        {"kind": "jerk", "max_mm_per_s3": 2e7}]  # fmt: skip
+PRESSURE_ANGLE = {"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0}
+JERK = [PRESSURE_ANGLE, {"kind": "jerk", "max_mm_per_s3": 2e7}]
 
 
 def specification(*laws: str, **fields) -> c.DesignSpec:
@@ -242,3 +242,13 @@ def test_no_sample_of_a_law_is_beyond_its_figures(kind):
     product = np.abs(g[1] * g[2]).max()
     assert found.product_peak >= product * (1.0 - 1e-12)
     assert found.product_peak == pytest.approx(product, rel=1e-3, abs=1e-12)
+
+
+@pytest.mark.parametrize("continuity", [2, 3, 4])
+def test_a_spline_that_starts_from_rest_never_moves_back(continuity):
+    """Its control points are rounded: a velocity of −1e-18 lifts a radian is none."""
+    spec = specification("spline", "spline", limits=[PRESSURE_ANGLE], continuity=continuity)
+    found = c.synthesise(spec).motion_summary
+    rise, back = (move.velocity for move in found.moves)
+    assert rise.smallest.value == 0.0
+    assert back.largest.value == 0.0

@@ -234,6 +234,7 @@ def test_the_forces_know_the_same_largest_speed(follower, program, load):
         ({"kind": "translating_flat_face", "tilt_deg": 12.0, "offset_mm": 3.0}, RISE_RETURN),
         (FACE, SWING),
         ({**FACE, "sense": "same"}, SWING),
+        ({**FACE, "pivot_direction_deg": 71.0}, SWING),
     ],
 )
 def test_a_face_slides_past_the_cams_material(face, program):
