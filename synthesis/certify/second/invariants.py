@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Final
+from functools import reduce
+from typing import Any, Final
 
 from flint import arb
 
+from synthesis.catalogue.fields import ends
 from synthesis.catalogue.followers.base import base_gap, paths
 from synthesis.certify.second import Remeasured
 from synthesis.certify.second.exact_design import ExactDesign, remeasured, satisfies
@@ -98,14 +100,16 @@ def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Remeasured:
 
 
 def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
-    """A dimension against its range: from the output link if that has it."""
+    """A dimension against the range that was asked for: from the output link if that has it."""
     stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
     pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
+    spec: Any = design.design.resolved_spec
+    low, high = ends(reduce(getattr, extreme.field.split("/"), spec))
     if extreme.limit == "base_radius":
         value, how = _base_radius(design), AT_REST
     elif extreme.limit.startswith("room_for_"):
         # across the base circle; of a shaft's hub 7/4 of the shaft and a quarter of an inch
-        value, how = 2 * _base_radius(design), AT_REST
+        value, how, high = 2 * _base_radius(design), AT_REST, math.inf
         if extreme.limit == "room_for_shaft":
             value = (value - arb("6.35")) * 4 / 7
     elif extreme.limit == "centre_distance" and pivot is not None:
@@ -115,7 +119,11 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
         value, how, allowed = arb(stated), "stated by the design itself", arb(0)
     else:
         return remeasured(extreme)
-    return _beside(extreme, value, how, allowed, holds=extreme.holds)
+    # both judges round: the value itself, and what it may miss its range by
+    scale = arb(180) if extreme.unit == "deg" else abs(value).max(_cam_size(design))
+    missed = (low - value).max(value - high)
+    holds = bool(missed <= 2 * SIZE_ROUNDING * scale)
+    return _beside(extreme, value, how, allowed, holds=holds)
 
 
 def _junction(design: ExactDesign, extreme: Extreme) -> Remeasured:
