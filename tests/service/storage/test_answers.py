@@ -174,6 +174,23 @@ def test_an_owner_sees_what_he_has_asked_and_nothing_of_others(tmp_path: Path) -
     on_store(tmp_path, work)
 
 
+def test_a_question_is_held_from_its_claim_to_its_release(tmp_path: Path) -> None:
+    """Whether it is answered or not; under its kind, and by who has asked it."""
+
+    async def work(store: Store, one: Answers, other: Answers) -> None:
+        assert not await one.is_held("a", ME)
+        await one.claim("a", ME)
+        assert await one.is_held("a", ME)
+        await one.finish(row("a", state="done"), accepted=False)
+        assert await one.is_held("a", ME)
+        for answers, id, owner in ((one, "b", ME), (one, "a", "him"), (other, "a", ME)):
+            assert not await answers.is_held(id, owner)
+        await one.release("a", ME)
+        assert not await one.is_held("a", ME)
+
+    on_store(tmp_path, work)
+
+
 def test_time_in_the_core_is_used_by_who_was_first_to_ask(tmp_path: Path) -> None:
     async def work(store: Store, one: Answers, other: Answers) -> None:
         for owner in (ME, "him"):

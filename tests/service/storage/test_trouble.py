@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ from service.storage.store import Store
 from service.storage.tables import AnswerRow
 from service.storage.upkeep import faults
 from service.wire.errors import is_damage
+from service.wire.observe import Metrics
 from service.wire.problem import problem_of
 from service.work import Work
 from tests.service.conftest import settings_for
@@ -52,6 +55,21 @@ def test_a_store_that_takes_no_writes_does_not_work(
         assert (await answers.accept(row("a"))).state == "accepted"
 
     asyncio.run(story())
+
+
+def test_the_metrics_tell_how_long_transactions_take(tmp_path: Path) -> None:
+    metrics = Metrics()
+    store, began = Store(settings_for(tmp_path), metrics), time.perf_counter()
+    asyncio.run(store.do(lambda session: time.sleep(0.02)))
+    most = time.perf_counter() - began
+    store.dispose()
+    page = metrics.page({}, 0, 0, 0, 0).decode()
+    count, seconds = (
+        float(re.findall(rf"^camwright_store_seconds_{name} (.*)$", page, re.MULTILINE)[0])
+        for name in ("count", "sum")
+    )
+    assert count == 1
+    assert 0.02 <= seconds <= most
 
 
 def test_a_lease_from_before_the_clock_was_set_back_holds_nobody_up(store: Store) -> None:

@@ -140,6 +140,9 @@ def test_what_is_damaged_is_named(used: str, tmp_path: Path, change: str, words:
 def test_what_is_old_goes_and_what_is_under_way_stays(used: str, tmp_path: Path) -> None:
     run("prune", "--older-than-days", "1", "--database-url", used)
     assert len(rows(used, "answers")) == 2
+    store = Store(settings_for(tmp_path))
+    asyncio.run(Answers(ONE, store).claim("waiting", "ada"))  # which keeps no other
+    store.dispose()
     with closing(sqlite3.connect(tmp_path / "designs.db")) as database, database:
         old = (datetime.now(UTC) - timedelta(days=2)).replace(tzinfo=None).isoformat(" ")
         database.execute("update answers set created = ?", (old,))
@@ -151,6 +154,33 @@ def test_what_is_old_goes_and_what_is_under_way_stays(used: str, tmp_path: Path)
     (left,) = rows(used, "answers")
     assert "waiting" in left
     assert rows(used, "sweeps") == rows(used, "sweep_items") == []
+
+
+def test_an_old_sweep_goes_with_its_items_and_another_stays(used: str, tmp_path: Path) -> None:
+    store = Store(settings_for(tmp_path))
+    sweeps = SweepStore(store, 60.0)
+
+    async def fill() -> tuple[int, int]:
+        old, new = await sweeps.find("s", None), await sweeps.accept(a_sweep("new"))
+        assert old is not None
+        assert await sweeps.take(new.sequence)
+        await sweeps.record(new.sequence, [(ItemAnswer(0, "optimal"), [1.5])])
+        for each in (old, new):
+            await sweeps.keep_strikes(each.sequence, {1: 2})
+        return old.sequence, new.sequence
+
+    async def left(sweep: int) -> tuple[set[int], dict[int, int]]:
+        return await sweeps.done_numbers(sweep), await sweeps.strikes(sweep)
+
+    old, new = asyncio.run(fill())
+    with closing(sqlite3.connect(tmp_path / "designs.db")) as database, database:
+        database.execute("update sweeps set finished = '2024-05-06' where id = 's'")
+    said = run("prune", "--older-than-days", "1", "--database-url", used).output
+    assert said == "Deleted: sweeps 1.\n"
+    assert asyncio.run(left(old)) == (set(), {})
+    assert asyncio.run(left(new)) == ({0}, {1: 2})
+    assert asyncio.run(sweeps.find("new", None)) is not None
+    store.dispose()
 
 
 def test_what_somebody_has_asked_for_since_stays_for_him(used: str, tmp_path: Path) -> None:
@@ -169,6 +199,7 @@ def test_what_somebody_has_asked_for_since_stays_for_him(used: str, tmp_path: Pa
     assert held == {("bob", "done"), ("ada", "waiting")}
     with closing(sqlite3.connect(tmp_path / "designs.db")) as database, database:
         database.execute("update holdings set created = ?", (old,))
+    assert run(*pruned, "--dry-run").output == "Would delete: answers 1.\n"
     assert run(*pruned).output == "Deleted: answers 1.\n"
     assert {(owner, id) for _, owner, id, *_ in rows(used, "holdings")} == {("ada", "waiting")}
     store.dispose()

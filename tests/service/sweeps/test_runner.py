@@ -9,6 +9,7 @@ import zlib
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -23,9 +24,10 @@ from service.sweeps.question import sweep_question
 from service.sweeps.store import LeaseLost, design_of_item
 from service.sweeps.sweeps import Progress, Sweeps
 from service.sweeps.tasks import ItemAnswer, solve_items
-from service.wire.errors import ProblemType
+from service.wire.errors import ProblemType, ServiceError
 from service.workers.tasks import Answer
 from synthesis import Design
+from synthesis.design.identity import ENGINE_NUMBER
 from synthesis.errors import Cancelled, TimeBudgetExceeded
 from synthesis.studies.sweeps import SweepSpec
 from tests.certify.second.test_values import given
@@ -84,8 +86,8 @@ def run(
             await started(sweeps)
         for runner in list(sweeps.work.runners.values()):
             await asyncio.wait_for(runner.task, 60.0)
+        found = await sweeps.store.find(row.id, None)  # before all leases are given back
         await sweeps.close()
-        found = await sweeps.store.find(row.id, None)
         assert found is not None
         number = row.sequence
         return found, await sweeps.store.strikes(number), await sweeps.store.done_numbers(number)
@@ -214,6 +216,7 @@ def test_a_dismissed_sweep_stops_and_keeps_what_is_done(tmp_path: Path) -> None:
         row = await sweeps.dismiss(runner._row)
         assert row is not None
         assert row.state == "dismissed"
+        assert row.leased_by is None  # any process may go on with it
         assert await sweeps.dismiss(row) is None
         assert sweeps.progress(row.id) is None
 
@@ -258,6 +261,60 @@ def test_a_sweep_whose_process_has_died_is_continued(
     assert (found.state, found.done) == ("successful", 3)
 
 
+def test_a_sweep_of_an_earlier_engine_ends_and_its_question_begins_anew(tmp_path: Path) -> None:
+    """One that had begun: no item goes into its table any more."""
+    settings = settings_for(tmp_path)
+    store, engine, old = Store(settings), MadeUp(solved), "of an earlier engine"
+    spec = SweepSpec.model_validate(sweep_of(["a", "b", "c"]))
+
+    async def work() -> list[tuple[str, int, int]]:
+        sweeps = Sweeps(engine, store, settings)  # type: ignore[arg-type]
+        row = a_sweep(
+            old, engine=ENGINE_NUMBER - 1, state="running", spec=spec.model_dump_json().encode()
+        )
+        await sweeps.store.accept(row)
+        await sweeps.resume()
+        for runner in list(sweeps.work.runners.values()):
+            await asyncio.wait_for(runner.task, 60.0)
+        await sweeps.close()
+        found = [await sweeps.store.find(id, None) for id in (old, sweep_question(spec).id)]
+        return [(row.state, row.engine, row.done) for row in found if row is not None]
+
+    try:
+        found = asyncio.run(work())
+    finally:
+        store.dispose()
+    assert found == [("dismissed", ENGINE_NUMBER - 1, 0), ("successful", ENGINE_NUMBER, 3)]
+
+
+def test_a_sweep_too_many_is_told_when_another_will_have_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """13 of 23 items are left, at 2.5 a second: 5.2 s, of which none may be cut off."""
+    now = [0.0]
+    clock = SimpleNamespace(monotonic=lambda: now[0])
+    monkeypatch.setattr(sweeps_module, "time", clock)
+
+    async def never(numbers: list[int]) -> list[ItemAnswer]:
+        await asyncio.sleep(30.0)
+        return await solved(numbers)
+
+    async def ask_another(sweeps: Sweeps) -> None:
+        sweeps._settings = sweeps._settings.model_copy(update={"max_sweeps": 1})
+        (runner,) = sweeps.work.runners.values()
+        await asyncio.wait_for(runner.progress.next_change.wait(), 10.0)
+        for now[0], done in ((1.0, 2), (4.0, 10)):
+            runner.progress.update(done)
+        another = SweepSpec.model_validate(sweep_of(["another"]))
+        with pytest.raises(ServiceError, match="1 sweeps are running already") as refused:
+            await sweeps.accept(sweep_question(another), LOCAL)
+        assert refused.value.problem is ProblemType.BUSY
+        assert refused.value.headers == {"Retry-After": "6"}
+        await sweeps.dismiss(runner._row)
+
+    run(tmp_path, never, started=ask_another)
+
+
 def test_a_chain_begins_where_the_one_before_has_ended(tmp_path: Path) -> None:
     row, engine, *_ = run(tmp_path, solved, items=20, warm_start=True)
     assert row.done == 20
@@ -277,6 +334,7 @@ def test_the_rate_is_that_of_the_last_commits(monkeypatch: pytest.MonkeyPatch) -
         now[0] = 300.0 + after
         progress.update(done)
         assert progress.rate_per_s == (None if after == 0.0 else done / after)
+        assert progress.done == done
     assert change.is_set()
     assert not progress.next_change.is_set()
 

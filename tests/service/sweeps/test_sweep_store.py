@@ -15,7 +15,7 @@ from sqlalchemy import select
 
 from service.storage.answers import Answers
 from service.storage.store import Store
-from service.storage.tables import LOCAL, ItemRow, StrikeRow, SweepRow
+from service.storage.tables import LOCAL, ItemRow, StrikeRow, SweepRow, UsageRow
 from service.sweeps import store as sweep_store
 from service.sweeps.store import LeaseLost, SweepStore, design_of_item
 from service.sweeps.tasks import ItemAnswer
@@ -118,6 +118,8 @@ def test_items_are_kept_once_and_counted(tmp_path: Path) -> None:
         counts = {name: getattr(whole, name) for name in sweep_store.STATUSES}
         assert counts == {"optimal": 2, "feasible": 1, "unsolved": 1, "infeasible": 1, "failed": 1}
         assert whole.done == 6
+        used = await store.do(lambda s: {row.owner: row.core_seconds for row in s.query(UsageRow)})
+        assert used == {LOCAL: 7 * 0.5}  # of items that are kept, those of b too
         found = await one.find("a", None)
         assert found is not None
         assert (found.quantities, found.done) == (["mm", "deg", "n"], 6)

@@ -5,24 +5,29 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import httpx2
 import pytest
+from sqlalchemy import text as sql
+from sqlalchemy import update
 from starlette.routing import Mount
 
 from service.app import create_app
 from service.openapi import TARGET
 from service.server import keys_needed
 from service.settings import Settings
-from service.storage.keys import KEY_BYTES, PREFIX, ApiKeys
+from service.storage.keys import KEY_BYTES, LONGEST, PREFIX, REREAD_S, ApiKeys
 from service.storage.store import Store
-from service.storage.tables import ApiKeyRow
+from service.storage.tables import ApiKeyRow, in_utc
 from service.wire import access
 from service.wire.access import Caller, Guard, KeyRefused
 from tests.service.conftest import Running, settings_for
+from tests.service.postgres import PASSWORD, postgres
 
 Ask = Callable[..., httpx2.Response]
 
@@ -172,6 +177,103 @@ def test_a_key_is_kept_as_a_hash_rotated_without_a_gap_and_revoked(
         asyncio.run(work())
     finally:
         store.dispose()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    store = Store(settings_for(tmp_path))
+    yield store
+    store.dispose()
+
+
+def test_the_store_is_asked_for_a_key_at_most_once_a_second(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Until then a key that was revoked is not refused; what cannot be a key is never looked up."""
+    keys, now, looks = ApiKeys(store, Settings()), [100.0], list[float]()
+    clock = SimpleNamespace(monotonic=lambda: now[0])
+    monkeypatch.setattr("service.storage.keys.time", clock)
+
+    async def look(work: Callable[[Any], Any]) -> Any:
+        looks.append(now[0])
+        return await store.do(work)
+
+    async def work() -> None:
+        row, text = await ApiKeys(store, Settings()).create("laptop", "ada")
+        monkeypatch.setattr(keys, "_do", look)
+        for wrong in ("", text.removeprefix(PREFIX), PREFIX + "x" * LONGEST):
+            with pytest.raises(KeyRefused, match="not one"):
+                await keys.caller(wrong)
+        assert looks == []
+        again = 100.0 + 1.1 * REREAD_S
+        for now[0] in (100.0, 100.0 + 0.9 * REREAD_S, again):
+            assert (await keys.caller(text)).key == row.id
+        assert looks == [100.0, again]
+        assert await ApiKeys(store, Settings()).revoke(row.id)
+        now[0] = again + 0.9 * REREAD_S
+        assert (await keys.caller(text)).key == row.id
+        now[0] = again + 1.1 * REREAD_S
+        with pytest.raises(KeyRefused, match="revoked"):
+            await keys.caller(text)
+
+    asyncio.run(work())
+
+
+@pytest.mark.parametrize(("days", "left"), [(None, 1.0), (0.5, 0.5), (2.0, 1.0)])
+def test_a_rotated_key_ends_after_the_overlap_or_when_it_would_have(
+    store: Store, days: float | None, left: float
+) -> None:
+    keys, began = ApiKeys(store, Settings()), datetime.now(UTC)
+
+    async def work() -> None:
+        old, text = await keys.create("laptop", "ada", days)
+        new, _ = await keys.rotate(old.id, 1.0, None)
+        ends = {row.id: in_utc(row.expires) for row in await keys.all()}
+        assert ends[new.id] is None
+        end = ends[old.id]
+        assert end is not None
+        assert timedelta(0) <= end - began - timedelta(days=left) < timedelta(minutes=1)
+        assert (await keys.caller(text)).key == old.id
+
+    asyncio.run(work())
+
+
+def test_keys_are_listed_owner_by_owner(store: Store) -> None:
+    keys = ApiKeys(store, Settings())
+
+    async def work() -> None:
+        for name, owner in (("first", "bob"), ("second", "ada"), ("third", "bob")):
+            await keys.create(name, owner)
+        assert [row.name for row in await keys.all()] == ["second", "first", "third"]
+
+    asyncio.run(work())
+
+
+def test_a_key_that_is_revoked_meanwhile_gets_none_in_its_place(tmp_path: Path) -> None:
+    """A rotation waits for a revocation that has begun, and finds the key refused."""
+    waiting = sql("select count(*) from pg_locks where not granted")
+    with postgres("camwright", "camwright") as port:
+        address = f"camwright:{PASSWORD}@127.0.0.1:{port}/camwright"
+        store = Store(settings_for(tmp_path, database_url=f"postgresql+psycopg://{address}"))
+        keys = ApiKeys(store, Settings())
+
+        async def work() -> None:
+            old, _ = await keys.create("laptop", "ada")
+            with store.engine.begin() as revoking:
+                revoking.execute(update(ApiKeyRow).values(revoked=datetime.now(UTC)))
+                rotation = asyncio.create_task(keys.rotate(old.id, 1.0, None))
+                for _ in range(1000):
+                    if revoking.scalar(waiting) or rotation.done():
+                        break
+                    await asyncio.sleep(0.01)
+            with pytest.raises(LookupError):
+                await rotation
+            assert [row.id for row in await keys.all()] == [old.id]
+
+        try:
+            asyncio.run(work())
+        finally:
+            store.dispose()
 
 
 @pytest.fixture
