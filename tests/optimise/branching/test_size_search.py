@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
+from synthesis.catalogue.constraints import AffineNorm, NormBounds
 from synthesis.numerics.box_search import Budget
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.branching.size_search import ANGLES as ANGLES_OF_SEGMENT
@@ -209,6 +212,36 @@ def test_the_angles_that_exceed_a_limit_most_exclude_what_all_angles_do() -> Non
         assert np.all(is_excluded(problem, boxes, ANGLES_OF_SEGMENT) >= every)
         excluded += int(np.sum(every))
     assert excluded > 40
+
+
+def test_a_box_with_one_size_within_a_norm_s_range_is_kept() -> None:
+    """That size is a corner: ‖a z + m‖² is rational, and the range's end next to its root."""
+    rng, seen = np.random.default_rng(5), AffineNorm(((1.7, 0.0), (0.0, 0.9)), (0.3, 0.7))
+    for _ in range(40):
+        box = np.sort(rng.uniform(1.0, 9.0, (2, 2)), axis=1)
+        nearest, farthest = (
+            sum((Fraction(row[k]) * Fraction(z) + Fraction(m)) ** 2
+                for k, (row, m, z) in enumerate(zip(seen.matrix, seen.shift, at, strict=True)))
+            for at in box.T.tolist()
+        )  # fmt: skip
+        least, most = (float(square) ** 0.5 for square in (farthest, nearest))
+        while Fraction(most) ** 2 < nearest:
+            most = float(np.nextafter(most, np.inf))
+        while Fraction(least) ** 2 > farthest:
+            least = float(np.nextafter(least, 0.0))
+        for bounds in ({"upper": most}, {"upper": np.inf, "lower": least}):
+            assert not excluded_by(NormBounds(seen, source="", **bounds), box)
+        # by a little more than rounding none is left
+        for bounds in (
+            {"upper": most * (1.0 - 1e-10)},
+            {"upper": np.inf, "lower": least * (1.0 + 1e-10)},
+        ):
+            assert excluded_by(NormBounds(seen, source="", **bounds), box)
+
+
+def excluded_by(bounds: NormBounds, box: Array) -> bool:
+    question: Any = SimpleNamespace(segments=(), norm_bounds=[bounds], least_norms=[])
+    return bool(is_excluded(question, box[:, :, None])[0])
 
 
 def test_a_search_that_ends_early_proves_no_more_than_its_boxes(

@@ -22,6 +22,7 @@ from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
 from synthesis.optimise.dual_bound.row_functionals import (
     Hats,
     RowFunctional,
+    WeightedRows,
     cone_rows,
     distribute_to_intervals,
     energy_tangents,
@@ -104,6 +105,26 @@ def test_a_row_s_mean_over_spans_is_that_of_the_law_and_of_the_bound(seed: int, 
         start + np.sum(weights * psi * law(x, order), axis=1), mean, atol=1e-9
     )
     np.testing.assert_array_equal(rows.rhs, block.rhs)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]))
+def test_psi_of_rows_is_what_the_control_counts_for_in_them(seed: int, order: int) -> None:
+    """Of a law with g = g' = … = 0 at 0: Σ weights_k g^(k)(x) + ∫ poly w dτ = ∫ ψ w dτ."""
+    rng = np.random.default_rng(seed)
+    control = np.polynomial.Polynomial(rng.standard_normal(4))
+    law = control.integ(order)
+    spans = np.sort(rng.uniform(size=(3, 2)), axis=1)
+    x, weights = spans[:, 0], rng.standard_normal((3, order))
+    poly = rng.standard_normal((3, 5))
+    rows = WeightedRows(0, x, weights, np.zeros(3), np.zeros((3, 0)), spans=spans, poly=poly)
+    cuts = np.unique(np.concatenate([[0.0, 1.0], spans.ravel()]))
+    tau, shares = (each.ravel() for each in gauss_points(cuts, 6))
+    alone = sum(weights[:, k] * law.deriv(k)(x) for k in range(order))
+    for row, (low, high) in enumerate(spans):
+        at, width = (each.ravel() for each in gauss_points(np.array([low, high]), 6))
+        density = np.polynomial.Polynomial(poly[row])((at - low) / (high - low))
+        alone[row] += np.sum(width * density * control(at))
+    np.testing.assert_allclose(shares * control(tau) @ rows.psi(tau), alone, atol=1e-10)
 
 
 def test_shared_masses_are_the_same_in_sum_and_in_the_mean() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from synthesis.catalogue.objectives import RmsJerk
+from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.clarabel import minimise_each, solve
 from synthesis.optimise.conic.control import capped_controls, mean_square_caps, weighed_controls
@@ -25,11 +26,23 @@ from synthesis.optimise.dual_bound.bound import (
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.mean_square import least_between
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
+from synthesis.optimise.propagation.bound_tightening import bound_quantities
 from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.propagation.law_tightening import initial_law_bounds, tighten_law
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
-from tests.optimise.scenes import Direct, angles, direct, dwell, fall, problem, rise, scene
+from tests.optimise.scenes import (
+    PLAIN,
+    Direct,
+    angles,
+    direct,
+    dwell,
+    fall,
+    jerk,
+    problem,
+    rise,
+    scene,
+)
 
 SCENES: dict[str, DesignSpec] = {
     "between dwells": scene(
@@ -103,6 +116,18 @@ def _reached(model: ConicModel, law: int, x: float, order: int) -> tuple[float, 
     return ends[0], ends[1]
 
 
+def test_without_a_spline_no_quantity_is_bounded(question: Problem) -> None:
+    """Of cone programs too: no size keeps a row, or no time is left to find a spline."""
+    grids = [uniform_grid(segment, 12) for segment in question.free]
+    model = formulate(replace(question, objective=NoObjective()), grids)
+    controls, sizes = capped_controls(model), question.sizing.bounds
+    assert controls is not None
+    none, wanted = LinearBlock.of_size(np.zeros(len(sizes)), np.array([-1.0]), ""), _wanted(model)
+    assert bound_quantities(with_rows(model, [none]), controls, sizes, wanted) is None
+    assert bound_quantities(model, controls, sizes, wanted, until=clock.now() - 1.0) is None
+    assert bound_quantities(model, controls, sizes, wanted) is not None
+
+
 def test_perturbed_multipliers_give_a_bound_too(question: Problem) -> None:
     """Weak duality: the bound may be useless, but it is never wrong."""
     fine, answer = on(question, 96).value, on(question, 10)
@@ -128,6 +153,19 @@ def test_the_multiplier_is_the_slope_of_the_optimum(question: Problem) -> None:
     unit = answer.model.scales.size
     gained = (answer.value - direct(wider, grids).value) / unit
     assert gained == pytest.approx(own.multiplier * (room - own.room), rel=5e-3)
+
+
+@pytest.mark.parametrize("objective", ["base_radius", "rms_jerk"])
+def test_only_a_limit_caps_a_control(objective: str) -> None:
+    """A cap j of the jerk is one of j β³/h on a law; a mean square that is made least is none."""
+    limit, cap = angles(33.0, 44.0), jerk(71.0, 71.7)
+    free = problem(scene(PLAIN, limit, objective=objective))
+    assert capped_controls(on(free, 8).model) is None
+    capped = problem(scene(PLAIN, limit, cap, objective=objective))
+    controls = capped_controls(on(capped, 8).model)
+    assert controls is not None
+    for control, segment in zip(controls, capped.free, strict=True):
+        assert control.cap == pytest.approx(71.0 * (segment.angle / capped.free[0].angle) ** 3)
 
 
 def test_the_cap_bounds_what_unknown_initial_values_may_gain(question: Problem) -> None:

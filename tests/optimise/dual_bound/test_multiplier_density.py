@@ -105,6 +105,24 @@ def test_densities_lie_between_points_that_ascend() -> None:
     assert not any(one.uniform for one in row_functionals(backwards, 3))
 
 
+def test_only_rows_that_read_the_same_all_along_a_law_hold_between_their_points() -> None:
+    """Not those whose factors differ, nor of a window; of equalities multipliers have any sign."""
+    question = problem(SCENE)
+    model = direct(question, uneven(question, 0)).model
+    spread = MultiplierDensity.of(model, [], EACH, 3).point_runs
+    number = next(k for k, runs in enumerate(spread) if runs is not None)
+    block = model.blocks[number]
+    share = np.linspace(1.0, 2.0, len(block.x))
+    differing = replace(block, alpha=block.alpha[:, None] * share, rhs=block.rhs * share)
+    windowed = replace(block, spans=np.tile([0.2, 0.7], (len(block.x), 1)))
+    for other in (differing, windowed, replace(block, exact=True)):
+        blocks = [other if k == number else b for k, b in enumerate(model.blocks)]
+        between = MultiplierDensity.of(replace(model, blocks=tuple(blocks)), [], EACH, 3)
+        assert between.point_runs[number] is None
+        assert between.model.blocks[number] is other
+        assert sum(runs is None for runs in between.point_runs) == 1 + spread.count(None)
+
+
 def test_a_density_at_many_points_is_linear_between_these() -> None:
     """One node in a knot interval is for multipliers of a spline's own rows."""
     question = problem(SCENE)

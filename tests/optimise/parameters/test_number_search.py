@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import inf
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,9 +14,13 @@ import pytest
 from synthesis.numerics import clock
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.separable import POINTS, Separable, least_of_largest
+from synthesis.optimise.conic.control import Control
 from synthesis.optimise.driver import optimise
+from synthesis.optimise.dual_bound.lagrangian import Lagrangian
+from synthesis.optimise.dual_bound.row_functionals import Hats, WeightedRows
 from synthesis.optimise.parameters.number_search import Box, Enough, NumberProof, NumberSearch
 from synthesis.optimise.parameters.parametric_bound import (
+    LawShare,
     ParametricBound,
     bound_over_box,
     parametric_bound,
@@ -189,6 +194,51 @@ def test_its_slope_is_that_of_the_optimum(name: str) -> None:
         near, _ = bound_over_box([one], u + step, u + step, 2.0 * value)
         # a kink, where several peaks are equal, has more slopes than one
         assert state.incumbent.value - near <= (value - bound) + 0.05 * value
+
+
+@pytest.mark.parametrize("velocity", [0.9, -0.9])
+def test_a_density_on_g_has_no_share_where_neither_end_is_at_rest(velocity: float) -> None:
+    """By a velocity v at the start, at 1 − ℓ, an even density on [a, b] gets
+
+    α v (ℓ − 1 + b)²/2(b − a) while the start is within it, and α v (a + b)/2 at ℓ = 1: quadratic
+    in ℓ, where a share has a term linear in ℓ for every point.
+    """
+    a, b, length, many = 0.2, 0.7, 0.6, 4000
+    hats = Hats(np.array([a]), np.array([b]), np.array([0.5]), np.array([[1.7, -0.3]]))
+    nothing = np.zeros(1), np.zeros((1, 1))
+    dense = WeightedRows(0, hats.left, hats.weights, *nothing, spans=hats.spans, poly=hats.poly)
+    points = replace(
+        dense, x=a + (b - a) * (np.arange(many) + 0.5) / many, spans=None, poly=None,
+        weights=np.tile(hats.alpha / many, (many, 1)), rhs=np.zeros(many), size=np.zeros((many, 1)),
+    )  # fmt: skip
+
+    def share(rows: WeightedRows, end_velocity: float) -> LawShare | None:
+        ends = np.array([0.0, velocity]), np.array([1.0, end_velocity])
+        model: Any = SimpleNamespace(
+            grids=[None], problem=SimpleNamespace(sizing=SimpleNamespace(bounds=((3.0, 7.0),))),
+            boundary_states=[SimpleNamespace(start=ends[0], end=ends[1])],
+        )  # fmt: skip
+        lagrangian = Lagrangian(model, 2)
+        lagrangian.add_rows(rows, np.ones(len(rows.x)))
+        lagrangian.reduce()
+        return LawShare.of(lagrangian, 0, Control(2, 5.0, 0.0, 0.0), *lagrangian.psi(), np.zeros(2))
+
+    more = 1.7 * velocity * ((length - 1.0 + b) ** 2 / (2.0 * (b - a)) - 0.5 * (a + b))
+    for end_velocity in (0.0, 0.4):
+        by_points = share(points, end_velocity)
+        assert by_points is not None
+        assert by_points.parts(length, length)[1] == pytest.approx(more, rel=1e-5)
+    assert share(dense, 0.4) is None
+    # an end at rest may move in place of the start: what rows get by the velocity stays
+    from_start = share(dense, 0.0)
+    assert from_start is not None
+    area, own = from_start.parts(length, length)
+    x = length * (np.arange(many) + 0.5) / many
+    beyond = np.minimum((b - x) / (b - a), 1.0)  # the share of the density beyond x
+    centre = 0.5 * (np.maximum(x, a) + b)  # of that share
+    psi = beyond * (1.7 * (centre - x) - 0.3)
+    assert area == pytest.approx(length * np.mean(np.abs(psi)), rel=1e-5)
+    assert not own.any()
 
 
 def test_the_gap_is_that_to_the_better_bound_of_two_proofs() -> None:

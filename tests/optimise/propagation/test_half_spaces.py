@@ -14,7 +14,13 @@ from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.propagation import bound_tightening
 from synthesis.optimise.propagation.bound_tightening import _box_within_cones
-from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
+from synthesis.optimise.propagation.half_spaces import (
+    FAN,
+    TURN,
+    HalfSpaces,
+    cone_tangents,
+    directions_around,
+)
 from synthesis.optimise.propagation.improving_region import ImprovingRegion
 
 BOX = ((-3.0, 5.0), (20.0, 47.0))
@@ -112,6 +118,27 @@ def test_the_box_of_a_cone_holds_its_outermost_sizes(seed: int) -> None:
     inner = _box_within_cones(model, ((-1e-3, 1e-3), (-1e3, 1e3)))
     assert inner[0] == (max(-1e-3, box[0][0]), min(1e-3, box[0][1]))
     assert inner[1] == box[1]
+
+
+@pytest.mark.parametrize("turn", np.arange(0.1, 2.0 * np.pi, 0.3))
+def test_tangents_leave_what_lies_in_a_cone_and_little_else(turn: float) -> None:
+    """|M z/unit| ≤ r, M a turn of the box, on the arc of the circle that the box may reach."""
+    unit, radius = 7.3, 1.9
+    sizes = ((-5.0, 4.0), (20.0, 47.0))
+    matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    cone: Any = SimpleNamespace(
+        bound_column=None, norm=1, shift=np.zeros(2), matrix=matrix, radius=radius, source=""
+    )
+    model: Any = SimpleNamespace(size=slice(0, 2), scales=SimpleNamespace(size=unit))
+    blocks = list(cone_tangents(model, cone, sizes))
+    assert len(blocks) < FAN  # the box is narrow enough for steps of ``TURN``
+    low, high = (np.arctan2(end, sizes[1][0]) for end in sizes[0])
+    angle = np.linspace(low, high, 2001)
+    rim = radius * unit * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    excess = np.max([rim @ block.size / unit - block.rhs for block in blocks], axis=0)
+    assert np.max(excess) <= 1e-12 * radius
+    # the tangents' polygon lies outside of the circle by what half a step makes
+    assert np.min(excess) >= radius * (np.cos(0.5 * TURN) - 1.0) - 1e-12
 
 
 def test_a_cone_that_leaves_a_direction_open_bounds_nothing() -> None:

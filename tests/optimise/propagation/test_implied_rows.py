@@ -2,6 +2,7 @@
 
 from copy import deepcopy
 from dataclasses import replace
+from itertools import product
 from math import inf
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from synthesis import DesignSpec, synthesise
 from synthesis.catalogue.constraints import SlideCoordinates
 from synthesis.catalogue.followers.curvature_bound import CurvatureBound
+from synthesis.numerics.solvers import clarabel
 from synthesis.optimise.branching.node import BindingLimits, BoundTask
 from synthesis.optimise.branching.traced_node import TracedNode, solve_relaxation
 from synthesis.optimise.conic.control import law_controls
@@ -217,6 +219,65 @@ def test_a_better_cam_lies_where_better_cams_are_said_to_lie(found, finer):
         keeps(domain, found.problem, finer)
     assert all(high - low < 3.0 for low, high in domain.sizes)
     assert len(domain.point_bounds) == 2
+
+
+def scene_on_twelve_intervals(**changes):
+    """The problem of the scene with changes, and a region with nodes amid both laws."""
+    spec = DesignSpec.model_validate({**deepcopy(SCENE), **changes})
+    problem = formulate_problem(spec, *spec.objectives())
+    model = formulate(problem, [uniform_grid(s, 12) for s in problem.free])
+    controls = law_controls(model)
+    assert controls is not None
+    parts = dict.fromkeys(range(2), ((0.4, 0.6),))
+    return model, controls, initial_region(problem, controls, parts)
+
+
+def test_nothing_that_the_sizes_allow_is_excluded_at_first():
+    """Of a follower that hardly moves X and −u are s0 and e, up to 10^11 strokes."""
+    program = [
+        {**segment, "lift_mm": 1e-6} if "lift_mm" in segment else segment
+        for segment in SCENE["program"]
+    ]
+    follower = {**SCENE["follower"], "offset_mm": {"min": 0.0, "max": 1e5}}
+    radius = {"min": 20.0, "max": 1e5}
+    model, _, region = scene_on_twelve_intervals(
+        program=program, follower=follower, base_radius_mm=radius
+    )
+    assert len(region.point_bounds) == 2
+    for size in product(*model.problem.sizing.bounds):
+        for (position, seen), bounds in region.point_bounds.items():
+            segment = model.problem.free[position]
+            x, u, _ = seen.evaluate((segment.s_start, 0.0), size)
+            assert np.all(bounds.low[0] <= x)
+            assert np.all(bounds.high[0] >= x)
+            assert np.all(bounds.low[1] <= u)
+            assert np.all(bounds.high[1] >= u)
+
+
+def test_where_no_size_is_left_no_law_is_said_to_have_no_spline():
+    """Such laws would be tried again on finer knots, and that nothing is left would be lost."""
+    model, controls, region = scene_on_twelve_intervals()
+    capped = formulate(with_value_cap(model.problem, 60.0), model.grids)
+    radius = np.zeros(capped.program.matrix.shape[1])
+    radius[capped.size.stop - 1] = capped.scales.size
+    (least,) = clarabel.minimise_each(capped.program, [radius])
+    offsets, (low, _) = region.sizes
+    below = region.restrict((offsets, (low, 0.9 * float(radius @ least.x))))
+    tighter, stuck = tighten_bounds(capped, controls, below, range(2))
+    assert tighter.is_empty
+    assert not stuck
+
+
+def test_sizes_alone_are_bounded_as_with_the_laws():
+    model, controls, region = scene_on_twelve_intervals()
+    capped = formulate(with_value_cap(model.problem, 60.0), model.grids)
+    both, alone = (
+        tighten_bounds(capped, controls, region, range(2), laws=laws)[0] for laws in (True, False)
+    )
+    assert alone.sizes == both.sizes != region.sizes
+    for key, bounds in region.point_bounds.items():
+        np.testing.assert_array_equal(alone.point_bounds[key].low, bounds.low)
+        assert np.all(both.point_bounds[key].low > bounds.low)
 
 
 def test_half_a_box_without_the_best_offset_has_no_better_cam(found):

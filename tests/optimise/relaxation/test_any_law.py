@@ -7,7 +7,8 @@ by the instant centre, so that the cam is a point of the question, and no half-p
 
 from __future__ import annotations
 
-from math import cos, exp, hypot, inf, pi, radians, sin, tan
+from fractions import Fraction
+from math import cos, exp, expm1, hypot, inf, nextafter, pi, radians, sin, tan
 from typing import Any
 
 import numpy as np
@@ -340,6 +341,49 @@ def test_the_least_duration_is_bounded_from_below(
 
     assert excess(took * (1.0 + 1e-9), 2) <= 0.0
     assert excess(took * (1.0 - 1e-3), 200) > 1e-6
+
+
+def test_the_mean_of_a_speed_that_is_quadratic_in_the_height_is_exact(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of few cells T is Σ w/mean F, the mean by Simpson's rule; ∇T likewise of ∂F/∂z = 1 + s."""
+    question, size, cells = problem(scene(PROGRAM, angles(31.7, 37.3))), np.zeros(2), 3
+    a, b, c = 4.1, 0.37, 0.083
+
+    def fastest(_: Any, __: Any, s: Array, *___: Any) -> list[tuple[Array, Array, float]]:
+        return [(a + b * s + c * s**2, np.stack([1.0 + s, 0.0 * s]), 2.0 * c)]
+
+    monkeypatch.setattr(any_law, "CELLS", cells)
+    monkeypatch.setattr(any_law, "_fastest", fastest)
+    edges = np.linspace(0.0, LIFT, cells + 1)
+    middle, width = 0.5 * (edges[1:] + edges[:-1]), LIFT / cells
+    ends, between = (fastest(0, 0, s)[0][0] for s in (edges, middle))
+    mean = (ends[:-1] + 4.0 * between + ends[1:]) / 6.0
+    duration, gradient = any_law._least_duration(question, question.free[0], size)
+    assert duration == pytest.approx(np.sum(width / mean), rel=1e-12)
+    assert duration < quad(lambda s: 1.0 / (a + b * s + c * s**2), 0.0, LIFT)[0]
+    assert gradient[0] == pytest.approx(-np.sum(width * (1.0 + middle) / mean**2), rel=1e-12)
+
+
+def test_rounding_of_large_offsets_cuts_no_cam_off() -> None:
+    """T = log(1 + h/(s0 + e/t))/t, so that sizes far away whose terms cancel keep the limit."""
+    question, rng = problem(scene(PROGRAM, angles(1.7, 89.0))), np.random.default_rng(3)
+    segment, count = question.free[0], 0
+    slope = -next(iter(question.limit_rows(segment))).size[1]
+    assert slope == pytest.approx(tan(radians(1.7)))
+    level = LIFT / expm1(slope * segment.angle) * (1.0 + 1e-12)  # of s0 + e/t, where T = β
+    for _ in range(60):
+        e = 1e9 * LIFT * rng.uniform(-1.0, 1.0)
+        about = np.array([e, level * (1.0 - 10.0 ** rng.uniform(-6.0, -4.0)) - e / slope])
+        e *= rng.uniform(0.5, 1.0)
+        s0 = level - e / slope
+        while Fraction(s0) + Fraction(e) / Fraction(slope) < Fraction(level):
+            s0 = nextafter(s0, inf)
+        for (normal,), (offset,), _ in any_law._half_plane(question, segment, about):
+            count += 1
+            beyond = sum(Fraction(n) * Fraction(z) for n, z in zip(normal, (e, s0), strict=True))
+            assert beyond <= Fraction(offset)
+    assert count > 30
 
 
 # -- whole answers ---------------------------------------------------------------------------
