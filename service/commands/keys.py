@@ -124,17 +124,17 @@ def rotate(
     days: Days = None,
     database_url: Database = None,
 ) -> None:
-    """Make a key in place of another one; both are valid until the old one's days are over.
+    """Make a key in place of another one; both are valid until the old one ends.
 
     The new one has the old one's name, owner and quotas, and is printed as `create` prints it. The
     service need not be stopped: give the new key to the program, and let the old one expire.
     """
     try:
-        row, text = _do(database_url, lambda keys: keys.rotate(id, overlap_days, days))
+        row, text, end = _do(database_url, lambda keys: keys.rotate(id, overlap_days, days))
     except LookupError:
         stop(f"There is no valid key {id}: see camwright keys list.")
     _audit("rotate", key=id, made=row.id, owner=row.owner)
-    complain(f"Key {id} stays valid for {overlap_days:g} days.")
+    complain(f"Key {id} stays valid until {end:%Y-%m-%d %H:%M} UTC.")
     _show(row, text)
 
 

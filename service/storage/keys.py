@@ -53,19 +53,23 @@ class ApiKeys:
         own = {key: value for key, value in asdict(quotas or Quotas()).items() if value is not None}
         return await self._do(lambda s: _add(s, name, owner, _in(days), operator, own))
 
-    async def rotate(self, id: str, overlap_days: float, days: float | None) -> tuple[Any, str]:
-        """A key in place of this one, which ends after the overlap; both are valid until then.
+    async def rotate(
+        self, id: str, overlap_days: float, days: float | None
+    ) -> tuple[ApiKeyRow, str, datetime]:
+        """A key in place of this one, its text, and when this one ends.
 
-        LookupError where there is none, or it is not valid any more.
+        That is after the overlap, or when it would have ended anyhow. LookupError where there is
+        none, or it is not valid any more.
         """
 
-        def work(session: Session) -> tuple[ApiKeyRow, str]:
+        def work(session: Session) -> tuple[ApiKeyRow, str, datetime]:
             old = session.get(ApiKeyRow, id, with_for_update=True)
             if old is None or not is_valid(old):
                 raise LookupError(id)
-            end = _in(overlap_days)
-            old.expires = min(end, in_utc(old.expires) or end) if end else old.expires
-            return _add(session, old.name, old.owner, _in(days), old.operator, old.quotas)
+            overlap = datetime.now(UTC) + timedelta(days=overlap_days)
+            old.expires = end = min(overlap, in_utc(old.expires) or overlap)
+            made = _add(session, old.name, old.owner, _in(days), old.operator, old.quotas)
+            return *made, end
 
         return await self._do(work)
 
@@ -76,7 +80,7 @@ class ApiKeys:
         return await self._do(lambda session: session.scalar(change)) is not None
 
     async def all(self) -> Sequence[ApiKeyRow]:
-        """Every key, the oldest first."""
+        """Every key, those of an owner together, the oldest first."""
         query = select(ApiKeyRow).order_by(ApiKeyRow.owner, ApiKeyRow.created)
         return await self._do(lambda session: session.scalars(query).all())
 
@@ -119,7 +123,6 @@ def _add(
         created=datetime.now(UTC), expires=expires, revoked=None, operator=operator, quotas=quotas,
     )  # fmt: skip
     session.add(row)
-    session.flush()
     return row, text
 
 

@@ -11,12 +11,13 @@ import uuid
 from collections.abc import Sequence
 from typing import Any, Generic, TypeVar
 
-from sqlalchemy import ColumnElement, Float, Select, or_, select, update
+from sqlalchemy import ColumnElement, Float, Select, and_, or_, select, update
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 
 from service.storage.store import Store
 from service.storage.tables import LeasedRow
+from synthesis.design.identity import ENGINE_NUMBER
 
 Row = TypeVar("Row", bound=LeasedRow)
 CLOCK_S = 1.0  # by which a clock is set back without notice, as it is trimmed [s]
@@ -45,7 +46,8 @@ class Leases(Generic[Row]):
 
     ``process`` names this one in them; ``lease_s`` is how long one lasts unless renewed [s], the
     same for all services of a database.
-    Only rows in a state of ``under_way`` are worked on.
+    Only rows in a state of ``under_way`` are worked on, and none that a later engine began: what
+    it has computed so far and what this one would add are not of one engine.
     """
 
     def __init__(
@@ -54,7 +56,7 @@ class Leases(Generic[Row]):
         self._rows, self._do, self.lease_s = rows, store.do, lease_s
         self._longest_s = lease_s
         self.process = uuid.uuid4().hex
-        self._under_way = rows.state.in_(under_way)
+        self._under_way = and_(rows.state.in_(under_way), rows.engine <= ENGINE_NUMBER)
 
     @property
     def _is_unleased(self) -> ColumnElement[bool]:

@@ -116,8 +116,8 @@ class Store:
                 return work(session)
 
         loop = asyncio.get_running_loop()
+        began = time.perf_counter()
         async with self._queue.turn():
-            began = time.perf_counter()
             with span("store", **{"code.function.name": work.__qualname__}):
                 try:
                     return await loop.run_in_executor(self._threads, transaction)

@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import re
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -49,7 +50,9 @@ def test_keys_are_made_listed_rotated_and_revoked(tmp_path: Path) -> None:
     assert caller_of(tmp_path, made) == "ada"
     assert made not in said
     id = re.findall(r"Key (\w{8}) of ada, \"Ada's laptop\", until 2", said)[0]
-    second, _ = keys("rotate", id, "--overlap-days", "1")
+    second, said = keys("rotate", id, "--overlap-days", "1")
+    end = datetime.now(UTC) + timedelta(days=1.0)
+    assert f"Key {id} stays valid until {end:%Y-%m-%d}" in said
     assert [caller_of(tmp_path, each) for each in (made, second)] == ["ada", "ada"]
     listed, _ = keys("list")
     assert len(listed.splitlines()) == 2

@@ -18,6 +18,7 @@ from service.storage.store import Store
 from service.storage.tables import SweepRow
 from service.sweeps.store import Done, LeaseLost, SweepStore
 from service.sweeps.tasks import ItemAnswer
+from synthesis.design.identity import ENGINE_NUMBER
 from tests.lazy import LazyModule
 from tests.service.conftest import settings_for
 from tests.service.fake_core import Gate
@@ -65,6 +66,24 @@ def test_one_at_a_time_and_nobody_else_writes(tmp_path: Path) -> None:
     store = Store(settings_for(tmp_path))
     try:
         asyncio.run(reported(store))
+    finally:
+        store.dispose()
+
+
+@pytest.mark.parametrize(("engine", "left"), [(ENGINE_NUMBER, False), (ENGINE_NUMBER + 1, True)])
+def test_what_a_later_engine_began_is_left_to_it(tmp_path: Path, engine: int, left: bool) -> None:
+    """Services that share a database are updated one by one."""
+
+    async def work(store: Store) -> None:
+        sweeps, sweep = SweepStore(store, 60.0), a_sweep()
+        sweep.engine = engine
+        row = await sweeps.accept(sweep)
+        assert [each.id for each in await sweeps.unleased_rows()] == ([] if left else [row.id])
+        assert await sweeps.take(row.sequence) is not left
+
+    store = Store(settings_for(tmp_path))
+    try:
+        asyncio.run(work(store))
     finally:
         store.dispose()
 

@@ -151,7 +151,7 @@ def test_a_key_is_kept_as_a_hash_rotated_without_a_gap_and_revoked(
         assert len(text) >= len(PREFIX) + KEY_BYTES * 8 / 6
         caller = await keys.caller(text)
         assert caller == Caller("ada", row.id, False, access.Quotas(None, None, 2.0, 3))
-        new, later = await keys.rotate(row.id, 0.5, None)
+        new, later, _ = await keys.rotate(row.id, 0.5, None)
         assert (new.owner, new.quotas) == ("ada", row.quotas)
         assert later != text
         for each in text, later:  # both open it
@@ -227,11 +227,11 @@ def test_a_rotated_key_ends_after_the_overlap_or_when_it_would_have(
 
     async def work() -> None:
         old, text = await keys.create("laptop", "ada", days)
-        new, _ = await keys.rotate(old.id, 1.0, None)
-        ends = {row.id: in_utc(row.expires) for row in await keys.all()}
-        assert ends[new.id] is None
-        end = ends[old.id]
-        assert end is not None
+        new, _, end = await keys.rotate(old.id, 1.0, None)
+        assert {row.id: in_utc(row.expires) for row in await keys.all()} == {
+            old.id: end,
+            new.id: None,
+        }
         assert timedelta(0) <= end - began - timedelta(days=left) < timedelta(minutes=1)
         assert (await keys.caller(text)).key == old.id
 
