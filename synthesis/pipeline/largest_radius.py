@@ -11,8 +11,8 @@ value and lower bound of the answer are compared with it.
 Where something else is made small, or the base radius is fixed, the constraint stays in the search,
 and the smallest cam is sought where that finds none (a phase 1): one that is small enough is a cam
 for the question, and the start of another search. Where the base radius is fixed and nothing else
-is made small, phase 1 comes first: any cam that is small enough ends it, and at the fixed radius
-itself a search has no room left where that radius is the smallest.
+is made small, phase 1 comes first, with the proof that is asked for: any cam that is small enough
+ends it. At the fixed radius itself a search has no room left where that radius is the smallest.
 """
 
 from __future__ import annotations
@@ -108,29 +108,29 @@ def solve_with_maximum(
     Returns:
         what came out, and the smallest cam without the maximum where that was sought.
     """
-    return complete(spec, first_attempt(spec, goal, stages), goal, stages)
+    return complete(spec, *first_attempt(spec, goal, stages), goal, stages)
 
 
-def first_attempt(spec: DesignSpec, goal: Goal, stages: list[Effort]) -> Attempt:
-    """What the first question comes to.
+def first_attempt(
+    spec: DesignSpec, goal: Goal, stages: list[Effort]
+) -> tuple[Attempt, list[Smallest | None]]:
+    """What the first question comes to, and the smallest cam of phase 1 where that came before.
 
     Args:
         spec: what is asked. goal: when to stop. stages: appended to.
     """
-    least, most = spec.requested_radii()
+    (least, most), known = spec.requested_radii(), list[Smallest | None]()
     if least == most and all(each.kind == "base_radius" for each in spec.objectives()):
-        # Every cam of the fixed radius is a best one: any that is as small will do. A longer proof
-        # is of use to the search for free numbers alone.
-        proof = spec.proof if spec.free_parameters.parameters else "quick"
-        (wider, *_) = _wider_questions(spec.model_copy(update={"proof": proof}))
-        sufficient = replace(goal, sufficient=most, warm_start=None)
-        smallest = _smallest(spec, solve_spec(wider, sufficient, stages))
+        # Every cam of the fixed radius is a best one: any that is as small will do.
+        (wider, *_), sufficient = _wider_questions(spec), replace(goal, sufficient=most)
+        found = solve_spec(wider, replace(sufficient, warm_start=None), stages)
+        known = [smallest := _smallest(spec, found)]
         if smallest is not None and smallest.attempt.certified:
-            return smallest.attempt
+            return smallest.attempt, known
     first = first_question(spec)
     if first is not spec:
         goal = replace(goal, excluding_bound=above(most))
-    return solve_and_certify(prepare(first, goal, stages), goal, stages)
+    return solve_and_certify(prepare(first, goal, stages), goal, stages), known
 
 
 def compare(
@@ -141,7 +141,7 @@ def compare(
     For whoever wants to know by how much it is too large. ``finer``: if a finer tolerance finds no
     smaller one either. Then a cam that is found here is found by ``solve_with_maximum`` too.
     """
-    first = first_attempt(spec, goal, stages)
+    first, known = first_attempt(spec, goal, stages)
     if first_question(spec) is not spec:
         first = enlarge_until_simple(first, goal, stages)
         smallest = _smallest(spec, first)
@@ -149,13 +149,18 @@ def compare(
             smallest = _decided(spec, first_question(spec), smallest, goal, stages)
         if smallest is not None:
             return smallest.attempt, smallest
-    return complete(spec, first, goal, stages)
+    return complete(spec, first, known, goal, stages)
 
 
 def complete(
-    spec: DesignSpec, first: Attempt, goal: Goal, stages: list[Effort]
+    spec: DesignSpec, first: Attempt, known: list[Smallest | None], goal: Goal, stages: list[Effort]
 ) -> tuple[Attempt, Smallest | None]:
-    """Make the answer to a question of what its first question came to; as ``solve`` besides."""
+    """Make the answer to a question of what its first question came to.
+
+    Args:
+        first, known: as ``first_attempt`` returns them. Others, and what is returned, are as of
+            ``solve_with_maximum``.
+    """
     # 1. A cam that crosses itself is made larger; one as small as any that is sought, smaller.
     attempt = approach_infimum(enlarge_until_simple(first, goal, stages), goal, stages)
     limited, minimised = _without(spec, "max") is not None, minimises_radius(spec)
@@ -174,15 +179,18 @@ def complete(
     # 3. Phase 1: any cam that is small enough will do, whatever the objective.
     elif limited and not attempt.certified and not infeasibility_proof(attempt):
         nearest = Goal(goal.stop, sufficient=most, cam_only=goal.cam_only)
-        for open_spec in _wider_questions(spec) if clock.now() < goal.stop else ():
-            found = _smallest(spec, solve_spec(open_spec, nearest, stages))
+        for number, open_spec in enumerate(_wider_questions(spec)):
+            if number < len(known):
+                found = known[number]
+            elif clock.now() < goal.stop:
+                found = _smallest(spec, solve_spec(open_spec, nearest, stages))
+            else:
+                break
             smallest = _decided(spec, open_spec, found, nearest, stages) or smallest
             if smallest is not None and smallest.excludes:
                 return attempt, smallest
             if smallest is not None and smallest.attempt.certified:
                 return _restart_from(spec, smallest, goal, stages), smallest
-            if clock.now() >= goal.stop:
-                break
     # 4. A cam of the least peak acceleration, where none was found.
     attempt = _with_least_acceleration(spec, attempt, goal, stages)
     if minimised and smallest is not None and smallest.is_bounded:

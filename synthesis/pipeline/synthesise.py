@@ -69,8 +69,8 @@ def synthesise(
     near = neighbours[-1] if neighbours else None
     goal = Goal(stop, None if near is None else near.search)
     # 1. Solve and certify. A maximum of the base radius is compared with the smallest cam.
-    first = first_attempt(spec, goal, stages)
-    attempt, smallest = complete(spec, first, goal, stages)
+    first, known = first_attempt(spec, goal, stages)
+    attempt, smallest = complete(spec, first, known, goal, stages)
     late = clock.now() >= stop
     if not attempt.certified and late and not (smallest and smallest.excludes):
         raise TimeBudgetExceeded(budget)
@@ -90,8 +90,8 @@ def synthesise(
         final_spec, attempt.cam, attempt.extremes, objective_proofs, stages, seconds, conflict
     ).for_spec(question.physical)
     # What is proven of all numbers is of the question itself, whatever came after it.
-    known = [] if first.number_bound is None else [first.number_bound]
-    over_numbers = in_wire_units(question, attempt.final_spec, known)
+    number_bounds = [] if first.number_bound is None else [first.number_bound]
+    over_numbers = in_wire_units(question, attempt.final_spec, number_bounds)
     answer = with_free_parameters(answer, spec, attempt.chosen_values, over_numbers)
     if spec.report_smoothness_cost:
         cost = _smoothness_cost(answer, spec, stop)

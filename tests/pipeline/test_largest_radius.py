@@ -55,6 +55,22 @@ OPEN_GAP: Spec = {
     ],
     "tolerance": 0.005,
 }
+# one that a longer proof answers: the quick one leaves a larger cam
+LONGER_PROOF: Spec = {
+    "speed_rpm": 115.0,
+    "program": program(83.8, 31.1, 82.4, lift_mm=20.4),
+    "follower": {
+        "kind": "translating_roller",
+        "roller_radius_mm": 11.5,
+        "offset_mm": {"min": -3.12, "max": 9.54},
+    },
+    "limits": [
+        {"kind": "pressure_angle", "rise_deg": 37.7, "return_deg": 27.9},
+        {"kind": "jerk", "max_mm_per_s3": 1_090_000.0},
+    ],
+    "tolerance": 0.005,
+    "proof": "auto",
+}
 PIVOT_FREE: Spec = {
     "speed_rpm": 106.0,
     "program": program(82.5, 53.3, 68.7, lift_deg=17.3),
@@ -80,7 +96,7 @@ SWINGING_FACE: Spec = {
     "base_radius_mm": {"max": 25.85331626898722},
 }  # fmt: skip
 
-BODIES = {"convex": CONVEX, "open gap": OPEN_GAP}
+BODIES = {"convex": CONVEX, "open gap": OPEN_GAP, "longer proof": LONGER_PROOF}
 
 
 def answer(body: Spec, **changes: Any) -> Design:
