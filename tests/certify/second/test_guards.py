@@ -204,6 +204,17 @@ def test_a_dimension_out_of_its_range_is_not_said_to_hold(
     assert not next(line for line in confirm(other).lines if line.limit == limit).agrees
 
 
+@pytest.mark.parametrize(("share", "agrees"), [(1e-12, True), (1e-10, False)])
+def test_a_range_is_missed_by_no_more_than_rounding(share: float, agrees: bool) -> None:
+    question = body(base_radius_mm={"max": 37.0})
+    design = synthesise(DesignSpec.model_validate(question))
+    least = design.dimensions["base_radius_mm"] * (1.0 + share)
+    other = DesignSpec.model_validate(question | {"base_radius_mm": {"min": least}})
+    changed = Design.model_validate(design.model_dump() | {"spec": other.model_dump()})
+    (line,) = (line for line in confirm(changed).lines if line.limit == "base_radius")
+    assert line.agrees == agrees
+
+
 def test_an_end_state_that_nobody_asked_for_is_not_confirmed() -> None:
     line = (
         given()
