@@ -10,6 +10,7 @@ import pytest
 
 from synthesis import Design, DesignSpec, synthesise
 from synthesis.design.design import SmoothnessCost
+from tests.hard.families import random_scene
 
 LIFT, RISE, RETURN, OMEGA = 17.3, 71.3, 113.7, 7.9
 UNIT = LIFT * (OMEGA / radians(RISE)) ** 3
@@ -96,3 +97,26 @@ def test_without_time_left_there_is_no_price() -> None:
     late = pipeline._smoothness_cost(found, question("peak_jerk", 3), stop=0.0)
     assert (late.price, late.c2_value, late.at_most) == (None, None, None)
     assert "time budget" in late.note
+
+
+@pytest.mark.parametrize(
+    ("family", "number", "tolerance"),
+    [
+        ("slide, all three, splines of class C3", 1, 5e-3),
+        ("slide, acceleration, splines of class C3", 22, 2e-2),
+    ],
+)
+def test_where_curvature_binds_c3_laws_make_a_cam_as_small(
+    family: str, number: int, tolerance: float
+) -> None:
+    """A C3 law comes as near to a C2 law as one likes: the infimum of both questions is the same.
+
+    The first is lost where rows that break between their points are given a margin at once, the
+    second where the trust region shrinks although new points alone cut a step short.
+    """
+    body = random_scene(family, number) | {"proof": "quick", "tolerance": tolerance}
+    spec = DesignSpec.model_validate(body)
+    smooth, rough = (
+        synthesise(each).dimensions["base_radius_mm"] for each in (spec, spec.with_c2_splines())
+    )
+    assert smooth <= rough * 1.002

@@ -229,8 +229,8 @@ def scp_search(
         # Once more with tighter limits: the enlargement broke what it cannot repair, a least
         # contact force or a row of a counter roller; or the solver a row that needs no point.
         drawn_in += ROW_FACTOR * max(exact_excess(state, cam), 0.0)
-        if violations[1] > ALLOWED:
-            state = add_violated_points(state, violations)
+        if violations[1] > ALLOWED:  # more points alone first: they may need far less of a margin
+            state = add_violated_points(state, violations, between=target is first)
         else:  # rows between their points cost more size than they would with more of them
             state = add_violated_points(state, row_violations(state, cam), between=True)
         laws, size = cam.laws, cam.size

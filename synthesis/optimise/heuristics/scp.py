@@ -131,7 +131,8 @@ def solve_scp(
         # 3. The farthest cam on the way there that satisfies them once enlarged, and is smaller.
         candidate, step = _line_search(model, here, target, inf if best is None else best.value)
         # where the limits are violated between the points of the tangents, more of these
-        peaks += add_violated(target.problem, target.size)
+        added = add_violated(target.problem, target.size)
+        peaks += added
         if candidate is None:
             if best is None or here is best:
                 break
@@ -151,9 +152,12 @@ def solve_scp(
         if step == 1.0 and free and best.value <= least * (1.0 + goal.close):
             converged = True
             break
-        # tangents are nearest to the truth at the size where the next optimum lies
-        here = target if step >= BOLD else candidate
-        reach *= 2.0 if step == 1.0 else step
+        # 5. Tangents move to the target: they are nearest to the truth at the size where the next
+        #    optimum lies. The trust region follows the step, but not where points without a
+        #    tangent cut the step short: these have one now.
+        cut_short = step < 1.0 and bool(added)
+        here = target if step >= BOLD and not cut_short else candidate
+        reach *= 2.0 if step == 1.0 else 1.0 if cut_short else step
     return ScpResult(best, converged, programs, rows, iterations)
 
 
