@@ -121,7 +121,6 @@ def test_a_request_that_is_next_to_what_suffices_has_ends_as_near_in_proportion(
     ("family", "changes", "most", "name"),
     [
         ("slide, centred", {"jerk": {"max_mm_per_s3": 9764842.44}}, 26.5571, "pressure angle rise"),
-        ("slide, window", {"jerk": {"max_mm_per_s3": 3249293.98}}, 14.42014, "pressure angle rise"),
         ("face, width", {}, 7.2845, "profile radius"),
     ],
 )

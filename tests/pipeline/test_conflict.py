@@ -61,7 +61,7 @@ CASES: dict[str, tuple[DesignSpec, set[str]]] = {
         {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm/max"},
     ),
     "fixed size": (
-        scene(PLAIN, angles(24.0, 44.0), jerk(47.0, 71.7), base=35.0, offset=3.0),
+        scene(ONE_FREE, angles(24.0, 44.0), jerk(47.0, 71.7), base=35.0, offset=3.0),
         {"limits/0/rise_deg", "limits/1/max_mm_per_s3", "base_radius_mm", "follower/offset_mm"},
     ),
     "angle on dwells": (
