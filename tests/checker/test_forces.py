@@ -20,6 +20,7 @@ from tests.checker.truth import broken, contradiction, motion
 Json = dict[str, Any]
 NEAR = 1e-6  # relative
 SPLINE, SINE = {"kind": "spline"}, {"kind": "modified_sine"}
+POWERS = {"kind": "polynomial_3_4_5"}  # of a low degree: the checker takes a tenth of the time
 JERK = {"kind": "jerk", "max_mm_per_s3": 3e7}
 ANGLE = {"kind": "pressure_angle", "rise_deg": 30.0, "return_deg": 45.0}
 RADIUS = {"kind": "profile_radius", "min_mm": 5.0}
@@ -44,7 +45,7 @@ def load(arm: bool, rate: float = 2.0, preload: float = 300.0, **more: Any) -> J
             "process": [{"angle_deg": x, "force_n": y} for x, y in JUMPING], **more}  # fmt: skip
 
 
-def scene(follower: Json, *limits: Json, law: Json = SINE, **more: Any) -> Json:
+def scene(follower: Json, *limits: Json, law: Json = POWERS, **more: Any) -> Json:
     arm = follower["kind"].startswith("oscillating")
     lift = {"lift_deg": 15.0} if arm else {"lift_mm": 30.0}
     program = [{"kind": "rise", "angle_deg": 70.0, **lift, "law": law},
@@ -59,6 +60,7 @@ def scene(follower: Json, *limits: Json, law: Json = SINE, **more: Any) -> Json:
 
 SCENES = {
     "roller": scene(ROLLER, ANGLE),
+    "roller, sine": scene(ROLLER, ANGLE, law=SINE),
     "roller, spline": scene(ROLLER, ANGLE, JERK, law=SPLINE),
     "ring": scene({**ROLLER, "closure": {"kind": "force", "contact": "inside",
                                          "rim_mm": 4.0}}, ANGLE),
@@ -74,7 +76,8 @@ SCENES = {
     "arm": scene(ARM, ANGLE, JERK, law=SPLINE),
     "arm, free length": scene({**ARM, "arm_mm": {"min": 80.0, "max": 120.0}}, ANGLE),
     "arm, conjugate": scene({**ARM, "closure": {"kind": "conjugate", "arm_mm": 90.0,
-                                                "roller_radius_mm": 8.0}}, ANGLE),
+                                                "roller_radius_mm": 8.0}},
+                            {**ANGLE, "rise_deg": 40.0}),
     "swinging face": scene(SWINGING, RADIUS),
 }  # fmt: skip
 

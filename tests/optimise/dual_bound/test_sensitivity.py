@@ -69,17 +69,26 @@ def solved(name: str, tolerance: float) -> SolveState:
     return state
 
 
+@cache
+def neighbours(name: str, change: Any) -> list[tuple[Problem, float | None]]:
+    """Two questions next to a scene's, and their least values; the same at every tolerance."""
+    found = []
+    for factor in np.random.default_rng(len(name)).uniform(0.8, 1.25, 2):
+        other = problem(change(SCENES[name], factor))
+        best = optimise(other, 3e-3).incumbent
+        found.append((other, best and best.value))
+    return found
+
+
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-5])
 @pytest.mark.parametrize("change", [changed, steeper])
 @pytest.mark.parametrize("name", SCENES)
 def test_no_cam_of_a_neighbour_is_below_its_bound(name: str, change: Any, tolerance: float) -> None:
     state = solved(name, tolerance)
-    for factor in np.random.default_rng(len(name)).uniform(0.8, 1.25, 2):
-        other = problem(change(SCENES[name], factor))
-        best = optimise(other, 3e-3).incumbent
+    for other, least in neighbours(name, change):
         found = state.bound_of_neighbour(other)
         assert found > -inf
-        assert best is None or found <= best.value * (1.0 + 1e-9)
+        assert least is None or found <= least * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-5])

@@ -91,6 +91,8 @@ def test_a_search_that_found_nothing_better_is_not_made_again(monkeypatch: pytes
         return found
 
     monkeypatch.setattr(traced_node, "_improve_incumbent", noted)
+    # only the first node searches, between its rounds of tightening: its halves are not looked at
+    monkeypatch.setattr(traced_node.TracedNode, "branch", lambda _, state: (state, ()))
     searched("slide, acceleration", ProofBudget(150.0, 1.0))
     assert better == [False]
 
