@@ -125,6 +125,30 @@ def test_questions_for_values_that_suffice(
     assert [goal.cam_only for goal in goals] == [alone]
 
 
+@pytest.mark.parametrize(
+    ("excess", "asked"), [(-1e-7, [True, False]), (-1e-5, [True]), (None, [True])]
+)
+def test_a_cam_that_just_keeps_a_maximum_is_sought_with_a_bound_too(
+    excess: float | None, asked: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A search for a bound ends elsewhere: it is that of anyone who sends the value."""
+    found = list[bool]()
+
+    def noted(_spec: DesignSpec, goal: Goal, _stages: list[Any], **_: Any) -> Any:
+        found.append(goal.cam_only)
+        return ()
+
+    def trial(*_: Any) -> SimpleNamespace:
+        return SimpleNamespace(certified=found[-1], excess=excess)
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    monkeypatch.setattr(Oracle, "_trial", trial)
+    number = next(each for each in relaxable_numbers(QUESTION) if each.minimised)
+    answer = Oracle(QUESTION, QUESTION, inf).ask_as_it_stands(number, 7.0, "quick", cam_only=True)
+    assert found == asked
+    assert answer.certified == (len(asked) == 1)
+
+
 def test_a_goal_s_searches_are_for_a_cam_alone() -> None:
     spec = spec_of("slide, centred", 5)
     for goal, alone in ((Goal(inf), False), (Goal(inf, cam_only=True), True)):
