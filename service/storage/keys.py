@@ -66,8 +66,8 @@ class ApiKeys:
             old = session.get(ApiKeyRow, id, with_for_update=True)
             if old is None or not is_valid(old):
                 raise LookupError(id)
-            overlap = datetime.now(UTC) + timedelta(days=overlap_days)
-            old.expires = end = min(overlap, in_utc(old.expires) or overlap)
+            ends = _in(overlap_days), in_utc(old.expires)
+            old.expires = end = min(each for each in ends if each is not None)
             made = _add(session, old.name, old.owner, _in(days), old.operator, old.quotas)
             return *made, end
 

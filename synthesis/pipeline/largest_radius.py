@@ -118,13 +118,15 @@ def first_attempt(
 
     Args:
         spec: what is asked. goal: when to stop. stages: appended to.
+
+    Returns:
+        the attempt, and a list: of that cam, None where none was found; empty without a phase 1.
     """
     (least, most), known = spec.requested_radii(), list[Smallest | None]()
     if least == most and all(each.kind == "base_radius" for each in spec.objectives()):
         # Every cam of the fixed radius is a best one: any that is as small will do.
-        (wider, *_), sufficient = _wider_questions(spec), replace(goal, sufficient=most)
-        found = solve_spec(wider, replace(sufficient, warm_start=None), stages)
-        known = [smallest := _smallest(spec, found)]
+        wider, enough = _wider_questions(spec)[0], replace(goal, sufficient=most, warm_start=None)
+        known = [smallest := _smallest(spec, solve_spec(wider, enough, stages))]
         if smallest is not None and smallest.attempt.certified:
             return smallest.attempt, known
     first = first_question(spec)
@@ -158,8 +160,7 @@ def complete(
     """Make the answer to a question of what its first question came to.
 
     Args:
-        first, known: as ``first_attempt`` returns them. Others, and what is returned, are as of
-            ``solve_with_maximum``.
+        first, known: as ``first_attempt`` returns them. All else is as of ``solve_with_maximum``.
     """
     # 1. A cam that crosses itself is made larger; one as small as any that is sought, smaller.
     attempt = approach_infimum(enlarge_until_simple(first, goal, stages), goal, stages)

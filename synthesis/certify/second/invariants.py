@@ -102,7 +102,8 @@ def _prime_circle_angle(design: ExactDesign, extreme: Extreme) -> Remeasured:
 def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
     """A dimension against the range that was asked for: from the output link if that has it."""
     stated = design.design.dimensions.get(f"{extreme.limit}_{extreme.unit}")
-    pivot, allowed = design.link.pivot, SIZE_ROUNDING * _cam_size(design)
+    pivot, cam_size = design.link.pivot, _cam_size(design)
+    allowed = SIZE_ROUNDING * cam_size
     spec: Any = design.design.resolved_spec
     low, high = ends(reduce(getattr, extreme.field.split("/"), spec))
     if extreme.limit == "base_radius":
@@ -120,7 +121,7 @@ def _dimension(design: ExactDesign, extreme: Extreme) -> Remeasured:
     else:
         return remeasured(extreme)
     # both judges round: the value itself, and what it may miss its range by
-    scale = arb(180) if extreme.unit == "deg" else abs(value).max(_cam_size(design))
+    scale = arb(180) if extreme.unit == "deg" else abs(value).max(cam_size)
     missed = (low - value).max(value - high)
     holds = bool(missed <= 2 * SIZE_ROUNDING * scale)
     return _beside(extreme, value, how, allowed, holds=holds)

@@ -170,38 +170,33 @@ def test_a_dimension_is_known_to_a_trillionth() -> None:
     assert verdict(given(), "base_radius", value=base * (1.0 + 1e-11)) == "contradicted"
 
 
+def follower(**offset: float) -> dict[str, Any]:
+    return body()["follower"] | {"offset_mm": offset}
+
+
 @pytest.mark.parametrize(
     ("limit", "asked", "narrower"),
     [
-        ("base_radius", {"max": 37.0}, {"min": 38.0}),
-        ("base_radius", {"min": 21.0}, {"max": 20.0}),
-        ("room_for_shaft", 9.0, 80.0),
-        ("room_for_hub", 31.0, 80.0),
-        ("offset", {"max": 0.5}, {"min": 7.5}),
+        ("base_radius", {"base_radius_mm": {"max": 37.0}}, {"base_radius_mm": {"min": 38.0}}),
+        ("base_radius", {"base_radius_mm": {"min": 21.0}}, {"base_radius_mm": {"max": 20.0}}),
+        ("room_for_shaft", {"shaft_diameter_mm": 9.0}, {"shaft_diameter_mm": 80.0}),
+        ("room_for_hub", {"hub_diameter_mm": 31.0}, {"hub_diameter_mm": 80.0}),
+        ("offset", {"follower": follower(max=0.5)}, {"follower": follower(min=7.5)}),
     ],
 )
 def test_a_dimension_out_of_its_range_is_not_said_to_hold(
-    limit: str, asked: Any, narrower: Any
+    limit: str, asked: dict[str, Any], narrower: dict[str, Any]
 ) -> None:
     """The verdict of a dimension is found from the question, not taken from the certificate."""
-
-    def question(value: Any) -> DesignSpec:
-        free = body()
-        del free["base_radius_mm"], free["follower"]["offset_mm"]
-        if limit == "offset":
-            return DesignSpec.model_validate(
-                free | {"follower": free["follower"] | {"offset_mm": value}}
-            )
-        name = {"base_radius": "base_radius_mm"}.get(
-            limit, f"{limit.removeprefix('room_for_')}_diameter_mm"
-        )
-        return DesignSpec.model_validate(free | {name: value})
-
-    design = synthesise(question(asked))
+    spec, other = (
+        DesignSpec.model_validate(body(base_radius_mm=None, follower=follower()) | changes)
+        for changes in (asked, narrower)
+    )
+    design = synthesise(spec)
     assert confirm(design).verdict == "confirmed"
     assert verdict(design, limit, holds=False) == "contradicted"
-    other = Design.model_validate(design.model_dump() | {"spec": question(narrower).model_dump()})
-    assert not next(line for line in confirm(other).lines if line.limit == limit).agrees
+    changed = Design.model_validate(design.model_dump() | {"spec": other.model_dump()})
+    assert not next(line for line in confirm(changed).lines if line.limit == limit).agrees
 
 
 @pytest.mark.parametrize(("share", "agrees"), [(1e-12, True), (1e-10, False)])
