@@ -205,8 +205,8 @@ def _decided(
 ) -> Smallest | None:
     """The smallest cam, with ever finer tolerances while the maximum lies between bound and cam.
 
-    Where the quick proof does not close a finer gap (limits that bind are not convex), the spec's
-    own proof is tried once, in half of the time that is left, for a gap that excludes the maximum.
+    Where no quick proof decides it (limits that bind are not convex), the spec's own proof is tried
+    once, in half of the time that is left, for a gap that excludes the maximum.
 
     ``wider``: the question without the maximum whose smallest cam that is.
     """
@@ -215,11 +215,10 @@ def _decided(
         known = smallest.attempt
         gap = 1.0 - smallest.lower / smallest.radius
         decided = known.certified or smallest.excludes or smallest.radius <= smallest.most
-        if decided or not smallest.is_bounded or tolerance <= FINEST:
-            break
-        if known.chosen_values and goal.stop == inf:
+        if decided or not smallest.is_bounded or (known.chosen_values and goal.stop == inf):
             break  # each search over numbers takes as many programs again
-        if 1.0 - smallest.most / smallest.radius <= FINDABLE * tolerance:
+        is_near = 1.0 - smallest.most / smallest.radius <= FINDABLE * tolerance
+        if is_near and tolerance > FINEST:
             tolerance = max(tolerance * FINER, FINEST)
         elif known.chosen_values:
             break  # a longer proof over all numbers takes many programs

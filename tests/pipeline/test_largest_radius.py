@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import inf
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -323,6 +324,33 @@ def test_a_maximum_in_a_gap_of_the_quick_proof_is_excluded_by_the_spec_s_own() -
         assert smallest.lower <= 7.4503 <= smallest.radius  # the cam of a proof ten times finer
         excluded[proof] = smallest.excludes
     assert excluded == {"quick": False, "auto": True}
+
+
+@pytest.mark.parametrize("excess", [3e-3, 2.4e-5, 3e-7])
+def test_the_spec_s_own_proof_is_tried_wherever_no_quick_one_decides(
+    excess: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A cam a little too large, whose bound is below the maximum, at each of these tolerances."""
+    asked = list[tuple[float, str]]()
+
+    def ask(spec: DesignSpec, _goal: Goal, _stages: list[Any]) -> None:
+        asked.append((spec.tolerance, spec.proof))
+
+    monkeypatch.setattr(largest_radius, "solve_spec", ask)
+    monkeypatch.setattr(largest_radius, "_smallest", lambda *_: None)
+    spec = DesignSpec.model_validate({**CONVEX, "tolerance": 5e-3, "proof": "auto"})
+    attempt: Any = SimpleNamespace(
+        certified=False, chosen_values=(), number_bound=None, searches=[], mesh=lambda _: ()
+    )
+    known = largest_radius.Smallest(attempt, 1.0 + excess, 1.0, 0.999, "")
+    goal = Goal(largest_radius.clock.now() + 100.0)
+    assert largest_radius._decided(spec, spec, known, goal, []) is known
+    (*quick, (finest, last)) = asked
+    tolerances = [tolerance for tolerance, proof in quick if proof == "quick"]
+    assert len(tolerances) == len(quick) == {3e-3: 2, 2.4e-5: 4, 3e-7: 4}[excess]
+    assert tolerances == sorted(tolerances, reverse=True)
+    assert last == "auto"
+    assert 1e-6 <= finest <= max(0.5 * excess, 1e-6)
 
 
 def test_a_finer_search_that_comes_to_a_larger_cam_leaves_the_smaller_one() -> None:
