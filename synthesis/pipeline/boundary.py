@@ -18,54 +18,46 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import copysign, inf, sqrt
+from math import inf
 
 from synthesis.pipeline.largest_radius import Smallest
-from synthesis.pipeline.oracle import COARSE, ON_KNOTS, Oracle, Trial, relative_gap
+from synthesis.pipeline.oracle import (
+    COARSE,
+    FINE,
+    ON_KNOTS,
+    Oracle,
+    Trial,
+    gap_left_by,
+    missing_excess,
+)
 from synthesis.pipeline.relaxable import Relaxable
-from synthesis.pipeline.secants import WIDENING, approach_zero, slope_of, zero_of
+from synthesis.pipeline.secants import SecantBracket, approach_zero, halfway, slope_of, zero_of
 
-FINE, FINEST = 1e-4, {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
-"""Tolerances of a trial that is to prove a value impossible: the accuracy sought, but no smaller
-than the spec's ``proof`` allows. Cone programs reach the last one, and no less."""
+FINEST = {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
+"""Least tolerances of a trial that is to prove a value impossible, by the spec's ``proof``. Cone
+programs reach the last one, and no less."""
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
 ROUGH, ACCURACY = 1e-2, 2.5e-4
 """Of the way from the requested value, and of the value: how near the least sufficient one is
 brought before the tolerance is made finer, and at the end."""
 ROUNDING = 1e-6  # relative: bracket of a value below which it is not narrowed
-WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
 """Of the way and of the value: added to a value, until the question as it stands has a cam, where
 no excess says how much is missing."""
+THIN = 1e-5  # relative: of a maximum, what a cam keeps it by that is next to the best
 FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
-CLOSING = 5  # trials at the fine tolerance
+CLOSING = 12  # trials at the fine tolerance
 WIDE_GAP = 1e-2  # of the request's excess: a gap that keeps both ends as much of the way apart
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
 BEYOND, REACH = 1.3, 2.0
-"""Of the distance to the zero of a bound: how far a proof is sought. Of it or of the accuracy: how
-far will do."""
+"""Of what a question misses by: how far it is put next. Of the accuracy: how far will do."""
 CLOSE = 0.1  # of the width of a bracket: how near the zero of a bound is come to
 
 LATE = "the budget ended before this was known"
 SUFFICES = "a cam was found with this value"
 UNCONFIRMED = "a cam was found on the way, but none for the spec with a value of this number in it"
 DEVIATION = "deviation allowed either way; a cam was found with it"
-
-
-def _halfway(one: float, other: float) -> float:
-    """The middle of two values; where they are far apart, on a logarithmic scale."""
-    if one * other > 0.0 and not 1.0 / WIDE < other / one < WIDE:
-        return copysign(sqrt(one * other), other)
-    return 0.5 * (one + other)
-
-
-def gap_left_by(trial: Trial, tolerance: float) -> float:
-    """A gap of a trial that is wider than its tolerance, relative; 0 where it has none."""
-    if trial.excess is None or trial.bound_excess is None:
-        return 0.0
-    gap = relative_gap(trial.excess, trial.bound_excess)
-    return gap if gap > max(tolerance, FINE) else 0.0
 
 
 @dataclass(eq=False)
@@ -78,6 +70,7 @@ class Boundary:
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
+        asked: the excess of the request. by_size: whether excesses are of a size, or of a law.
         excesses, trials: by the values tried. levels: excesses, or 1 without a cam, −1 with one.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
@@ -94,6 +87,8 @@ class Boundary:
     confirmed: float | None = None
     note: str = LATE
     finest: float = FINE
+    asked: float | None = None
+    by_size: bool = False
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
     trials: dict[float, Trial] = field(default_factory=dict)
@@ -101,9 +96,10 @@ class Boundary:
     def __post_init__(self) -> None:
         self.direction = self.number.direction
         self.trials[self.number.tightest] = self.original
+        self.by_size = self.original.smallest is not None
         if self.original.excess is not None:
-            excess = max(self.original.excess, NEAR_EXCESS)
-            self.excesses[self.number.tightest] = self.levels[self.number.tightest] = excess
+            self.asked = max(self.original.excess, NEAR_EXCESS)
+            self.excesses[self.number.tightest] = self.levels[self.number.tightest] = self.asked
             self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
             self.exclude(self.number.tightest)
@@ -141,62 +137,44 @@ class Boundary:
     @property
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        sought = self.accuracy * self.excesses.get(self.number.tightest, 1.0)
+        sought = self.accuracy * (self.asked or 1.0)
         return min(max(sought, self.finest, self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
 
         Values are measured by their way from the request. With the slope of the excess a trial says
-        where the cam's excess, and where its bound, comes to zero.
+        where the cam's excess comes to zero, and how much nearer its bound does.
         """
         assert self.nearest is not None
         noise = ON_KNOTS if self.original.attempt.mesh(COARSE) else 0.0
-        slope = self._slope(noise)
-        gap, value = max(self.fine, self.oracle.open_gap), abs(self.nearest[0])
-        step = gap / slope if slope > 0.0 else gap * value
-        width = max(self.accuracy * self._way(self.nearest[0]), step if slope > 0.0 else 0.0)
-
-        def zero(way: float, excess: float | None) -> float | None:
-            """The way at which an excess falls to 0."""
-            return way + excess / slope if slope > 0.0 and excess is not None else None
-
-        good = self.way_to(self.nearest[0])
-        found = zero(good, self.nearest[1].excess)
-        cam_zero, bound_zero = good if found is None else found, None
-        before, proven, any_cam = None, False, True
+        slope, gap = self._slope(noise), max(self.fine, self.oracle.open_gap)
+        search = SecantBracket(slope, gap / slope if slope > 0.0 else gap * abs(self.nearest[0]))
+        least = min(self.excesses, key=lambda value: abs(self.excesses[value]), default=None)
+        if least is not None:
+            search.zero = search.zero_from(self.way_to(least), self.excesses[least])
         for _ in range(CLOSING):
             good = self.way_to(self.nearest[0])
             bad = 0.0 if self.excluded is None else self.way_to(self.excluded)
-            nearer = proven and good > cam_zero + width
-            if nearer:
-                way = cam_zero + 0.5 * width
-            else:
-                best = min(good, cam_zero)
-                known = best - step if bound_zero is None else bound_zero
-                way = known - max(0.5 * width, (BEYOND - 1.0) * (best - known))
-                way, step = max(way, 0.5 * (bad + best)), WIDENING * step
-            open_gap = 0.0 if bound_zero is None else cam_zero - bound_zero
-            if good - bad <= REACH * max(width, open_gap):
+            width = self.accuracy * self._way(self.nearest[0])
+            width = max(width, gap / search.slope) if search.slope > 0.0 else width
+            if good - bad <= REACH * max(width, search.open_way or 0.0):
                 return
-            exactly = not (nearer and any_cam)
-            trial = self.tried(self.value_at(way), self.fine, exactly=exactly)
-            if before is not None and trial.excess is not None and before[0] != way:
-                local = (trial.excess - before[1]) / (before[0] - way)
-                slope = local if abs(trial.excess - before[1]) > REACH * self.fine else slope
-            slope = slope if slope > 0.0 else self._slope(noise)
-            found = zero(way, trial.excess)
-            if found is not None and (exactly or found < cam_zero):
-                cam_zero = found
-            elif found is None and trial.certified:
-                cam_zero = min(cam_zero, max(way, bad))
-            if nearer:
-                any_cam = False  # next time the nearest
+            way, exactly = search.next_way(bad, good, width)
+            value = self.value_at(way)
+            trial = self.tried(value, self.fine, exactly=exactly)
+            excess, bound = self.excesses.get(value), trial.bound_excess
+            search.learn(
+                way, excess, certified=trial.certified, exactly=exactly, slope=self._slope(noise),
+                noise=REACH * self.fine,
+            )  # fmt: skip
+            if not exactly:
                 continue
-            before = None if trial.excess is None else (way, trial.excess)
-            bound_zero, proven = zero(way, trial.bound_excess), proven or bool(trial.proof)
-            if bound_zero is not None:
-                proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
+            search.proven |= bool(trial.proof)
+            if excess is not None and bound is not None and search.slope > 0.0:
+                bound_zero = search.zero_from(way, bound)
+                search.open_way = max(search.zero - bound_zero, 0.0)
+                search.proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
             if self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
                 return
 
@@ -212,8 +190,7 @@ class Boundary:
 
     def _is_for_longer_proofs(self, gap: float) -> bool:
         """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
-        asked = self.excesses.get(self.number.tightest, inf)
-        return self.oracle.has_longer_proofs and gap > WIDE_GAP * asked
+        return self.oracle.has_longer_proofs and gap > WIDE_GAP * (self.asked or inf)
 
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
@@ -268,13 +245,27 @@ class Boundary:
         self.trials[value] = trial
         self.levels[value] = self._level(trial)
         if trial.excess is not None:
-            self.excesses[value] = trial.excess
+            self._keep_excess(value, trial, trial.excess)
         if trial.certified:
             self._allow(value, trial)
         if trial.proof:
             self.exclude(value)
         if self.number.minimised and trial.smallest is not None:
             self.take(trial.smallest)
+
+    def _keep_excess(self, value: float, trial: Trial, excess: float) -> None:
+        """Keep the excess of a value, if it is one of the function whose zero is sought.
+
+        That of the gentlest law and that of the smallest cam fall to zeros of their own. The one
+        whose zero lies farther is sought: it is above 0 where the other is no longer.
+        """
+        by_size = trial.smallest is not None
+        if by_size is not self.by_size:
+            beyond_all = all(self._beyond(known, value) > 0.0 for known in self.excesses)
+            if trial.certified or not beyond_all:
+                return
+            self.by_size, self.excesses = by_size, {}
+        self.excesses[value] = excess
 
     def take(self, smallest: Smallest) -> None:
         """Of a maximum of the base radius: the smallest cam is a value, its bound excludes one."""
@@ -335,7 +326,7 @@ class Boundary:
             if is_inside and abs(good - bad) <= most:
                 most = 0.5 * abs(good - bad)
             else:
-                value, most = _halfway(bad, good), inf
+                value, most = halfway(bad, good), inf
             self.tried(value)
 
     def _level(self, trial: Trial) -> float:
@@ -345,7 +336,7 @@ class Boundary:
             return excess if excess is not None and excess > 0.0 else 1.0
         if excess is None:
             return -1.0
-        near = ROUGH * self.excesses.get(self.number.tightest, 0.0)
+        near = ROUGH * (self.asked or 0.0)
         return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
     def confirm(self, proof: str = "quick") -> None:
@@ -357,38 +348,43 @@ class Boundary:
         if self.nearest is None or self.nearest[0] in (self.needed, self.confirmed):
             return
         nearest, trial = self.nearest
-        units = self._way(nearest), abs(nearest)
-        spares = sorted({
-            share * unit for shares, unit in zip(SPARE, units, strict=True) for share in shares
-        })  # fmt: skip
-        spare = 0.0
+        units = zip(SPARE, (self._way(nearest), abs(nearest)), strict=True)
+        spares = sorted({share * unit for shares, unit in units for share in shares})
+        # Another's search may not find a cam that is next to the best, or only with a bound.
+        next_to_best = trial.excess is not None and -THIN < trial.excess <= 0.0
+        spare = self._missing_way(nearest, trial) if next_to_best else 0.0
         for _ in range(len(spares)):
             value = nearest + self.direction * spare
-            if self.needed is not None and self._beyond(self.needed, value) >= 0.0:
-                break
-            if not self.oracle.is_valid(self.number, value):
+            farther = self.needed is not None and self._beyond(self.needed, value) >= 0.0
+            if farther or not self.oracle.is_valid(self.number, value):
                 break
             if self.oracle.is_late():
                 self.note = self.note if self.needed is not None else LATE
                 return
             # Most cams are found without a proof, in a fraction of the time.
-            found = self.oracle.ask_as_it_stands(self.number, value, "quick", cam_only=True)
-            if proof == self.oracle.spec.proof and not (found.certified or self.oracle.is_late()):
-                found = self.oracle.ask_as_it_stands(self.number, value, proof)
+            ask, first = self.oracle.ask_as_it_stands, proof if next_to_best else "quick"
+            found = ask(self.number, value, first, cam_only=not next_to_best)
+            own = proof == self.oracle.spec.proof and not next_to_best
+            if own and not (found.certified or self.oracle.is_late()):
+                found = ask(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)
                 self.needed, self.confirmed = value, nearest
                 self.note = (DEVIATION if self.number.sense == "±" else SUFFICES) + note
                 return
-            # Where the slope of the excess is known, it says how far the question is from a cam; of
-            # a search that ends elsewhere each time, it is a guess.
-            slope = self._slope(0.0)
-            known = found.excess is not None and found.excess > 0.0 < slope
-            missing = BEYOND * found.excess / slope if known and found.excess else 0.0
-            farther = max(spare + missing, FARTHER * spare)
-            spare = farther if known else next((x for x in spares if x > spare), inf)
+            missing = self._missing_way(value, found)
+            ladder = next((x for x in spares if x > spare), inf)
+            spare = max(spare + missing, FARTHER * spare) if missing else ladder
         self.confirmed = nearest  # as far as that goes
         self.note = self.note if self.needed is not None else UNCONFIRMED
+
+    def _missing_way(self, value: float, trial: Trial) -> float:
+        """How far a value's question is from a cam, by the secant from the request; else 0."""
+        same = (trial.smallest is None) is (self.original.smallest is None)
+        if self.asked is None or trial.excess is None or not same:
+            return 0.0
+        slope = (self.asked - trial.excess) / (self.way_to(value) or inf)
+        return BEYOND * missing_excess(trial) / slope if slope > 0.0 else 0.0
 
     def _slope(self, noise: float) -> float:
         """By how much the excess falls per unit of the way; 0 where that is not known.

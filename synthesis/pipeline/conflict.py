@@ -26,10 +26,10 @@ from synthesis.catalogue.fields import ends
 from synthesis.design.design import Conflict, Relaxation
 from synthesis.numerics import clock
 from synthesis.pipeline.attempt import Attempt
-from synthesis.pipeline.boundary import FINE, ROUGH, Boundary
+from synthesis.pipeline.boundary import ROUGH, Boundary
 from synthesis.pipeline.largest_radius import Smallest
 from synthesis.pipeline.longer_proofs import close_in
-from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.oracle import FINE, Oracle, Trial
 from synthesis.pipeline.outwards import seek_value
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers

@@ -96,7 +96,7 @@ class Closing:
     @classmethod
     def of(cls, boundary: Boundary) -> Closing | None:
         """None where the request is not proven impossible, or no value with a cam is known."""
-        excess = boundary.excesses.get(boundary.number.tightest)
+        excess = boundary.asked
         if boundary.nearest is None or boundary.excluded is None or excess is None:
             return None
         way = boundary.way_to(boundary.nearest[0])
@@ -185,7 +185,7 @@ class Closing:
         """
         number, good, finer = self.boundary.number, self.good, FINER**self.idle
         if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
-            excess = self.boundary.excesses[number.tightest]
+            excess = self.boundary.asked or 0.0
             return good, PROOF_SIDE * finer * excess / (1.0 + excess), None
         exclusion, cam = (within * finer * self.slope for within in WITHIN)
         step, room = FIRST_STEP * self.zero, CAM_SIDE * good

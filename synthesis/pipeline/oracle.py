@@ -39,7 +39,9 @@ from synthesis.pipeline.relaxable import Relaxable, relaxed, without
 from synthesis.spec.design_spec import DesignSpec
 
 COARSEST, COARSE = 1.0, 1e-3  # tolerance of a trial for any cam, and for one near a limit
+FINE = 1e-4  # tolerance of a trial that is to bring both ends of a boundary near to each other
 ON_KNOTS = 1e-2  # relative: of a bound on a neighbour's knots; the cam is a hundred times nearer
+FAR_BELOW = 0.1  # of its maximum: by how much smaller a cam is than those next to it
 QUICK: dict[str, object] = {"proof": "quick", "report_smoothness_cost": False}
 ALONE = "no cam was found however far this number alone is relaxed: others may conflict as well"
 
@@ -116,6 +118,29 @@ class Trial:
 def relative_gap(excess: float, bound_excess: float) -> float:
     """Between a smallest cam and its bound, of the cam; excesses are relative to the maximum."""
     return (excess - bound_excess) / (1.0 + excess)
+
+
+def gap_left_by(trial: Trial, tolerance: float) -> float:
+    """A gap of a trial that is wider than its tolerance, relative; 0 where it has none.
+
+    That of a cam far below its maximum, as near an infimum of 0, says nothing of gaps at it.
+    """
+    if trial.excess is None or trial.bound_excess is None or trial.excess < -FAR_BELOW:
+        return 0.0
+    gap = relative_gap(trial.excess, trial.bound_excess)
+    return gap if gap > max(tolerance, FINE) else 0.0
+
+
+def missing_excess(trial: Trial) -> float:
+    """By how much an excess is too large for another's search to find a cam; 0 where it is unknown.
+
+    That may end as far from the bound as this one, but no farther than the finest tolerance.
+    """
+    if trial.excess is None:
+        return 0.0
+    bound = trial.bound_excess
+    gap = FINEST if bound is None else min(relative_gap(trial.excess, bound), FINEST)
+    return max(trial.excess + gap, 0.0)
 
 
 @dataclass(eq=False)
@@ -196,8 +221,7 @@ class Oracle:
             goal = replace(goal, sufficient=enough, sufficient_bound=bound)
         changes = {**QUICK, "proof": proof}
         trial = self._trial(*compare(spec.model_copy(update=changes), goal, [], finer=True))
-        excess = -inf if trial.excess is None else trial.excess
-        if cam_only and trial.certified and excess > -FINEST:
+        if cam_only and trial.certified and missing_excess(trial) > 0.0:
             # Nearer to its maximum than the finest tolerance tells: a search that has a bound to
             # close ends elsewhere, and perhaps beyond. It is that of anyone who sends the value.
             return self.ask_as_it_stands(number, value, proof)

@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from math import copysign, inf, sqrt
 
 from scipy.optimize import brentq
 
+WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
+FARTHER = 0.3  # of what a bound leaves open: how much nearer to the request a proof is sought
 STEPS_BACK = 4  # from a point that proves nothing
+
+
+def halfway(one: float, other: float) -> float:
+    """The middle of two values; where they are far apart, on a logarithmic scale."""
+    if one * other > 0.0 and not 1.0 / WIDE < other / one < WIDE:
+        return copysign(sqrt(one * other), other)
+    return 0.5 * (one + other)
 
 
 def slope_of(excesses: Mapping[float, float], noise: float) -> float:
@@ -76,3 +87,78 @@ def approach_zero(
         root = float(brentq(falling, low, high, xtol=step))
         falling(root - step)
     return True
+
+
+@dataclass
+class SecantBracket:
+    """The zero of a falling excess, bracketed by secants: a cam on one side, a proof on the other.
+
+    A trial says where the cam's excess comes to zero, and how much nearer its bound does. The end
+    that is farther from there is brought next to it, after a first proof. Where a secant leaves
+    more than half of the bracket, as at a kink, that is halved.
+
+    Attributes:
+        slope: by how much the excess falls per unit of the way; 0 where that is not known.
+        step: how far from the zero a proof is sought as long as no bound is known.
+        zero: the way at which the cam's excess is 0; ∞ where that is not known.
+        open_way: from the zero of the bound to that of the cam; None where that is not known.
+        before: way and excess of the last trial that was exact.
+        proven: whether a way is proven impossible. any_cam: whether any cam may end a trial.
+        most: of a bracket that the next secant may divide.
+    """
+
+    slope: float
+    step: float
+    zero: float = inf
+    open_way: float | None = None
+    before: tuple[float, float] | None = None
+    proven: bool = False
+    any_cam: bool = True
+    most: float = inf
+
+    def zero_from(self, way: float, excess: float | None) -> float:
+        """The way at which an excess falls to 0; ∞ where that is not known."""
+        return inf if excess is None or self.slope <= 0.0 else way + excess / self.slope
+
+    def next_way(self, bad: float, good: float, width: float) -> tuple[float, bool]:
+        """The way to try next, and whether its smallest cam is sought, not any.
+
+        Args:
+            bad, good: the ends of the bracket. width: how near to the zero an end is brought.
+        """
+        self.zero = min(max(self.zero, bad), good)
+        is_wide = good - bad > self.most
+        nearer = self.proven and good - self.zero > max(width, self.zero - bad)
+        self.most = inf if is_wide else 0.5 * (good - bad)
+        if is_wide:
+            return 0.5 * (bad + good), True
+        if nearer:
+            exactly, self.any_cam = not self.any_cam, False  # the first time any cam, then exactly
+            return self.zero + 0.5 * width, exactly
+        apart = self.step if self.open_way is None else self.open_way
+        self.step *= WIDENING
+        way = self.zero - apart - max(0.5 * width, FARTHER * apart)
+        return max(way, 0.5 * (bad + self.zero)), True
+
+    def learn(
+        self, way: float, excess: float | None, *, certified: bool, exactly: bool,
+        slope: float, noise: float,
+    ) -> None:  # fmt: skip
+        """Take slope and zero from a trial.
+
+        Args:
+            way: that was tried. excess: there; None where it is not known. certified: whether there
+                is a cam. exactly: whether it is the smallest. slope: to be taken if none is known.
+                noise: excesses that differ by no more say nothing of the slope.
+        """
+        if exactly and excess is not None:
+            before_way, before = self.before or (way, excess)
+            if before_way != way and abs(excess - before) > noise:
+                self.slope = (excess - before) / (before_way - way)
+            self.before = way, excess
+        self.slope = self.slope if self.slope > 0.0 else slope
+        found = self.zero_from(way, excess)
+        if found < inf and (exactly or found < self.zero):
+            self.zero = found
+        elif found == inf and certified:
+            self.zero = min(self.zero, way)

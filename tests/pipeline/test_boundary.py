@@ -17,7 +17,7 @@ from synthesis.pipeline import boundary, conflict, longer_proofs, outwards
 from synthesis.pipeline.boundary import Boundary
 from synthesis.pipeline.goal import Goal
 from synthesis.pipeline.largest_radius import solve_with_maximum
-from synthesis.pipeline.oracle import Oracle, Trial
+from synthesis.pipeline.oracle import Oracle, Trial, gap_left_by, missing_excess
 from synthesis.pipeline.program_numbers import program_numbers
 from synthesis.pipeline.relaxable import Relaxable, relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
@@ -188,7 +188,9 @@ def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -
     def ask(_number: Any, value: float, _proof: str, **_: Any) -> Any:
         excess = 2e-3 * (LEAST - value) / 1000.0
         found[value] = excess
-        return SimpleNamespace(certified=excess <= 0.0, excess=excess)
+        return SimpleNamespace(
+            certified=excess <= 0.0, excess=excess, bound_excess=None, smallest=None
+        )
 
     oracle = SimpleNamespace(
         spec=SimpleNamespace(tolerance=5e-3, proof="auto"), open_gap=0.0, has_longer_proofs=False,
@@ -196,7 +198,7 @@ def bounded(found: dict[float, float | None], monkeypatch: pytest.MonkeyPatch) -
         is_valid=lambda *_: True, ask_as_it_stands=ask, value_on=lambda *_: (None, ""),
     )  # fmt: skip
     number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
-    request = SimpleNamespace(excess=6e-4, bound_excess=None, proof="")
+    request = SimpleNamespace(excess=6e-4, bound_excess=None, proof="", smallest=None)
     known = Boundary(cast(Oracle, oracle), number, cast(Trial, request))
     known.excesses[1250.0] = 1e-4  # another search came nearer than the question as it stands
     known.nearest = 1280.0, cast(Trial, request)
@@ -242,7 +244,7 @@ def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
 
     def ask(_number: Any, _value: float, proof: str, *, cam_only: bool = False) -> Any:
         proofs.append("cam" if cam_only else proof)
-        return SimpleNamespace(certified=proofs[-1] == found_by, excess=None)
+        return SimpleNamespace(certified=proofs[-1] == found_by, excess=None, smallest=None)
 
     assert known.nearest is not None
     nearest, answers = known.nearest[0], cast(Any, known.oracle)
@@ -251,6 +253,89 @@ def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
     known.confirm(proof)
     assert proofs == (asked[:1] if late else asked)
     assert known.needed == (nearest if found_by in proofs else None)
+
+
+@pytest.mark.parametrize(
+    ("kept", "proofs", "farther"),
+    [
+        (2e-5, ["cam"], 0.0),
+        (4e-6, ["auto"], 0.0),  # another's search ends within a millionth of the best
+        (3e-7, ["auto"], 1.3 * 7e-7 / 2e-6),  # as much farther as is missing, by the excess's fall
+        (0.0, ["auto"], 1.3 * 1e-6 / 2e-6),
+    ],
+)
+def test_a_cam_next_to_the_best_is_put_with_a_bound_and_a_little_farther(
+    kept: float, proofs: list[str], farther: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """``kept``: of a maximum, by how much the nearest cam is smaller; the request is at 6e-4."""
+    known, asked = bounded({}, monkeypatch), list[tuple[float, str]]()
+
+    def ask(_number: Any, value: float, proof: str, *, cam_only: bool = False) -> Any:
+        asked.append((value, "cam" if cam_only else proof))
+        return SimpleNamespace(certified=True)
+
+    nearest = 1000.0 + (6e-4 + kept) / 2e-6
+    trial: Any = SimpleNamespace(excess=-kept, bound_excess=None, smallest=None)
+    known.nearest, cast(Any, known.oracle).ask_as_it_stands = (nearest, trial), ask
+    known.confirm("auto")
+    assert [proof for _, proof in asked] == proofs
+    assert asked[0][0] == pytest.approx(nearest + farther, rel=1e-9)
+    assert known.needed == asked[0][0]
+
+
+@pytest.mark.parametrize(
+    ("excess", "bound", "missing"),
+    [
+        (None, None, 0.0),
+        (-2e-6, None, 0.0),
+        (-2e-7, None, 8e-7),
+        (-2e-7, -0.1, 8e-7),
+        (-2e-7, -2e-7, 0.0),  # no gap: another's search ends there as well
+        (-2e-7, -6e-7, 2e-7),
+        (3e-4, None, 3.01e-4),
+    ],
+)
+def test_what_another_s_search_misses_is_the_excess_and_a_gap_of_a_millionth(
+    excess: float | None, bound: float | None, missing: float
+) -> None:
+    trial: Any = SimpleNamespace(excess=excess, bound_excess=bound)
+    assert missing_excess(trial) == pytest.approx(missing, rel=1e-3, abs=1e-15)
+
+
+@pytest.mark.parametrize(("excess", "is_gap"), [(0.3, True), (-0.05, True), (-0.98, False)])
+def test_a_cam_far_below_its_maximum_says_nothing_of_a_gap_at_it(
+    excess: float, *, is_gap: bool
+) -> None:
+    """As next to an infimum of 0, which no bound comes near to."""
+    trial: Any = SimpleNamespace(excess=excess, bound_excess=-1.0)
+    assert (gap_left_by(trial, 1e-3) > 0.0) is is_gap
+
+
+def test_the_excesses_of_laws_and_of_sizes_have_zeros_of_their_own() -> None:
+    """The farther zero counts: that of sizes, as soon as a law fits and the size is too large."""
+
+    def trial(excess: float, smallest: object) -> Any:
+        fits = excess <= 0.0
+        return SimpleNamespace(
+            certified=fits, excess=excess, bound_excess=None, smallest=smallest, proof=""
+        )
+
+    law, size = None, SimpleNamespace()
+    number = Relaxable("jerk", ("limits/0/max_mm_per_s3",), (1000.0,), "mm/s³", "≤")
+    oracle = SimpleNamespace(spec=SimpleNamespace(tolerance=5e-3), open_gap=0.0)
+    known = Boundary(cast(Oracle, oracle), number, trial(0.31, law))
+    known.record(1700.0, trial(-0.06, size))  # far below the maximum: no zero of laws is near
+    assert known.excesses == {1000.0: 0.31}
+    known.record(1200.0, trial(0.11, law))
+    assert known.excesses == {1000.0: 0.31, 1200.0: 0.11}
+    known.record(1350.0, trial(0.07, size))  # a law fits, but not the size
+    assert known.excesses == {1350.0: 0.07}
+    known.record(1250.0, trial(0.06, law))  # nearer to the request laws fail again
+    known.record(1510.0, trial(-0.01, size))
+    assert known.excesses == {1350.0: 0.07, 1510.0: -0.01}
+    assert known.asked == 0.31
+    assert known._missing_way(1510.0, trial(1e-3, size)) == 0.0  # of another function
+    assert known._missing_way(1200.0, trial(0.11, law)) == pytest.approx(1.3 * 0.110001 * 1e3)
 
 
 @pytest.mark.parametrize("slope", [6e-4, None])
@@ -283,7 +368,7 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     )  # fmt: skip
     number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
     known = Boundary(cast(Oracle, oracle), number, trial_at(request))
-    known.nearest = 1016.0, trial_at(1016.0)
+    known.nearest, known.finest = (1016.0, trial_at(1016.0)), 1e-6
     known._close_in()
     assert len(set(tried)) == len(tried)
     assert known.excluded is not None

@@ -87,7 +87,9 @@ def test_a_bound_of_the_size_is_none_of_the_acceleration() -> None:
 
 def test_a_number_that_is_relaxed_downwards_stays_so_with_numbers_free() -> None:
     number = Relaxable("offset", ("follower/offset_mm",), (0.0,), "mm", "=")
-    excess = SimpleNamespace(excess=0.1, bound_excess=None, proof="proven", attempt=None)
+    excess = SimpleNamespace(
+        excess=0.1, bound_excess=None, proof="proven", attempt=None, smallest=None
+    )
     oracle = cast(Oracle, SimpleNamespace(open_gap=0.0, spec=SimpleNamespace(tolerance=5e-3)))
     known = Boundary(oracle, number, cast(Trial, excess))
     known.direction = -1.0

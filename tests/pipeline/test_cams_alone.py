@@ -139,7 +139,7 @@ def test_a_cam_that_just_keeps_a_maximum_is_sought_with_a_bound_too(
         return ()
 
     def trial(*_: Any) -> SimpleNamespace:
-        return SimpleNamespace(certified=found[-1], excess=excess)
+        return SimpleNamespace(certified=found[-1], excess=excess, bound_excess=None)
 
     monkeypatch.setattr(oracle, "compare", noted)
     monkeypatch.setattr(Oracle, "_trial", trial)

@@ -85,13 +85,13 @@ class Questions:
         self, number: Relaxable, value: float, proof: str, *, cam_only: bool = False
     ) -> Any:
         if cam_only:  # next to the zero such a search finds none, in little time
-            return SimpleNamespace(certified=False, excess=None)
+            return SimpleNamespace(certified=False, excess=None, smallest=None)
         assert proof == "auto"
         self.as_it_stands.append(value)
         took = min(self.asking, self.left)
         self.seconds[0] -= took
         if took < self.asking:
-            return SimpleNamespace(certified=False, excess=None)
+            return SimpleNamespace(certified=False, excess=None, smallest=None)
         return answer(self.curves[number.name].at(number.direction * (value - REQUEST)), 1e-9)
 
     def is_valid(self, *_: Any) -> bool:
@@ -535,7 +535,8 @@ def test_one_that_is_never_confirmed_leaves_the_others_their_part(
 
     def never_a(self: Questions, number: Relaxable, value: float, proof: str, **more: Any) -> Any:
         found = ask(self, number, value, proof, **more)
-        return found if number.name == "b" else SimpleNamespace(certified=False, excess=None)
+        none = SimpleNamespace(certified=False, excess=None, smallest=None)
+        return found if number.name == "b" else none
 
     monkeypatch.setattr(Questions, "ask_as_it_stands", never_a)
     for boundary in boundaries:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import inf
+
+import numpy as np
 import pytest
 
-from synthesis.pipeline.secants import approach_zero, slope_of, zero_of
+from synthesis.pipeline.secants import SecantBracket, approach_zero, slope_of, zero_of
 
 CONVEX = {1.0: 0.2, 2.0: 0.1, 3.0: 0.02, 3.4: -0.001}  # the last one next to zero
 
@@ -52,3 +56,92 @@ def test_a_bound_that_is_nowhere_positive_is_given_up_after_a_few_steps() -> Non
     assert not approach_zero(falling, 1e-3, 5e-4, 1e-3)
     assert len(tried) < 12
     assert min(tried) > 0.0
+
+
+GAP = 2e-5  # between a cam's excess and its bound's, in all of these trials
+SHAPES: dict[str, Callable[[float], float]] = {
+    "straight": lambda x: 0.4 * (1.0 - x),
+    "steeper at first": lambda x: 0.4 * (1.0 - x) * (2.0 - min(x, 1.5)),
+    "flat at first": lambda x: 0.4 - max(x - 0.6, 0.0),
+    "an infimum of 0 from there on": lambda x: max(0.4 - 0.4 * x**3, -0.98),
+    "a kink at the zero, steeper before": lambda x: (3.0 if x < 1.0 else 0.03) * (1.0 - x),
+    "a kink at the zero, steeper beyond": lambda x: (0.03 if x < 1.0 else 3.0) * (1.0 - x),
+    "next to nothing, then a fall": lambda x: 0.05 - 0.01 * x - 2.0 * max(x - 0.9, 0.0),
+}  # fmt: skip
+
+
+def trials(shape: str, first: float) -> int:
+    """How many a bracket takes whose far end is at ``first``, each cam anywhere in its gap."""
+    falling, random = SHAPES[shape], np.random.default_rng(11)
+    bad, good, width, number = 0.0, first, 2.5e-4, 0
+    search = SecantBracket((falling(0.0) - falling(first)) / first, 1e-4)
+    search.zero = search.zero_from(first, falling(first))
+    while good - bad > 2.0 * max(width, search.open_way or 0.0) and number < 30:
+        way, exactly = search.next_way(bad, good, width)
+        assert bad <= way <= good
+        number += 1
+        excess = falling(way) + GAP * random.uniform(0.0, 1.0)
+        bound = excess - GAP
+        if not exactly and excess <= 0.0:
+            excess *= 0.5  # any cam that is small enough ends it
+        good = min(good, way) if excess <= 0.0 else good
+        bad = max(bad, way) if bound > 0.0 else bad
+        search.learn(
+            way, excess, certified=excess <= 0.0, exactly=exactly, slope=0.1, noise=2.0 * GAP
+        )
+        if exactly:
+            search.proven |= bound > 0.0
+            search.open_way = search.zero - search.zero_from(way, bound)
+    assert falling(bad) >= 0.0 >= falling(good)
+    return number
+
+
+def test_cam_and_proof_come_next_to_the_zero_in_few_trials() -> None:
+    """Whatever the first slope is, and wherever in its gap a trial's cam lies."""
+    numbers = [trials(shape, first) for shape in SHAPES for first in (1.04, 1.9, 7.3)]
+    assert max(numbers) <= 14
+    assert sum(numbers) <= 160
+
+
+def test_any_cam_may_bring_the_far_end_near_once_then_it_is_the_smallest() -> None:
+    search = SecantBracket(0.5, 1e-3, zero=1.0, proven=True)
+    assert search.next_way(0.9, 3.0, 0.01) == (pytest.approx(1.005), False)
+    assert search.next_way(0.9, 1.7, 0.01) == (pytest.approx(1.005), True)
+
+
+def test_a_proof_is_sought_ever_farther_as_long_as_no_bound_is_known() -> None:
+    search, ways = SecantBracket(0.5, 1e-3, zero=1.0), list[float]()
+    for _ in range(3):
+        ways.append(1.0 - search.next_way(0.0, 3.0, 0.0)[0])
+        search.most = inf  # as if the bracket had become half as wide
+    assert ways == pytest.approx([1.3e-3, 5.2e-3, 2.08e-2])
+    search.open_way = 2e-3
+    assert search.next_way(0.0, 3.0, 0.0)[0] == pytest.approx(1.0 - 2.6e-3)
+
+
+def test_a_trial_without_an_excess_is_a_cam_or_nothing() -> None:
+    search = SecantBracket(0.5, 1e-3, zero=3.0)
+    search.learn(2.0, None, certified=False, exactly=True, slope=9.0, noise=0.0)
+    assert (search.zero, search.slope) == (3.0, 0.5)
+    search.learn(2.0, None, certified=True, exactly=True, slope=9.0, noise=0.0)
+    assert search.zero == 2.0
+    search.learn(2.5, 0.25, certified=False, exactly=False, slope=9.0, noise=0.0)
+    assert search.zero == 2.0  # a search for any cam ends anywhere
+    search.learn(1.5, 0.05, certified=False, exactly=True, slope=9.0, noise=0.0)
+    assert search.zero == pytest.approx(1.6)
+
+
+def test_the_slope_is_that_of_two_exact_trials_that_differ_by_more_than_noise() -> None:
+    search = SecantBracket(0.0, 1e-3)
+    search.learn(1.0, 0.4, certified=False, exactly=True, slope=0.3, noise=0.01)
+    assert search.slope == 0.3
+    search.learn(2.0, 0.2, certified=False, exactly=False, slope=0.1, noise=0.01)
+    assert search.slope == 0.3
+    search.learn(1.1, 0.395, certified=False, exactly=True, slope=0.1, noise=0.01)
+    assert search.slope == 0.3
+    search.learn(1.2, 0.32, certified=False, exactly=True, slope=0.1, noise=0.01)
+    assert search.slope == pytest.approx(0.75)
+    search.learn(1.7, 0.34, certified=False, exactly=True, slope=0.1, noise=0.01)
+    assert search.slope == 0.1  # it does not rise
+    search.learn(1.7, 0.38, certified=False, exactly=True, slope=0.2, noise=0.01)
+    assert search.slope == 0.1  # the same way twice
