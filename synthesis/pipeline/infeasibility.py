@@ -20,7 +20,7 @@ from math import inf, pi
 
 import numpy as np
 
-from synthesis.catalogue.constraints import affine_range
+from synthesis.catalogue.constraints import NormBounds, affine_range
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.design.design import Extreme
 from synthesis.optimise.conic.linear_rows import row_excess
@@ -28,7 +28,7 @@ from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.problem.residual_vibration import amplitude
 from synthesis.optimise.recovery.candidate import given_cam
-from synthesis.optimise.relaxation.any_law import size_conflict
+from synthesis.optimise.relaxation.any_law import least_along, size_conflict
 from synthesis.optimise.strategy.phase_one import (
     INTERVALS,
     PhaseOneResult,
@@ -188,7 +188,7 @@ def _cone_conflict(problem: Problem) -> str:
     """Which cone of the size no size keeps that is as large as the least base radius asks.
 
     ‖Az + a‖² − ‖Mz + m‖² is affine in z where AᵀA = MᵀM, M and m those of the prime radius: that is
-    its least plus the difference's least over the bounds, from below.
+    its least plus the difference's least, over the bounds and over all sizes that fit the laws.
     """
     radius = problem.machine.follower.radius_norm()
     matrix, shift = np.array(radius.matrix), np.array(radius.shift)
@@ -200,6 +200,9 @@ def _cone_conflict(problem: Problem) -> str:
         slope = tuple((2.0 * (other.T @ moved - matrix.T @ shift)).tolist())
         constant = float(moved @ moved - shift @ shift)
         least, _ = affine_range(slope, constant, problem.sizing.bounds)
+        if len(matrix) == len(slope) == 2 and any(slope):
+            circle = NormBounds(radius, inf, "base_radius", lower=problem.least_norm)
+            least = max(least, least_along(problem, slope, circle) + constant)
         if problem.least_norm**2 + least > (cone.upper + ROUNDING * problem.length) ** 2:
             name = cone.source.replace("_", " ")
             return f"proven: no size keeps the least base radius and {name} together"

@@ -134,6 +134,60 @@ def test_an_outer_radius_below_the_least_base_radius_is_proven_impossible(
     assert "outer radius together" in found.conflict.evidence
 
 
+def least_outer_radius(
+    radius: float, lift: float, up: float, down: float, steepest: float
+) -> float:
+    """Of the pitch curve, least [mm], by the time that moves take under a pressure angle.
+
+    s' ≤ tan α (d + s) + e as the follower rises, −s' ≤ tan α (d + s) − e as it returns.
+
+    Args:
+        radius: the least prime radius [mm]. up, down: the moves' angles [rad]. steepest: tan α.
+    """
+
+    def fits(e: float, d: float) -> bool:
+        ends = [(steepest * d + x, steepest * (d + lift) + x) for x in (e, -e)]
+        return all(low > 0.0 for low, _ in ends) and all(
+            np.log(high / low) <= steepest * angle
+            for (low, high), angle in zip(ends, (up, down), strict=True)
+        )
+
+    def outermost(e: float) -> float:
+        low, high = np.sqrt(max(radius**2 - e**2, 0.0)), 1e4
+        if not fits(e, low):
+            for _ in range(60):  # larger cams take less time
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if fits(e, middle) else (middle, high)
+            low = high
+        return float(np.hypot(e, low + lift))
+
+    offsets, step = np.linspace(-radius, radius, 201), radius / 100.0
+    for _ in range(2):
+        best = min(offsets, key=outermost)
+        offsets, step = np.linspace(best - step, best + step, 201), step / 100.0
+    return min(map(outermost, offsets))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_least_base_radius_and_an_outer_one_exclude_every_offset(seed: int) -> None:
+    """Far aside the cam would be low enough, but there its moves take too long."""
+    chance = np.random.default_rng(seed)
+    lift, degrees = float(chance.uniform(8.0, 40.0)), float(chance.uniform(15.0, 50.0))
+    base, (up, down) = float(chance.uniform(2.0, 6.0)) * lift, chance.uniform(60.0, 130.0, 2)
+    least = least_outer_radius(
+        base + 2.0, lift, np.radians(up), np.radians(down), float(np.tan(np.radians(degrees)))
+    )
+    statuses = {}
+    for share in (-1e-2, -1e-4, 1e-2):
+        outer = {"kind": "outer_radius", "max_mm": least * (1.0 + share) - 2.0}
+        spec = question(
+            lift, (up, 30.0, down), [pressure_angle(degrees), outer], base_radius_mm={"min": base}
+        )
+        statuses[share] = synthesise(spec).status
+    assert statuses[-1e-2] == statuses[-1e-4] == "infeasible"
+    assert statuses[1e-2] != "infeasible"
+
+
 def test_laws_and_size_that_are_given_are_judged_as_they_are() -> None:
     limits = [pressure_angle(20.0)]
     given = {"law": {"kind": "cycloidal"}, "base_radius_mm": 11.7}

@@ -48,7 +48,7 @@ from math import cos, inf, pi, sin, sqrt
 
 import numpy as np
 
-from synthesis.catalogue.constraints import AffineNorm, Vector
+from synthesis.catalogue.constraints import AffineNorm, NormBounds, Vector
 from synthesis.catalogue.motion import PlacedSegment
 from synthesis.numerics.piecewise import Array
 from synthesis.optimise.conic.semi_infinite import HalfPlanes, join
@@ -72,12 +72,7 @@ def least_size(problem: Problem, norm: AffineNorm | None = None) -> Vector | Non
 
     ``norm``: what is least; None: the prime radius. No cam has a smaller one.
     """
-    # laws that are known, but neither chosen by a search nor smoothed from a table
-    known = (s for s in problem.segments if s.law is not None)
-    given = tuple(s for s in known if s.free is None and s.table is None)
-    alone, slack = replace(problem, segments=given), LOOSENING * problem.length
-    free = half_planes_of_free_laws(problem)
-    size = closed_form_size(alone, norm=norm, slack=slack, implied=free)
+    size = _least(problem, norm)
     if size is None or norm is not None or len(problem.machine.follower.radius_norm().matrix) > 1:
         return size
     # A least distance of the pivot is not convex: the least size outside its circle.
@@ -85,8 +80,35 @@ def least_size(problem: Problem, norm: AffineNorm | None = None) -> Vector | Non
     broken = [each for each in lower if each.norm.value(size) < each.lower]
     if not broken:
         return size
-    outer = closed_form_size(alone, slack=slack, implied=free, outside=broken)
-    return outer or size
+    return _least(problem, None, broken) or size
+
+
+def least_along(problem: Problem, row: Vector, circle: NormBounds) -> float:
+    """What row · z is no less than on all sizes that fit the laws and lie outside a circle.
+
+    Args:
+        row: of a problem with two size variables. circle: a norm of two rows, no less than its
+            lower end.
+
+    Returns:
+        that value; −∞ where none is known.
+    """
+    lower = replace(circle, lower=circle.lower * (1.0 - LOOSENING))
+    corner = _least(problem, AffineNorm((row,), (0.0,)), [lower])
+    return -inf if corner is None else sum(a * b for a, b in zip(row, corner, strict=True))
+
+
+def _least(
+    problem: Problem, norm: AffineNorm | None, outside: Sequence[NormBounds] = ()
+) -> Vector | None:
+    """The size of the least norm on the half-planes of all laws, outside of these circles."""
+    # laws that are known, but neither chosen by a search nor smoothed from a table
+    known = (s for s in problem.segments if s.law is not None)
+    given = tuple(s for s in known if s.free is None and s.table is None)
+    return closed_form_size(
+        replace(problem, segments=given), norm=norm, slack=LOOSENING * problem.length,
+        implied=half_planes_of_free_laws(problem), outside=outside,
+    )  # fmt: skip
 
 
 def size_conflict(problem: Problem) -> str:
