@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from synthesis import DesignSpec
+from synthesis import DesignSpec, synthesise
 from tests.hard.beyond import FLOOR, put, questions, without_each
+from tests.hard.families import random_scene
 
 BODY = {
     "speed_rpm": 60,
@@ -49,3 +50,11 @@ def test_the_end_of_a_search_is_no_number_of_a_question() -> None:
     assert found.kind == "jerk"
     spec = DesignSpec.model_validate(found.body)
     assert spec.base_radius_range()[1] == FLOOR * spec.stroke()
+
+
+def test_a_bound_at_chosen_numbers_is_no_bound_of_a_question() -> None:
+    """There may be smaller cams on arms of another length."""
+    body = random_scene("arm, length free", 601)
+    valid_for = synthesise(DesignSpec.model_validate(body)).certificate.bound_valid_for
+    assert valid_for.endswith("at the chosen numbers alone")
+    assert not list(questions("arm, length free", 601))
