@@ -47,7 +47,7 @@ no excess says how much is missing."""
 THIN = 1e-5  # relative: of a maximum, what a cam keeps it by that is next to the best
 FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
-CLOSING = 12  # trials at the fine tolerance
+CLOSING = 14  # trials at the fine tolerance
 WIDE_GAP = 1e-2  # of the request's excess: a gap that keeps both ends as much of the way apart
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
 BEYOND, REACH = 1.3, 2.0
@@ -70,7 +70,7 @@ class Boundary:
         direction: +1 or −1: towards values that allow more.
         nearest: the value nearest to the request with which a trial has found a cam, and that.
         excluded: the value farthest from the request that is proven impossible.
-        asked: the excess of the request. by_size: whether excesses are of a size, or of a law.
+        requested_excess: of the request. by_size: whether excesses are of a size, or of a law.
         excesses, trials: by the values tried. levels: excesses, or 1 without a cam, −1 with one.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
         confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
@@ -87,7 +87,7 @@ class Boundary:
     confirmed: float | None = None
     note: str = LATE
     finest: float = FINE
-    asked: float | None = None
+    requested_excess: float | None = None
     by_size: bool = False
     excesses: dict[float, float] = field(default_factory=dict)
     levels: dict[float, float] = field(default_factory=dict)
@@ -98,8 +98,10 @@ class Boundary:
         self.trials[self.number.tightest] = self.original
         self.by_size = self.original.smallest is not None
         if self.original.excess is not None:
-            self.asked = max(self.original.excess, NEAR_EXCESS)
-            self.excesses[self.number.tightest] = self.levels[self.number.tightest] = self.asked
+            self.requested_excess = max(self.original.excess, NEAR_EXCESS)
+            self.excesses[self.number.tightest] = self.levels[self.number.tightest] = (
+                self.requested_excess
+            )
             self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
             self.exclude(self.number.tightest)
@@ -118,7 +120,7 @@ class Boundary:
         with suppress(TimeoutError):
             if self._is_left_to_longer_proofs():
                 return
-            bounded = self.number.minimised and self._minimise_radius()
+            bounded = self.minimised and self._minimise_radius()
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
                 self._close_in()
@@ -130,14 +132,19 @@ class Boundary:
         found, _ = self.nearest
         finer = self.tried(found, self.fine, exactly=True)
         least, trial = self.nearest
-        spare = 0.5 * max(self.accuracy * self._way(least), min(self.fine, FINE) * least)
+        spare = 0.5 * max(self.accuracy * self._way(least), self.fine * least)
         self.nearest = min(least + spare, found), trial
         return finer.bound_excess is not None
 
     @property
+    def minimised(self) -> bool:
+        """Whether the smallest cam has the nearest value: of a given radius only if it grows."""
+        return self.number.minimised and self.direction > 0.0
+
+    @property
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        sought = self.accuracy * (self.asked or 1.0)
+        sought = self.accuracy * (self.requested_excess or 1.0)
         return min(max(sought, self.finest, self.oracle.open_gap), FINE)
 
     def _close_in(self) -> None:
@@ -148,34 +155,34 @@ class Boundary:
         """
         assert self.nearest is not None
         noise = ON_KNOTS if self.original.attempt.mesh(COARSE) else 0.0
-        slope, gap = self._slope(noise), max(self.fine, self.oracle.open_gap)
+        slope = self.direction * slope_of(self.excesses, noise)
+        gap = max(self.fine, self.oracle.open_gap)
         search = SecantBracket(slope, gap / slope if slope > 0.0 else gap * abs(self.nearest[0]))
-        least = min(self.excesses, key=lambda value: abs(self.excesses[value]), default=None)
-        if least is not None:
-            search.zero = search.zero_from(self.way_to(least), self.excesses[least])
+        known = min(self.excesses.items(), key=lambda pair: abs(pair[1]), default=(0.0, None))
+        search.zero = search.zero_from(self.way_to(known[0]), known[1])
         for _ in range(CLOSING):
-            good = self.way_to(self.nearest[0])
-            bad = 0.0 if self.excluded is None else self.way_to(self.excluded)
+            good, by_size = self.way_to(self.nearest[0]), self.by_size
+            bad = 0.0 if self.excluded is None else max(self.way_to(self.excluded), 0.0)
             width = self.accuracy * self._way(self.nearest[0])
             width = max(width, gap / search.slope) if search.slope > 0.0 else width
-            if good - bad <= REACH * max(width, search.open_way or 0.0):
+            if good - bad <= REACH * max(width, search.open_way):
                 return
             way, exactly = search.next_way(bad, good, width)
             value = self.value_at(way)
             trial = self.tried(value, self.fine, exactly=exactly)
-            excess, bound = self.excesses.get(value), trial.bound_excess
+            excess = self.excesses.get(value)
+            slope = self.direction * slope_of(self.excesses, noise)
+            bound = trial.bound_excess if exactly and excess is not None else None
+            if self.by_size is not by_size:  # the excess of another function begins
+                search = SecantBracket(slope, search.proof_step)
             search.learn(
-                way, excess, certified=trial.certified, exactly=exactly, slope=self._slope(noise),
+                way, excess, bound, certified=trial.certified, exactly=exactly, slope=slope,
                 noise=REACH * self.fine,
             )  # fmt: skip
-            if not exactly:
-                continue
-            search.proven |= bool(trial.proof)
-            if excess is not None and bound is not None and search.slope > 0.0:
-                bound_zero = search.zero_from(way, bound)
-                search.open_way = max(search.zero - bound_zero, 0.0)
-                search.proven |= self._exclude_by_multipliers(trial, way, bound_zero, width)
-            if self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
+            search.has_proof |= exactly and bool(trial.proof)
+            if (zero := search.zero_from(way, bound)) < inf:
+                search.has_proof |= self._exclude_by_multipliers(trial, way, zero, width)
+            if exactly and self._is_for_longer_proofs(gap_left_by(trial, self.fine)):
                 return
 
     def _is_left_to_longer_proofs(self) -> bool:
@@ -190,7 +197,7 @@ class Boundary:
 
     def _is_for_longer_proofs(self, gap: float) -> bool:
         """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
-        return self.oracle.has_longer_proofs and gap > WIDE_GAP * (self.asked or inf)
+        return self.oracle.has_longer_proofs and gap > WIDE_GAP * (self.requested_excess or inf)
 
     def _exclude_by_multipliers(self, trial: Trial, way: float, zero: float, width: float) -> bool:
         """Exclude the farthest value that a trial's multipliers exclude; whether there is one.
@@ -250,7 +257,7 @@ class Boundary:
             self._allow(value, trial)
         if trial.proof:
             self.exclude(value)
-        if self.number.minimised and trial.smallest is not None:
+        if self.minimised and trial.smallest is not None:
             self.take(trial.smallest)
 
     def _keep_excess(self, value: float, trial: Trial, excess: float) -> None:
@@ -261,8 +268,8 @@ class Boundary:
         """
         by_size = trial.smallest is not None
         if by_size is not self.by_size:
-            beyond_all = all(self._beyond(known, value) > 0.0 for known in self.excesses)
-            if trial.certified or not beyond_all:
+            failed = (known for known, level in self.excesses.items() if level > 0.0)
+            if trial.certified or any(self._beyond(known, value) <= 0.0 for known in failed):
                 return
             self.by_size, self.excesses = by_size, {}
         self.excesses[value] = excess
@@ -295,8 +302,12 @@ class Boundary:
         return self.direction * (other - value)
 
     def _way(self, value: float) -> float:
-        """By how much a value differs from the request; of a request that is far out, itself."""
-        return min(abs(value - self.number.tightest), abs(value))
+        """By how much a value differs from the request; of a request that is far out, itself.
+
+        No less than a millionth of the request: a value may be 0.
+        """
+        least = ROUNDING * abs(self.number.tightest)
+        return min(abs(value - self.number.tightest), max(abs(value), least))
 
     def _narrow(self) -> None:
         """Bring the value that suffices nearer to the least one, to an accuracy.
@@ -336,7 +347,7 @@ class Boundary:
             return excess if excess is not None and excess > 0.0 else 1.0
         if excess is None:
             return -1.0
-        near = ROUGH * (self.asked or 0.0)
+        near = ROUGH * (self.requested_excess or 0.0)
         return 0.0 if excess >= -max(0.5 * NEAR_EXCESS, near) else excess
 
     def confirm(self, proof: str = "quick") -> None:
@@ -352,7 +363,8 @@ class Boundary:
         spares = sorted({share * unit for shares, unit in units for share in shares})
         # Another's search may not find a cam that is next to the best, or only with a bound.
         next_to_best = trial.excess is not None and -THIN < trial.excess <= 0.0
-        spare = self._missing_way(nearest, trial) if next_to_best else 0.0
+        spare = min(self._missing_way(nearest, trial), ROUGH * self._way(nearest)) * next_to_best
+        spare *= self.oracle.is_valid(self.number, nearest + self.direction * spare)
         for _ in range(len(spares)):
             value = nearest + self.direction * spare
             farther = self.needed is not None and self._beyond(self.needed, value) >= 0.0
@@ -381,16 +393,7 @@ class Boundary:
     def _missing_way(self, value: float, trial: Trial) -> float:
         """How far a value's question is from a cam, by the secant from the request; else 0."""
         same = (trial.smallest is None) is (self.original.smallest is None)
-        if self.asked is None or trial.excess is None or not same:
+        if self.requested_excess is None or trial.excess is None or not same:
             return 0.0
-        slope = (self.asked - trial.excess) / (self.way_to(value) or inf)
+        slope = (self.requested_excess - trial.excess) / (self.way_to(value) or inf)
         return BEYOND * missing_excess(trial) / slope if slope > 0.0 else 0.0
-
-    def _slope(self, noise: float) -> float:
-        """By how much the excess falls per unit of the way; 0 where that is not known.
-
-        A maximum of the base radius is what its own excess is relative to.
-        """
-        if self.number.minimised and self.original.smallest is not None:
-            return 1.0 / abs(self.number.tightest)
-        return self.direction * slope_of(self.excesses, noise)

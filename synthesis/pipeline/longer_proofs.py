@@ -96,7 +96,7 @@ class Closing:
     @classmethod
     def of(cls, boundary: Boundary) -> Closing | None:
         """None where the request is not proven impossible, or no value with a cam is known."""
-        excess = boundary.asked
+        excess = boundary.requested_excess
         if boundary.nearest is None or boundary.excluded is None or excess is None:
             return None
         way = boundary.way_to(boundary.nearest[0])
@@ -183,9 +183,9 @@ class Closing:
         None: nothing is promised. Of the excess: the smallest cam is sought. The tolerance is a
         part of the excess that is expected there.
         """
-        number, good, finer = self.boundary.number, self.good, FINER**self.idle
-        if number.minimised:  # its smallest cam is the value itself, and that cam's bound the other
-            excess = self.boundary.asked or 0.0
+        good, finer = self.good, FINER**self.idle
+        if self.boundary.minimised:  # the smallest cam is the value, and its bound the other
+            excess = self.boundary.requested_excess or 0.0
             return good, PROOF_SIDE * finer * excess / (1.0 + excess), None
         exclusion, cam = (within * finer * self.slope for within in WITHIN)
         step, room = FIRST_STEP * self.zero, CAM_SIDE * good
@@ -238,7 +238,7 @@ class Closing:
         )  # fmt: skip
         before = boundary.nearest
         boundary.record(value, trial)
-        if boundary.number.minimised and boundary.nearest is not before:
+        if boundary.minimised and boundary.nearest is not before:
             self._leave_room()
         excess, bound = trial.excess, trial.bound_excess
         if trial.proof:  # it ends before its cam is the smallest

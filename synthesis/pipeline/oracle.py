@@ -84,7 +84,8 @@ class Trial:
         """An excess below which there is no cam at all; None where none is known."""
         if self.smallest is None:
             return self.excess if self.proof else None
-        return self.smallest.lower / self.smallest.most - 1.0 if self.smallest.is_bounded else None
+        known = self.smallest.is_bounded and isfinite(self.smallest.lower)
+        return self.smallest.lower / self.smallest.most - 1.0 if known else None
 
     @property
     def strained(self) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ def seek_value(boundary: Boundary) -> None:
 def _step_outwards(boundary: Boundary) -> bool:
     """Whether a value that suffices is found by the secant of the excess."""
     before = value = boundary.number.tightest
-    excess = boundary.asked
+    excess = boundary.requested_excess
     if boundary.number.sense in "=±" or excess is None or value == 0.0:
         return False
     way, strips = (excess + COARSE) * abs(value) / boundary.number.power, 0
@@ -98,7 +98,7 @@ def _leave_out(boundary: Boundary) -> bool:
         raise TimeoutError
     if boundary.number.farthest is not None:  # an excess, if it is known, says more
         far = boundary.number.farthest
-        return boundary.asked is None and boundary.tried(far).certified
+        return boundary.requested_excess is None and boundary.tried(far).certified
     if boundary.number.dimension:  # its value on the smallest cam, not on any
         open_spec = without(boundary.oracle.spec, [boundary.number])
         trial = boundary.oracle.ask(open_spec, COARSE, BaseRadius(), cam_only=True)

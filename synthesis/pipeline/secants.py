@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 WIDE = 4.0  # ratio of a bracket's ends from which on it is halved on a logarithmic scale
 WIDENING = 4.0  # factor from one distance to the next at which a value is tried for a proof
-FARTHER = 0.3  # of what a bound leaves open: how much nearer to the request a proof is sought
+PROOF_MARGIN = 0.3  # of what a bound leaves open: as much nearer to the request a proof is sought
 STEPS_BACK = 4  # from a point that proves nothing
 
 
@@ -99,22 +99,38 @@ class SecantBracket:
 
     Attributes:
         slope: by how much the excess falls per unit of the way; 0 where that is not known.
-        step: how far from the zero a proof is sought as long as no bound is known.
+        proof_step: how far from the zero a proof is sought as long as no bound is known.
         zero: the way at which the cam's excess is 0; ∞ where that is not known.
-        open_way: from the zero of the bound to that of the cam; None where that is not known.
+        gap: between the excesses of cam and bound in the last trial that has both.
         before: way and excess of the last trial that was exact.
-        proven: whether a way is proven impossible. any_cam: whether any cam may end a trial.
-        most: of a bracket that the next secant may divide.
+        above, below: way and excess of the trials nearest to the zero on either side.
+        has_proof: whether a trial has excluded a way. may_end_early: whether the next trial for a
+            cam may end with any that is small enough.
+        halved_above: width of a bracket above which it is halved.
     """
 
     slope: float
-    step: float
+    proof_step: float
     zero: float = inf
-    open_way: float | None = None
+    gap: float | None = None
     before: tuple[float, float] | None = None
-    proven: bool = False
-    any_cam: bool = True
-    most: float = inf
+    above: tuple[float, float] | None = None
+    below: tuple[float, float] | None = None
+    has_proof: bool = False
+    may_end_early: bool = True
+    halved_above: float = inf
+
+    @property
+    def open_way(self) -> float:
+        """From the zero of the bound to that of the cam; 0 where it is not known.
+
+        By the steeper of two slopes: one next to the zero may be that of a flat part.
+        """
+        slope = self.slope
+        if self.above is not None and self.below is not None:
+            (low, excess), (high, other) = self.above, self.below
+            slope = max(slope, (excess - other) / (high - low)) if low < high else slope
+        return self.gap / slope if self.gap is not None and slope > 0.0 else 0.0
 
     def zero_from(self, way: float, excess: float | None) -> float:
         """The way at which an excess falls to 0; ∞ where that is not known."""
@@ -127,35 +143,39 @@ class SecantBracket:
             bad, good: the ends of the bracket. width: how near to the zero an end is brought.
         """
         self.zero = min(max(self.zero, bad), good)
-        is_wide = good - bad > self.most
-        nearer = self.proven and good - self.zero > max(width, self.zero - bad)
-        self.most = inf if is_wide else 0.5 * (good - bad)
-        if is_wide:
-            return 0.5 * (bad + good), True
-        if nearer:
-            exactly, self.any_cam = not self.any_cam, False  # the first time any cam, then exactly
+        is_wide = good - bad > self.halved_above
+        nearer = self.has_proof and good - self.zero > max(width, self.zero - bad)
+        self.halved_above = inf if is_wide else 0.5 * (good - bad)
+        if nearer and not is_wide:
+            exactly, self.may_end_early = not self.may_end_early, False
             return self.zero + 0.5 * width, exactly
-        apart = self.step if self.open_way is None else self.open_way
-        self.step *= WIDENING
-        way = self.zero - apart - max(0.5 * width, FARTHER * apart)
-        return max(way, 0.5 * (bad + self.zero)), True
+        apart = self.proof_step if self.gap is None else self.open_way
+        way = self.zero - apart - max(0.5 * width, PROOF_MARGIN * apart)
+        way, self.proof_step = max(way, 0.5 * (bad + self.zero)), WIDENING * self.proof_step
+        return 0.5 * (bad + good) if is_wide or way <= bad else way, True
 
     def learn(
-        self, way: float, excess: float | None, *, certified: bool, exactly: bool,
-        slope: float, noise: float,
+        self, way: float, excess: float | None, bound: float | None = None, *, certified: bool,
+        exactly: bool, slope: float, noise: float,
     ) -> None:  # fmt: skip
-        """Take slope and zero from a trial.
+        """Take slope, zero and gap from a trial.
 
         Args:
-            way: that was tried. excess: there; None where it is not known. certified: whether there
-                is a cam. exactly: whether it is the smallest. slope: to be taken if none is known.
-                noise: excesses that differ by no more say nothing of the slope.
+            way: that was tried. excess, bound: of its cam, and of the bound of all; None where they
+                are not known. certified: whether there is a cam. exactly: whether it is the
+                smallest. slope: to be taken if none is known. noise: excesses that differ by no
+                more say nothing of the slope.
         """
         if exactly and excess is not None:
             before_way, before = self.before or (way, excess)
             if before_way != way and abs(excess - before) > noise:
                 self.slope = (excess - before) / (before_way - way)
             self.before = way, excess
+            if excess > 0.0 and (self.above is None or way > self.above[0]):
+                self.above = way, excess
+            if excess <= 0.0 and (self.below is None or way < self.below[0]):
+                self.below = way, excess
+            self.gap = self.gap if bound is None else max(excess - bound, 0.0)
         self.slope = self.slope if self.slope > 0.0 else slope
         found = self.zero_from(way, excess)
         if found < inf and (exactly or found < self.zero):

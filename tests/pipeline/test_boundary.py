@@ -311,6 +311,72 @@ def test_a_cam_far_below_its_maximum_says_nothing_of_a_gap_at_it(
     assert (gap_left_by(trial, 1e-3) > 0.0) is is_gap
 
 
+@pytest.mark.parametrize(("direction", "taken"), [(1.0, True), (-1.0, False)])
+def test_the_smallest_cam_is_the_nearest_value_of_a_radius_that_grows_alone(
+    direction: float, *, taken: bool
+) -> None:
+    """A given radius that is too large comes down: its smallest cam is the farthest value."""
+    number = Relaxable("base radius", ("base_radius_mm",), (90.0,), "mm", "=")
+    request: Any = SimpleNamespace(excess=None, bound_excess=None, smallest=None, proof="proven")
+    oracle = SimpleNamespace(spec=SimpleNamespace(tolerance=5e-3), open_gap=0.0)
+    known = Boundary(cast(Oracle, oracle), number, cast(Trial, request))
+    known.direction = direction
+    least = 90.0 + 13.7 * direction
+    smallest = SimpleNamespace(radius=least, lower=least - 1e-3, is_bounded=True, attempt=None)
+    found: Any = SimpleNamespace(
+        certified=True, excess=-0.1, bound_excess=None, smallest=smallest, proof=""
+    )
+    known.record(90.0 + 21.9 * direction, found)
+    assert known.excluded == (least - 1e-3 if taken else 90.0)
+    assert known.nearest is not None
+    assert known.nearest[0] == (least if taken else 90.0 - 21.9)
+
+
+def test_a_farthest_value_is_put_though_a_farther_one_may_not_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = bounded({}, monkeypatch)
+    farthest = 1280.0
+    trial: Any = SimpleNamespace(excess=-3e-7, bound_excess=None, smallest=None)
+    answers = cast(Any, known.oracle)
+    answers.is_valid = lambda _, value: value <= farthest
+    answers.ask_as_it_stands = lambda *_, **__: SimpleNamespace(certified=True)
+    known.nearest = farthest, trial
+    known.confirm()
+    assert known.needed == farthest
+
+
+def test_a_cam_next_to_the_best_is_put_no_more_than_a_hundredth_farther(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A request of which hardly any excess is known has no secant to speak of."""
+    known, asked = bounded({}, monkeypatch), list[float]()
+
+    def ask(_number: Any, value: float, *_: Any, **__: Any) -> Any:
+        asked.append(value)
+        return SimpleNamespace(certified=True)
+
+    known.requested_excess = 1e-6
+    trial: Any = SimpleNamespace(excess=0.0, bound_excess=None, smallest=None)
+    known.nearest, cast(Any, known.oracle).ask_as_it_stands = (1010.0, trial), ask
+    known.confirm()
+    assert asked == [pytest.approx(1010.1)]
+
+
+@pytest.mark.parametrize(
+    ("request_is", "value", "way"),
+    [(5.0, 4.0, 1.0), (500.0, 4.0, 4.0), (5.0, 0.0, 5e-6), (5.0, -0.01, 0.01), (0.0, 3.0, 3.0)],
+)
+def test_a_way_is_that_of_the_value_where_the_request_is_far_out_but_never_none(
+    request_is: float, value: float, way: float
+) -> None:
+    number = Relaxable("position", ("limits/0/min_mm",), (request_is,), "mm", "≥")
+    request: Any = SimpleNamespace(excess=None, bound_excess=None, smallest=None, proof="")
+    oracle = SimpleNamespace(spec=SimpleNamespace(tolerance=5e-3), open_gap=0.0)
+    known = Boundary(cast(Oracle, oracle), number, cast(Trial, request))
+    assert known._way(value) == pytest.approx(way)
+
+
 def test_the_excesses_of_laws_and_of_sizes_have_zeros_of_their_own() -> None:
     """The farther zero counts: that of sizes, as soon as a law fits and the size is too large."""
 
@@ -331,9 +397,15 @@ def test_the_excesses_of_laws_and_of_sizes_have_zeros_of_their_own() -> None:
     known.record(1350.0, trial(0.07, size))  # a law fits, but not the size
     assert known.excesses == {1350.0: 0.07}
     known.record(1250.0, trial(0.06, law))  # nearer to the request laws fail again
+    known.record(1610.0, trial(-0.05, size))
+    assert known.excesses == {1350.0: 0.07, 1610.0: -0.05}
+    known.record(1400.0, trial(0.02, law))  # and farther away too, though not where a cam is
+    assert known.excesses == {1400.0: 0.02}
+    known.record(1420.0, trial(0.05, size))
+    assert known.excesses == {1420.0: 0.05}
     known.record(1510.0, trial(-0.01, size))
-    assert known.excesses == {1350.0: 0.07, 1510.0: -0.01}
-    assert known.asked == 0.31
+    assert known.excesses == {1420.0: 0.05, 1510.0: -0.01}
+    assert known.requested_excess == 0.31
     assert known._missing_way(1510.0, trial(1e-3, size)) == 0.0  # of another function
     assert known._missing_way(1200.0, trial(0.11, law)) == pytest.approx(1.3 * 0.110001 * 1e3)
 

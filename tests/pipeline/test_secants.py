@@ -76,7 +76,7 @@ def trials(shape: str, first: float) -> int:
     bad, good, width, number = 0.0, first, 2.5e-4, 0
     search = SecantBracket((falling(0.0) - falling(first)) / first, 1e-4)
     search.zero = search.zero_from(first, falling(first))
-    while good - bad > 2.0 * max(width, search.open_way or 0.0) and number < 30:
+    while good - bad > 2.0 * max(width, search.open_way) and number < 30:
         way, exactly = search.next_way(bad, good, width)
         assert bad <= way <= good
         number += 1
@@ -87,11 +87,10 @@ def trials(shape: str, first: float) -> int:
         good = min(good, way) if excess <= 0.0 else good
         bad = max(bad, way) if bound > 0.0 else bad
         search.learn(
-            way, excess, certified=excess <= 0.0, exactly=exactly, slope=0.1, noise=2.0 * GAP
+            way, excess, bound, certified=excess <= 0.0, exactly=exactly, slope=0.1, noise=2.0 * GAP
         )
         if exactly:
-            search.proven |= bound > 0.0
-            search.open_way = search.zero - search.zero_from(way, bound)
+            search.has_proof |= bound > 0.0
     assert falling(bad) >= 0.0 >= falling(good)
     return number
 
@@ -99,12 +98,29 @@ def trials(shape: str, first: float) -> int:
 def test_cam_and_proof_come_next_to_the_zero_in_few_trials() -> None:
     """Whatever the first slope is, and wherever in its gap a trial's cam lies."""
     numbers = [trials(shape, first) for shape in SHAPES for first in (1.04, 1.9, 7.3)]
-    assert max(numbers) <= 14
-    assert sum(numbers) <= 160
+    assert max(numbers) <= 16
+    assert sum(numbers) <= 166
+
+
+def test_a_slope_that_leads_back_to_the_request_halves_the_bracket() -> None:
+    assert SecantBracket(0.5, 1e-3, zero=-3.0).next_way(0.2, 2.0, 0.01) == (1.1, True)
+    assert SecantBracket(0.5, 1e-3, zero=9.0).next_way(0.2, 2.0, 0.01)[0] == pytest.approx(1.994)
+
+
+def test_a_gap_leaves_as_much_of_the_way_as_the_steeper_slope_says() -> None:
+    """A slope of 0.01 on a flat part, one of 2 from there to the zero."""
+    search = SecantBracket(0.01, 1e-3)
+    assert search.open_way == 0.0
+    search.learn(1.0, -0.16, -0.161, certified=True, exactly=True, slope=0.1, noise=1e-5)
+    assert search.open_way == pytest.approx(1e-3 / 0.01)
+    search.learn(0.92, 8e-3, 7e-3, certified=False, exactly=True, slope=0.1, noise=1.0)
+    assert search.open_way == pytest.approx(1e-3 / 2.1)
+    search.learn(0.9, 9e-3, None, certified=False, exactly=True, slope=0.1, noise=1.0)
+    assert search.open_way == pytest.approx(1e-3 / 2.1)  # nearer ones are known
 
 
 def test_any_cam_may_bring_the_far_end_near_once_then_it_is_the_smallest() -> None:
-    search = SecantBracket(0.5, 1e-3, zero=1.0, proven=True)
+    search = SecantBracket(0.5, 1e-3, zero=1.0, has_proof=True)
     assert search.next_way(0.9, 3.0, 0.01) == (pytest.approx(1.005), False)
     assert search.next_way(0.9, 1.7, 0.01) == (pytest.approx(1.005), True)
 
@@ -113,9 +129,9 @@ def test_a_proof_is_sought_ever_farther_as_long_as_no_bound_is_known() -> None:
     search, ways = SecantBracket(0.5, 1e-3, zero=1.0), list[float]()
     for _ in range(3):
         ways.append(1.0 - search.next_way(0.0, 3.0, 0.0)[0])
-        search.most = inf  # as if the bracket had become half as wide
+        search.halved_above = inf  # as if the bracket had become half as wide
     assert ways == pytest.approx([1.3e-3, 5.2e-3, 2.08e-2])
-    search.open_way = 2e-3
+    search.gap = 1e-3
     assert search.next_way(0.0, 3.0, 0.0)[0] == pytest.approx(1.0 - 2.6e-3)
 
 
