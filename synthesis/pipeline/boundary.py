@@ -99,9 +99,8 @@ class Boundary:
         self.by_size = self.original.smallest is not None
         if self.original.excess is not None:
             self.requested_excess = max(self.original.excess, NEAR_EXCESS)
-            self.excesses[self.number.tightest] = self.levels[self.number.tightest] = (
-                self.requested_excess
-            )
+            self.excesses[self.number.tightest] = self.requested_excess
+            self.levels[self.number.tightest] = self.requested_excess
             self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
             self.exclude(self.number.tightest)
@@ -363,8 +362,10 @@ class Boundary:
         spares = sorted({share * unit for shares, unit in units for share in shares})
         # Another's search may not find a cam that is next to the best, or only with a bound.
         next_to_best = trial.excess is not None and -THIN < trial.excess <= 0.0
-        spare = min(self._missing_way(nearest, trial), ROUGH * self._way(nearest)) * next_to_best
-        spare *= self.oracle.is_valid(self.number, nearest + self.direction * spare)
+        most = ROUGH * self._way(nearest) if next_to_best else 0.0
+        spare = min(self._missing_way(nearest, trial), most)
+        if not self.oracle.is_valid(self.number, nearest + self.direction * spare):
+            spare = 0.0
         for _ in range(len(spares)):
             value = nearest + self.direction * spare
             farther = self.needed is not None and self._beyond(self.needed, value) >= 0.0
