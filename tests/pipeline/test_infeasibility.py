@@ -178,14 +178,14 @@ def test_a_least_base_radius_and_an_outer_one_exclude_every_offset(seed: int) ->
         base + 2.0, lift, np.radians(up), np.radians(down), float(np.tan(np.radians(degrees)))
     )
     statuses = {}
-    for share in (-1e-2, -1e-4, 1e-2):
+    for share in (-1e-2, -1e-4, 1e-4):
         outer = {"kind": "outer_radius", "max_mm": least * (1.0 + share) - 2.0}
         spec = question(
             lift, (up, 30.0, down), [pressure_angle(degrees), outer], base_radius_mm={"min": base}
         )
         statuses[share] = synthesise(spec).status
     assert statuses[-1e-2] == statuses[-1e-4] == "infeasible"
-    assert statuses[1e-2] != "infeasible"
+    assert statuses[1e-4] != "infeasible"
 
 
 def test_laws_and_size_that_are_given_are_judged_as_they_are() -> None:
