@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from synthesis import Design, DesignSpec, synthesise
+from tests.hard.families import random_scene
 from tests.optimise.arms import (
     ARM,
     FALL,
@@ -309,7 +310,7 @@ def test_infeasible_with_a_reason(
     question, named, field = INFEASIBLE[name]
     if field:
         request.getfixturevalue("explain_only")(field)
-        monkeypatch.setattr("synthesis.pipeline.boundary.ACCURACY", 0.2)  # of the way
+        monkeypatch.setattr("synthesis.pipeline.conflict.ACCURACIES", (0.2,))  # of the way
     limits = question.pop("limits", (angles(),))
     design = synthesise(scene(*limits, **question))
     assert design.status == "infeasible"
@@ -325,3 +326,16 @@ def test_infeasible_with_a_reason(
         eased["limits"][int(position)][field] = relaxation.needed * (1.0 + 1e-4)
         eased["tolerance"] = 0.05
         assert synthesise(DesignSpec.model_validate(eased)).status != "infeasible"
+
+
+@pytest.mark.parametrize("low", [91.2, 91.59])
+def test_a_narrow_range_of_centre_distances_is_no_worse_than_its_end(low: float) -> None:
+    """There the local searches end at cams that are half as large again as that of the end."""
+    body = {**random_scene("arm, pivot given", 602), "proof": "quick"}
+    follower = body["follower"]
+    assert follower["centre_distance_mm"] == 91.6
+    ranged = {**body, "follower": {**follower, "centre_distance_mm": {"min": low, "max": 91.6}}}
+    wide, given = (synthesise(DesignSpec.model_validate(each)) for each in (ranged, body))
+    assert certified(wide)
+    assert certified(given)
+    assert prime(wide) <= prime(given) * (1.0 + 1e-4)

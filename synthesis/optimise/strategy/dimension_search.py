@@ -8,7 +8,6 @@ the dimension is known here: the answer is a local optimum, and the report says 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, log
 
@@ -200,7 +199,7 @@ def _search_with_free_laws(
         state = _try_motion(state, fixed, smooth, MANY_VALUES)
     starts = list[Candidate]()
     if state.incumbent is not None:
-        starts = list(_starts_beside(fixed, state.incumbent))
+        state, cost, starts = _starts_beside(state, cost, fixed, optimise)
     else:
         for logarithm in fixed.log_values(STARTS):
             if state.time_left <= 0.0:
@@ -225,13 +224,26 @@ def _search_with_free_laws(
     return state, cost
 
 
-def _starts_beside(fixed: _FixedDimension, best: Candidate) -> Iterator[Candidate]:
-    """The incumbent, and its law with the best sizes for other values of the dimension."""
-    yield best
-    value = fixed.dimension.value_in(best.size)
+def _starts_beside(
+    state: SolveState, cost: _Cost, fixed: _FixedDimension, optimise: Optimise
+) -> tuple[SolveState, _Cost, list[Candidate]]:
+    """The incumbent, and its law with the best sizes for other values of the dimension.
+
+    Where such a value is an end of the range, with the best laws there: in a narrow range no cam is
+    much better, and the end itself is one that a question with it given would find.
+    """
+    best = state.incumbent
+    assert best is not None
+    starts, value = [best], fixed.dimension.value_in(best.size)
     for factor in ASIDE:
         aside = fixed.clip(factor * value)
+        if aside != factor * value:
+            state, cost, trial = _solve_at(state, cost, fixed, optimise, aside, state.tolerance)
+            if trial.incumbent is not None:
+                starts.append(fixed.release(aside, trial.incumbent))
+            continue
         problem = fixed.at(aside).with_laws(best.problem.segments)
         size = closed_form_size(problem)
         if size is not None and isfinite(size[0]):
-            yield fixed.release(aside, Candidate(problem, best.laws, size, inf))
+            starts.append(fixed.release(aside, Candidate(problem, best.laws, size, inf)))
+    return state, cost, starts
