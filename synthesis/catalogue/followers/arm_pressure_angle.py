@@ -37,7 +37,10 @@ from synthesis.numerics.piecewise import Array
 
 TANGENTS = 7  # tangents to a cosine over its range: the largest gap between hull and rows is 3 %
 TANGENT_SHARES = tuple(k / (TANGENTS - 1.0) for k in range(TANGENTS))
-HALVINGS = 50  # bisection steps: to the last bit of an angle
+BEFORE, NEWTON_STEPS = 0.51, 4
+"""Of how far a range of a cosine ends behind π/2, the start of Newton's steps before it, which
+leave less than the last bits of an angle."""
+TINY = 1e-30  # a slope without which there is no range
 TOUCH_SHARES = (0.0, 0.5, 1.0)  # shares of a range of swings at which its planes touch the cosine
 WIDE = 20.0  # arm lengths: over a larger box of pivots no plane cuts anything off
 
@@ -212,14 +215,19 @@ class ConcaveHull:
 
     @classmethod
     def over(cls, low: Array, high: Array) -> ConcaveHull:
-        """The tangent from the end touches where cos c − sin c (high − c) = cos high."""
-        left, right = low.copy(), np.maximum(np.minimum(high, 0.5 * pi), low)
-        # up to ``left`` tangents pass above the end, from ``right`` on below
-        for _ in range(HALVINGS):
-            middle = 0.5 * (left + right)
-            above = np.cos(middle) - np.sin(middle) * (high - middle) >= np.cos(high)
-            left, right = np.where(above, middle, left), np.where(above, right, middle)
-        return cls(low, high, np.where(high <= 0.5 * pi, high, left))
+        """The tangent from the end touches where f(c) = cos c − sin c (high − c) − cos high is 0.
+
+        f falls and is convex up to π/2: Newton's steps from a place before its zero stay before it,
+        where tangents pass above the end. The zero lies nearly half as far before π/2 as the end
+        lies behind it.
+        """
+        beyond, most = np.maximum(high - 0.5 * pi, 0.0), np.maximum(np.minimum(high, 0.5 * pi), low)
+        touch = np.maximum(0.5 * pi - BEFORE * beyond, low)
+        for _ in range(NEWTON_STEPS):
+            excess = np.cos(touch) - np.sin(touch) * (high - touch) - np.cos(high)
+            slope = np.maximum(np.cos(touch) * (high - touch), TINY)
+            touch = np.minimum(touch + np.maximum(excess, 0.0) / slope, most)
+        return cls(low, high, np.where(high <= 0.5 * pi, high, touch))
 
     def line(self, v: Array) -> tuple[Array, Array]:
         """Value at 0 and slope of the line that touches the hull at v."""

@@ -7,7 +7,7 @@ times cheaper than any solve from the start.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import highspy
@@ -26,6 +26,7 @@ STATUSES = {
     highspy.HighsModelStatus.kTimeLimit: StopReason.OUT_OF_TIME,
     highspy.HighsModelStatus.kIterationLimit: StopReason.OUT_OF_ITERATIONS,
 }
+PRIMAL = 4  # simplex: another objective leaves the last point feasible
 MOST_STEPS = 5000  # simplex iterations
 ACCURACY = 1e-7  # of rows and of multipliers
 
@@ -57,23 +58,32 @@ class LinearMinimum:
 
 def minimise_each(
     rows: LinearRows,
-    objectives: Sequence[Array],
+    objectives: Array | Sequence[Array],
     time_limit: float = inf,
     *,
     accuracy: float = ACCURACY,
+    enough: Array | None = None,
 ) -> list[LinearMinimum]:
     """Minimise each objective (n,) in turn over the same rows, which hold to ``accuracy``.
 
     Ends early, with the answer that says so as the last, where a solve does not succeed. After
     ``time_limit`` seconds no further objective is begun.
 
+    Args:
+        enough: (q,) values. An objective that is as small at the minimum of an earlier one needs
+            none of its own: a point is all that there is in its place, without multipliers.
+
     Raises:
         Cancelled: nobody waits for it any more.
     """
     solver, deadline = _model(rows, accuracy), clock.now() + time_limit
     columns = np.arange(rows.matrix.shape[1], dtype=np.int32)
-    found = []
-    for objective in objectives:
+    found, smallest = list[LinearMinimum](), np.full(len(objectives), inf)
+    for number, objective in enumerate(objectives):
+        if enough is not None and found and smallest[number] <= enough[number]:
+            known = replace(found[-1], multipliers=0.0 * rows.rhs, stopped=StopReason.NOT_NEEDED)
+            found.append(known)
+            continue
         left = deadline - clock.now()
         if isfinite(left):
             solver.setOptionValue("time_limit", solver.getRunTime() + max(left, 1e-3))
@@ -81,11 +91,13 @@ def minimise_each(
         solver.run()
         solution = solver.getSolution()
         stopped = STATUSES.get(solver.getModelStatus(), StopReason.FAILED)
-        found.append(
-            LinearMinimum(np.array(solution.col_value), -np.array(solution.row_dual), stopped)
-        )
+        point = np.array(solution.col_value)
+        found.append(LinearMinimum(point, -np.array(solution.row_dual), stopped))
         if stopped is not StopReason.SOLVED:
             break
+        solver.setOptionValue("simplex_strategy", PRIMAL)
+        if enough is not None:
+            smallest = np.minimum(smallest, np.asarray(objectives) @ point)
     clock.count_program()
     return found
 

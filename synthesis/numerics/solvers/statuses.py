@@ -13,6 +13,7 @@ class StopReason(Enum):
     OUT_OF_TIME = "out of time"
     OUT_OF_ITERATIONS = "out of iterations"
     FAILED = "failed"
+    NOT_NEEDED = "not needed"
 
 
 USABLE = (StopReason.SOLVED, StopReason.INACCURATE)

@@ -29,7 +29,7 @@ from synthesis.optimise.branching.traced_relaxation import (
 )
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.heuristics.local_search import improve_from, offer_local_optimum
-from synthesis.optimise.problem.grid import grid_through
+from synthesis.optimise.problem.grid import Grid, grid_through
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
@@ -40,15 +40,17 @@ from synthesis.optimise.state import SolveState, Stage
 
 SAMPLES = 200  # points of a segment at which limits are looked at
 SPARE = 1e-9  # relative slack of a value that is held, against rounding
-FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 3, 8, 2
-"""Of bounds and rows in a node: before a better cam is looked for, at most, if not thorough."""
+FIRST_ITERATIONS, ITERATIONS, FEW_ITERATIONS = 2, 8, 2
+"""Of bounds and rows in a node: before a better cam is looked for, after that, if not thorough."""
 SIZE_KEPT = 0.8  # of the widest size: what bounds of the size must leave less of for new rows
 ANEW = 0.3  # of the widest size at which laws were bounded: a part as narrow has theirs anew
 WIDTH_KEPT = 0.85  # of the bounds' width: an iteration that leaves more is idle
 CAM_HALVINGS = 2
 """Of the intervals of a bound's mesh, for a cam: what knots cost it falls to a tenth of a percent
 of the size."""
-MOST_CUT = 300  # knots of all laws: more are near enough, and cone programs on twice as many slow
+MOST_CUT, MOST_KNOTS = 300, 500
+"""Knots of all laws: more are near enough for a cam, and cone programs on twice as many slow; and
+a bound's mesh with more is for its last digits."""
 FEW_NODES = 3  # at most, where the budget of a proof is spent and the gap is wide
 WIDE = 0.05  # relative gap that is wide
 SEARCHED = 0.25  # of the gap at which a better cam was sought: at which one is sought again
@@ -112,19 +114,10 @@ class TracedNode(TracedBox):
             if self.caps_mean_square:
                 inside, node = _process_sparingly(inside, node)
             else:
-                node = tighten(inside, node, ITERATIONS)
-                inside, node = _offer_relaxation(inside, node)
+                inside, node = tighten(inside, node, ITERATIONS)
             return replace(inside, deadline=state.deadline), node._processed()
-        node, gained = solve_relaxation(inside, self), True
-        for iterations in (FIRST_ITERATIONS, ITERATIONS):
-            node = tighten(inside, node, iterations)
-            inside, node = _offer_relaxation(inside, node)
-            if node.is_pruned(inside) or inside.time_left <= 0.0 or not state.thorough:
-                break
-            if gained:  # where one search found nothing better, none later does
-                before = inside.incumbent
-                inside, node = _improve_incumbent(inside, node)
-                gained = inside.incumbent is not before
+        node = solve_relaxation(inside, self)
+        inside, node = tighten(inside, node, FIRST_ITERATIONS + ITERATIONS)
         node = replace(node, laws_bounded_at=node.region.widest_size)
         return replace(inside, deadline=state.deadline), node._processed()
 
@@ -190,24 +183,33 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
     The mesh is where the ideal law has its switches inside the node: fewer knots do more there
     than those with which the relaxation without curvature ended. It is finer than the bound's,
     whose laws may jump: a cam takes more along arcs of curvature, and on ramps of smooth laws.
+    Where the bound's has very many knots, fewer are tried first.
     """
     if node.relaxation is None:
         return state, node
     cam, grids, bound = node.relaxation
-    if any(len(grid.space.breaks) > MOST_INTERVALS for grid in grids):
-        grids = node.grids or coarse_mesh(node)  # those were for the bound's last digits
-    grids = refine_mesh(state.problem, grids, cam, bound)
-    for _ in range(CAM_HALVINGS):
-        if sum(len(grid.space.breaks) for grid in grids) < MOST_CUT:
-            grids = halve_intervals(state.problem, grids)
-    points, _ = row_violations(replace(state, grids=grids), cam)
-    both = zip(grids, points, strict=True)
-    state = improve_from(replace(state, grids=tuple(g.with_points(x) for g, x in both)), cam)
-    best = state.incumbent
-    assert best is not None
-    if best.value >= node.task.incumbent.value:
-        return state, node
-    return state, _about_incumbent(state, node)
+    finest = max(len(grid.space.breaks) for grid in grids)
+    meshes = [grids] if finest <= MOST_INTERVALS else []
+    if count_knots(grids) > MOST_KNOTS or not meshes:
+        meshes.insert(0, node.grids or coarse_mesh(node))  # those were for the bound's last digits
+    for mesh in meshes:
+        mesh = refine_mesh(state.problem, mesh, cam, bound)
+        for _ in range(CAM_HALVINGS):
+            if count_knots(mesh) < MOST_CUT:
+                mesh = halve_intervals(state.problem, mesh)
+        points, _ = row_violations(replace(state, grids=mesh), cam)
+        both = zip(mesh, points, strict=True)
+        state = improve_from(replace(state, grids=tuple(g.with_points(x) for g, x in both)), cam)
+        best = state.incumbent
+        assert best is not None
+        if best.value < node.task.incumbent.value:
+            return state, _about_incumbent(state, node)
+    return state, node
+
+
+def count_knots(grids: Sequence[Grid]) -> int:
+    """Of all laws."""
+    return sum(len(grid.space.breaks) for grid in grids)
 
 
 def _process_sparingly(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:
@@ -240,7 +242,7 @@ def _tighten_sparingly(state: SolveState, node: TracedNode) -> TracedNode:
             node = solve_relaxation(state, node)
     if not node.is_empty and node.region.widest_size <= ANEW * node.laws_bounded_at:
         node = replace(node, laws_bounded_at=node.region.widest_size, grids=coarse_mesh(node))
-        node = tighten(state, node, 1)
+        _, node = tighten(state, node, 1)
     return node
 
 
@@ -269,14 +271,17 @@ def _about_incumbent(state: SolveState, node: TracedNode) -> TracedNode:
     return replace(node, task=BoundTask.of(state, best, task.deadline) or task)
 
 
-def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:
+def tighten(state: SolveState, node: TracedNode, iterations: int) -> tuple[SolveState, TracedNode]:
     """Tighten bounds and rows in iterations, each from what the other has shown.
 
     All laws are tightened at first, and once more before it is given up; in between only those on
     which the relaxation's solution violates a limit: other bounds would not cut it off. At the root
-    a quick proof has few iterations, and so has one whose budget has ended.
+    a quick proof has few iterations, and so has one whose budget has ended. There a better cam is
+    looked for after some of them, and again as long as one is found: it narrows the bounds too, and
+    at the end it may be all that is missing.
     """
     among = every = tuple(range(len(node.task.problem.free)))
+    searches = node.is_first and state.thorough
     for iteration in range(iterations):
         if node.is_empty or not node.grids or state.time_left <= 0.0:
             break
@@ -284,15 +289,22 @@ def tighten(state: SolveState, node: TracedNode, iterations: int) -> TracedNode:
             break
         before, region = node.region.for_laws(among).mean_width, _tighten_region(state, node, among)
         if region is None:
-            return solve_relaxation(state, node) if state.time_left > 0.0 else node
+            node = solve_relaxation(state, node) if state.time_left > 0.0 else node
+            break
         if region.is_empty:
-            return replace(node, lower=node.largest_value)
+            return state, replace(node, lower=node.largest_value)
         node = solve_relaxation(state, replace(node, region=region))
-        idle = region.for_laws(among).mean_width > WIDTH_KEPT * before
-        if idle and among == every:
+        idle, best = region.for_laws(among).mean_width > WIDTH_KEPT * before, state.incumbent
+        if node.is_first:
+            state, node = _offer_relaxation(state, node)
+        if searches and (idle or iteration + 1 >= FIRST_ITERATIONS):
+            if not node.is_pruned(state) and state.time_left > 0.0:
+                state, node = _improve_incumbent(state, node)
+            searches = state.incumbent is not best  # else no later one finds a better cam
+        if idle and among == every and state.incumbent is best:
             break
         among = every if idle else _violating_laws(node) or every
-    return node
+    return _offer_relaxation(state, node)
 
 
 def _violating_laws(node: TracedNode) -> tuple[int, ...]:

@@ -22,9 +22,9 @@ from synthesis.optimise.branching.node import (
 from synthesis.optimise.conic.linear_rows import LinearBlock, Scales, Tightening
 from synthesis.optimise.conic.program import ConicModel, formulate, with_rows
 from synthesis.optimise.conic.tangent_cuts import TangentPoint
-from synthesis.optimise.dual_bound.batch import MultiplierDensity, PointRuns
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, infeasibility_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers
+from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, PointRuns
 from synthesis.optimise.problem.grid import Grid, grid_through, merge_knots, uniform_grid
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, Parts
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam

@@ -74,6 +74,10 @@ class Lagrangian:
         """Add Σ weights[…, i, k] g^(k)(x_i) of one law: x (n,), weights (q, n, m)."""
         self._functionals[position].append((x, weights))
 
+    def add_breaks(self, position: int, x: Array) -> None:
+        """Let ψ of one law have breaks at x (n,), where nothing acts."""
+        self.add_functionals(position, x, np.zeros((self.count, len(x), self.order)))
+
     def reduce(self) -> None:
         """Add the initial values' share of the functionals that were added since the last time."""
         for position, functionals in enumerate(self._functionals):

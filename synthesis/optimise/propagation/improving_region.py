@@ -21,7 +21,7 @@ from synthesis.optimise.conic import tangent_cuts as cuts
 from synthesis.optimise.conic.control import Control
 from synthesis.optimise.conic.linear_rows import LinearBlock, Tightening
 from synthesis.optimise.conic.program import ConicModel
-from synthesis.optimise.dual_bound.batch import PointRuns
+from synthesis.optimise.dual_bound.multiplier_density import PointRuns
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.propagation.half_spaces import LOOSENING, HalfSpaces

@@ -19,8 +19,8 @@ from synthesis.optimise.conic.law_bounds import LawBounds
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.dual_bound.batch import Quantities
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
-from synthesis.optimise.propagation.bound_tightening import bound_quantities
 from synthesis.optimise.propagation.improving_region import Sizes
+from synthesis.optimise.propagation.quantity_bounds import bound_quantities
 
 INTERVALS = 12  # of a law between the knots at which it is bounded
 FASTEST = 20.0

@@ -16,7 +16,7 @@ from synthesis.numerics.solvers.clarabel import minimise_each as minimise_each_o
 from synthesis.numerics.solvers.clarabel import solve as solve_cone_program
 from synthesis.numerics.solvers.highs import LinearRows, minimise_each
 from synthesis.numerics.solvers.statuses import StopReason
-from synthesis.optimise.propagation.bound_tightening import _cone_multipliers
+from synthesis.optimise.propagation.quantity_bounds import _cone_multipliers
 
 ABOVE = sparse.csc_matrix(-np.eye(2))
 CONE = ConeProgram(

@@ -16,7 +16,7 @@ from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
 from tests.optimise.scenes import problem
 
-SHORT = ProofBudget(10.0, 1.0)
+SHORT = ProofBudget(6.0, 1.0)
 ROUGH, FINE = 5e-3, 1e-3
 
 

@@ -16,7 +16,7 @@ from synthesis.optimise.conic.subprogram import coupled_laws, submodel
 from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import formulate_problem
-from synthesis.optimise.propagation import bound_tightening as narrowing
+from synthesis.optimise.propagation import quantity_bounds as narrowing
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.half_spaces import HalfSpaces, directions_around
 from synthesis.optimise.propagation.improving_region import initial_region
@@ -132,9 +132,9 @@ def test_the_work_grows_with_the_laws_and_not_with_their_square(monkeypatch):
     """Entries of the linear programs, times the quantities that are bounded under them."""
     work, own = list[int](), narrowing.highs.minimise_each
 
-    def counted(rows, objectives, limit):
+    def counted(rows, objectives, limit, enough):
         work.append(rows.matrix.nnz * len(objectives))
-        return own(rows, objectives, limit)
+        return own(rows, objectives, limit, enough=enough)
 
     totals = []
     for laws in (4, 8):

@@ -58,7 +58,7 @@ def node(searched: SolveState) -> TracedNode:
     begun = replace(searched, tolerance=1e-3, proof_deadline=np.inf, last_program=np.inf)
     root = TracedNode.root(begun)
     assert root is not None
-    return tighten(begun, solve_relaxation(begun, root), 5)
+    return tighten(begun, solve_relaxation(begun, root), 5)[1]
 
 
 def excess(cam: Candidate, position: int, x: np.ndarray) -> np.ndarray:
@@ -111,7 +111,7 @@ def test_points_are_added_where_rows_between_knots_are_broken() -> None:
     state = replace(state, tolerance=1e-3, proof_deadline=np.inf, last_program=np.inf)
     root = TracedNode.root(state)
     assert root is not None
-    node = tighten(state, solve_relaxation(state, root), 1)
+    _, node = tighten(state, solve_relaxation(state, root), 1)
     assert node.relaxation is not None
     cam, x = node.relaxation[0], np.linspace(0.0, 1.0, SAMPLES + 1)
     found = _violation_peaks(cam, 2)

@@ -12,13 +12,14 @@ from synthesis.numerics.solvers.statuses import StopReason
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.linear_rows import LinearBlock
 from synthesis.optimise.conic.program import formulate, with_rows
-from synthesis.optimise.dual_bound.batch import (
-    PointRuns,
-    Quantities,
-    dual_bounds,
-    solve_boundary_costates,
-)
+from synthesis.optimise.dual_bound import batch
+from synthesis.optimise.dual_bound.batch import Quantities, dual_bounds, solve_boundary_costates
 from synthesis.optimise.dual_bound.bound import dual_bound
+from synthesis.optimise.dual_bound.multiplier_density import (
+    MultiplierDensity,
+    PointRuns,
+    _sum_between,
+)
 from synthesis.optimise.dual_bound.switching import mean_absolute, switching_pieces
 from synthesis.optimise.problem.grid import Grid, uniform_grid
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, formulate_problem
@@ -131,18 +132,22 @@ def tangent_of(model, ball, y) -> LinearBlock:
     )  # fmt: skip
 
 
-def test_no_cam_that_keeps_the_rows_is_below_whatever_the_multipliers_are(model):
-    """Cams at corners of what is allowed, multipliers good and spoilt."""
-    draw, wanted = np.random.default_rng(11), some(model, 7, 24)
+def rows_of(model) -> LinearRows:
+    """Its linear rows, and the size in its ranges."""
     count = model.program.equalities + model.program.inequalities
     bounds = np.array(model.problem.sizing.bounds) / model.scales.size
     low, high = np.full((2, model.program.matrix.shape[1]), np.inf)
     low = -low
     low[model.size], high[model.size] = bounds.T
-    rows = LinearRows(
+    return LinearRows(
         model.program.matrix[:count], model.program.rhs[:count], model.program.equalities, low, high
     )
-    solved = minimise_each(rows, wanted.objectives(model))
+
+
+def test_no_cam_that_keeps_the_rows_is_below_whatever_the_multipliers_are(model):
+    """Cams at corners of what is allowed, multipliers good and spoilt."""
+    draw, wanted = np.random.default_rng(11), some(model, 7, 24)
+    solved = minimise_each(rows_of(model), wanted.objectives(model)[0])
     good = np.stack([each.multipliers for each in solved])
     for spoilt in (1.0, draw.uniform(0.7, 1.3, good.shape), draw.uniform(0.0, 3.0, good.shape)):
         z = good * spoilt
@@ -220,4 +225,34 @@ def test_what_lies_between_rows_is_summed_there():
     arcs = PointRuns.of(np.array([0.25, 0.5, 0.8]), ((0.0, 1.0),), EACH)
     breaks = np.array([0.0, 0.25, 0.4, 0.5, 0.8, 1.0])
     amounts = np.array([[1.0, 2.0, 4.0, 8.0, 16.0]])
-    assert arcs.sum_between(breaks, amounts).tolist() == [[6.0, 8.0]]
+    assert _sum_between(breaks, amounts, arcs.ends(np.arange(2))).tolist() == [[6.0, 8.0]]
+
+
+@pytest.mark.parametrize("together", [1, 5, 1000])
+def test_bounds_do_not_depend_on_what_is_worked_out_together(model, together, monkeypatch):
+    """Of points without a multiplier in a batch nothing is said, and where densities are chosen."""
+    wanted, controls = some(model, 5, 23), law_controls(model)
+    solved = minimise_each(rows_of(model), wanted.objectives(model)[0])
+    z = np.stack([each.multipliers for each in solved])
+    ends = solve_boundary_costates(model, wanted, z, 3)
+    between = MultiplierDensity.of(model, [], 6, 3)
+    masses = between.distribute(wanted, z, ends)
+    values = dual_bounds(between.model, controls, model.problem.sizing.bounds, wanted, masses, ends)
+    monkeypatch.setattr(batch, "BATCH", together)
+    again = between.distribute(wanted, z, ends)
+    np.testing.assert_allclose(again, masses, atol=1e-12)
+    other = dual_bounds(between.model, controls, model.problem.sizing.bounds, wanted, again, ends)
+    np.testing.assert_allclose(other, values, rtol=1e-9, atol=1e-9)
+    assert not len(
+        dual_bounds(
+            model, controls, model.problem.sizing.bounds, wanted.select(slice(0)), z[:0], ends[:0]
+        )
+    )
+
+
+def test_only_intervals_beside_rows_with_multipliers_are_looked_at():
+    runs = PointRuns.of(np.array([0.1, 0.2, 0.4, 0.5, 0.9]), ((0.0, 0.6), (0.8, 1.0)), EACH)
+    z = np.array([[0.0, 0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 3.0]])
+    assert runs.multiplied(z).tolist() == [1, 2]  # the last row has no neighbour in its part
+    assert runs.multiplied(0.0 * z).tolist() == []
+    assert runs.ends(np.array([1, 2])).tolist() == [[0.2, 0.4], [0.4, 0.5]]

@@ -26,9 +26,9 @@ from synthesis.optimise.dual_bound.bound import (
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.mean_square import least_between
 from synthesis.optimise.problem.problem import NoObjective, ObjectiveCap, Problem
-from synthesis.optimise.propagation.bound_tightening import bound_quantities
 from synthesis.optimise.propagation.improving_region import initial_region
 from synthesis.optimise.propagation.law_tightening import initial_law_bounds, tighten_law
+from synthesis.optimise.propagation.quantity_bounds import bound_quantities
 from synthesis.spec.design_spec import DesignSpec
 from tests.hard.families import random_scene
 from tests.optimise.scenes import (
@@ -220,7 +220,7 @@ def test_bounds_of_many_quantities_meet_what_splines_reach(question: Problem) ->
     )
     controls, wanted = capped_controls(model), _wanted(model)
     assert controls is not None
-    found = minimise_each(model.program, wanted.objectives(model))
+    found = minimise_each(model.program, wanted.objectives(model)[0])
     assert len(found) == len(wanted.x)
     z = np.stack([each.multipliers for each in found])
     ends = solve_boundary_costates(model, wanted, z, 3)

@@ -9,10 +9,10 @@ import pytest
 
 from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.dual_bound.arcs import density_terms
-from synthesis.optimise.dual_bound.batch import MultiplierDensity, PointRuns
 from synthesis.optimise.dual_bound.bound import add_costates, bound_from_lagrangian, dual_bound
 from synthesis.optimise.dual_bound.costates import boundary_multipliers, nonnegative_multipliers
 from synthesis.optimise.dual_bound.lagrangian import Lagrangian, sums_at_start
+from synthesis.optimise.dual_bound.multiplier_density import MultiplierDensity, PointRuns
 from synthesis.optimise.dual_bound.row_functionals import (
     cone_rows,
     fixed_size_rows,

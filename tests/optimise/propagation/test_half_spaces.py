@@ -12,8 +12,7 @@ import pytest
 
 from synthesis.numerics.piecewise import Array
 from synthesis.numerics.solvers.statuses import StopReason
-from synthesis.optimise.propagation import bound_tightening
-from synthesis.optimise.propagation.bound_tightening import _box_within_cones
+from synthesis.optimise.propagation import bound_tightening, quantity_bounds
 from synthesis.optimise.propagation.half_spaces import (
     FAN,
     TURN,
@@ -107,7 +106,7 @@ def test_the_box_of_a_cone_holds_its_outermost_sizes(seed: int) -> None:
     radius, unit = rng.uniform(0.5, 3.0), rng.uniform(1.0, 9.0)
     cone = SimpleNamespace(bound_column=None, norm=1, shift=shift, matrix=matrix, radius=radius)
     model = SimpleNamespace(cone_blocks=[cone], size=slice(0, 2), scales=SimpleNamespace(size=unit))
-    box = _box_within_cones(model, ((-1e3, 1e3), (-1e3, 1e3)))
+    box = quantity_bounds.box_within_cones(model, ((-1e3, 1e3), (-1e3, 1e3)))
     inverse = np.linalg.inv(matrix)
     for axis, (low, high) in enumerate(box):
         for sign, end in ((-1.0, low), (1.0, high)):
@@ -115,7 +114,7 @@ def test_the_box_of_a_cone_holds_its_outermost_sizes(seed: int) -> None:
             z = unit * np.linalg.solve(matrix, radius * y - shift)
             assert low <= z[axis] <= high
             assert z[axis] == pytest.approx(end, rel=1e-7)
-    inner = _box_within_cones(model, ((-1e-3, 1e-3), (-1e3, 1e3)))
+    inner = quantity_bounds.box_within_cones(model, ((-1e-3, 1e-3), (-1e3, 1e3)))
     assert inner[0] == (max(-1e-3, box[0][0]), min(1e-3, box[0][1]))
     assert inner[1] == box[1]
 
@@ -152,7 +151,7 @@ def test_a_cone_that_leaves_a_direction_open_bounds_nothing() -> None:
     model = SimpleNamespace(
         cone_blocks=[flat, capped, one], size=slice(0, 2), scales=SimpleNamespace(size=1.0)
     )
-    assert _box_within_cones(model, BOX) == BOX
+    assert quantity_bounds.box_within_cones(model, BOX) == BOX
 
 
 def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,7 +159,10 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     program = SimpleNamespace(
         matrix=np.eye(2), rhs=np.zeros(2), equalities=0, inequalities=2, cones=()
     )  # fmt: skip
-    wanted = SimpleNamespace(objectives=lambda full: [])
+    wanted = SimpleNamespace(
+        objectives=lambda full: ([np.zeros(2)] * 5, np.zeros(5)), x=np.zeros(5),
+        select=lambda which: wanted,
+    )  # fmt: skip
     solved = SimpleNamespace(stopped=StopReason.SOLVED, multipliers=np.zeros(2))
     patch: dict[str, Any] = {
         "with_rows": lambda model, rows: SimpleNamespace(
@@ -169,7 +171,7 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
             scales=SimpleNamespace(size=1.0),
             problem=SimpleNamespace(for_every_size=False),
         ),
-        "highs": SimpleNamespace(minimise_each=lambda *_: [solved]),
+        "highs": SimpleNamespace(minimise_each=lambda *_, **__: [solved]),
         "MultiplierDensity": SimpleNamespace(
             of=lambda *_: SimpleNamespace(
                 model=None, distribute=lambda *_: None, balance=lambda *_: None
@@ -179,7 +181,7 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
         "dual_bounds": lambda *_: values,
     }
     for name, stub in patch.items():
-        monkeypatch.setattr(bound_tightening, name, stub)
+        monkeypatch.setattr(quantity_bounds, name, stub)
     model = SimpleNamespace(scales=SimpleNamespace(size=1.0), cone_blocks=())
     controls = (SimpleNamespace(order=3),)
     law = bound_tightening._LawSubproblem(model, 0, controls, [], [], inf)
@@ -187,15 +189,15 @@ def test_bounds_of_quantities_are_loosened(monkeypatch: pytest.MonkeyPatch) -> N
     quantities = SimpleNamespace(scaled=lambda: (wanted, units))
     for bounds in (
         law.lower_bounds(quantities, region, np.inf),
-        bound_tightening.bound_quantities(model, controls, BOX, quantities),
+        quantity_bounds.bound_quantities(model, controls, BOX, quantities),
     ):
         lost = values - bounds / units
         assert np.all(lost > 1e-10 * np.maximum(1.0, np.abs(values)))
         assert np.all(lost < 1e-8 * np.maximum(1.0, np.abs(values)))
     stopped = SimpleNamespace(stopped=StopReason.INFEASIBLE, multipliers=np.zeros(2))
-    monkeypatch.setattr(bound_tightening.highs, "minimise_each", lambda *_: [solved, stopped])
+    monkeypatch.setattr(quantity_bounds.highs, "minimise_each", lambda *_, **__: [solved, stopped])
     assert law.lower_bounds(quantities, region, np.inf) is None
-    assert bound_tightening.bound_quantities(model, controls, BOX, quantities) is None
+    assert quantity_bounds.bound_quantities(model, controls, BOX, quantities) is None
 
 
 def test_a_region_is_divisible_while_a_size_is_open() -> None:

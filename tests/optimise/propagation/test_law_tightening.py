@@ -22,7 +22,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.nondimensional import NondimensionalSpec
 from synthesis.optimise.problem.problem import Problem, formulate_problem
-from synthesis.optimise.propagation import bound_tightening
+from synthesis.optimise.propagation import quantity_bounds
 from synthesis.optimise.propagation.law_tightening import (
     initial_law_bounds,
     size_bounds,
@@ -78,14 +78,14 @@ def test_what_is_known_stays_where_a_program_fails(
     assert controls is not None
     solve = highs.minimise_each
 
-    def ended(*args: Any) -> list[highs.LinearMinimum]:
-        found = solve(*args)
+    def ended(*args: Any, **more: Any) -> list[highs.LinearMinimum]:
+        found = solve(*args, **more)
         found[3:] = [replace(found[3], stopped=reason)]
         return found
 
     known = initial_law_bounds(model, 0, controls[0], NODES)
     whole = tighten_law(model, controls, sizes, 0, known)
-    monkeypatch.setattr(bound_tightening.highs, "minimise_each", ended)
+    monkeypatch.setattr(quantity_bounds.highs, "minimise_each", ended)
     part = tighten_law(model, controls, sizes, 0, known)
     # g' from below is bounded first, node by node
     assert part.low_speed[:3] == pytest.approx(whole.low_speed[:3])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from synthesis.optimise.conic.control import law_controls
 from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.problem.grid import uniform_grid
 from synthesis.optimise.problem.problem import Problem, formulate_problem
+from synthesis.optimise.propagation import bound_tightening, quantity_bounds
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
@@ -83,3 +85,39 @@ def test_quiet_cams_keep_to_bounds_that_are_narrow(dwell: float, largest: float)
     # without the limit cams of this size move in many more ways
     loud = bounds(dwell, 1e3, allowed)
     assert region.mean_width < 0.96 * loud.mean_width
+
+
+def test_a_bound_that_would_gain_little_is_not_sought_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where a cam is known that comes so near to it. No bound is lost, nor one that would gain."""
+    problem, gained, spared = question(31.0, 0.4), list[float](), list[int]()
+    model, value, _ = smallest(31.0, 0.4)
+    held = with_value_cap(problem, 1.02 * value)
+    held_model = formulate(held, [grid.knots_only for grid in model.grids])
+    controls = law_controls(held_model)
+    first, _ = tighten_bounds(
+        held_model, controls,
+        initial_region(held, controls, dict.fromkeys(range(2), ((0.0, 1.0),))), range(2),
+    )  # fmt: skip
+    solve_each = quantity_bounds._solve_each
+
+    def counted(*given: Any) -> Any:
+        found = solve_each(*given)
+        spared.append(int(np.sum(~found[2])))
+        return found
+
+    monkeypatch.setattr(quantity_bounds, "_solve_each", counted)
+    again, _ = tighten_bounds(held_model, controls, first, range(2))
+    assert sum(spared) > 20
+    monkeypatch.setattr(bound_tightening, "SLIGHT", -1.0)
+    spared.clear()
+    every, _ = tighten_bounds(held_model, controls, first, range(2))
+    assert sum(spared) == 0
+    for key, known in first.point_bounds.items():
+        some, all_ = again.point_bounds[key], every.point_bounds[key]
+        assert np.all((some.low >= known.low) & (some.high <= known.high))
+        width = known.high - known.low
+        gained.append(float(np.max((all_.low - some.low) / width)))
+        gained.append(float(np.max((some.high - all_.high) / width)))
+    assert max(gained) <= 0.05 + 1e-6

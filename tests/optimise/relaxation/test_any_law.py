@@ -411,7 +411,7 @@ def test_the_bound_holds_over_all_laws_where_nothing_is_capped() -> None:
 
 @pytest.mark.parametrize("objective", [None, {"kind": "base_radius"}])
 def test_a_maximum_below_the_infimum_is_infeasible(objective: Any) -> None:
-    design = answer(objective=objective, base_radius_mm={"max": 0.97 * INFIMUM})
+    design = answer(objective=objective, base_radius_mm={"max": 0.97 * INFIMUM}, time_budget_s=None)
     assert design.status == "infeasible"
     assert design.conflict.proven
     radius = next(x for x in design.conflict.relaxations if x.limit == "base_radius")

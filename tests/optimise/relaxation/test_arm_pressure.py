@@ -241,3 +241,20 @@ def test_hull_is_the_least_concave_function_above_the_cosine() -> None:
         assert least[-1] == pytest.approx(np.cos(high[k]), abs=1e-9)
         assert degrees(atan(max(chords))) < 90.0
         assert np.all(np.diff(least, 2) <= 1e-12)  # concave
+
+
+def test_tangents_of_the_hull_touch_where_they_pass_the_end() -> None:
+    """Or where the range begins, if none of them passes above the end."""
+    rng = np.random.default_rng(29)
+    low = rng.uniform(-1.57, 3.1, 4000)
+    high = low + rng.uniform(0.0, 1.0, 4000) ** 3 * (np.pi - low)
+    low[:50], high[:50] = 0.5 * np.pi, 0.5 * np.pi + np.logspace(-9, 0, 50)
+    high[50:99] = low[50:99]
+    with np.errstate(all="raise"):
+        touch = ConcaveHull.over(low, high).touch
+    assert np.all((low <= touch) & (touch <= high))
+    over = np.cos(touch) - np.sin(touch) * (high - touch) - np.cos(high)
+    assert np.all(over[touch > low] > -1e-14)
+    beyond = (high > 0.5 * np.pi) & (touch > low)
+    assert np.all(over[beyond] < 1e-14)
+    assert np.sum(beyond) > 400
