@@ -63,7 +63,7 @@ def coarse_conflicts() -> Iterator[None]:
     Changes of the program, which have tests of their own, are not sought.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(f"{BOUNDARY}.ACCURACY", 4e-2)
+        patch.setattr("synthesis.pipeline.conflict.ACCURACIES", (4e-2,))
         patch.setattr(f"{BOUNDARY}.FINE", 5e-3)
         patch.setattr(f"{BOUNDARY}.FINEST", dict.fromkeys(("quick", "auto", "thorough"), 5e-3))
         patch.setattr(f"{CONFLICT}.program_numbers", lambda *_: ())

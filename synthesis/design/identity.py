@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from pydantic import BaseModel
 
-ENGINE_NUMBER = 45
+ENGINE_NUMBER = 46
 """The engine's number: part of every id, and so of everything that is stored under one.
 
 Raise it by 1 whenever an answer may change: its numbers, its fields, what it says, the bytes of its

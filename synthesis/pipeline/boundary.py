@@ -33,22 +33,17 @@ from synthesis.pipeline.oracle import (
 from synthesis.pipeline.relaxable import Relaxable
 from synthesis.pipeline.secants import SecantBracket, approach_zero, halfway, slope_of, zero_of
 
-FINEST = {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}
-"""Least tolerances of a trial that is to prove a value impossible, by the spec's ``proof``. Cone
-programs reach the last one, and no less."""
+FINEST = {"quick": 1e-4, "auto": 3e-7, "thorough": 3e-7}  # least tolerance of a trial, by ``proof``
 NEAR_EXCESS = 1e-6  # relative: a base radius this far below its maximum cannot be brought nearer
-ROUGH, ACCURACY = 1e-2, 2.5e-4
-"""Of the way from the requested value, and of the value: how near the least sufficient one is
-brought before the tolerance is made finer, and at the end."""
+ROUGH = 1e-2  # of the way, and of the value: how near the end is come to at coarse tolerances
 ROUNDING = 1e-6  # relative: bracket of a value below which it is not narrowed
 SPARE = (0.0, 1e-2), (0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0)
-"""Of the way and of the value: added to a value, until the question as it stands has a cam, where
-no excess says how much is missing."""
+"""Of the way and of the value: added until there is a cam, where no excess says what is missing."""
 THIN = 1e-5  # relative: of a maximum, what a cam keeps it by that is next to the best
 FARTHER = 3.0  # from one value put as it stands to the next, of the distance from the nearest
 UNKNOWN = 0.1  # of the way: a bracket is no longer halved where no excess is known in it
 CLOSING = 14  # trials at the fine tolerance
-WIDE_GAP = 1e-2  # of the request's excess: a gap that keeps both ends as much of the way apart
+WIDE_GAP = 5e-3  # of the request's excess: a gap that keeps both ends as much of the way apart
 LEFT = 1.5  # of a gap that was left open: the tolerance from then on, so that it can be met
 BEYOND, REACH = 1.3, 2.0
 """Of what a question misses by: how far it is put next. Of the accuracy: how far will do."""
@@ -73,19 +68,21 @@ class Boundary:
         requested_excess: of the request. by_size: whether excesses are of a size, or of a law.
         excesses, trials: by the values tried. levels: excesses, or 1 without a cam, −1 with one.
         needed: a value whose question, as it stands, has a cam. note: on it, or why there is none.
-        confirmed: the nearest value for which that was sought. finest: least tolerance of a trial.
+        confirmed: the nearest value for which that was sought. needs_proof: whether a longer proof
+            has led to its cam. finest: least tolerance of a trial.
     """
 
     oracle: Oracle
     number: Relaxable
     original: Trial
-    accuracy: float = field(default_factory=lambda: ACCURACY)
+    accuracy: float = ROUGH
     direction: float = 1.0
     nearest: tuple[float, Trial] | None = None
     excluded: float | None = None
     needed: float | None = None
     confirmed: float | None = None
     note: str = LATE
+    needs_proof: bool = False
     finest: float = FINE
     requested_excess: float | None = None
     by_size: bool = False
@@ -99,8 +96,8 @@ class Boundary:
         self.by_size = self.original.smallest is not None
         if self.original.excess is not None:
             self.requested_excess = max(self.original.excess, NEAR_EXCESS)
-            self.excesses[self.number.tightest] = self.requested_excess
-            self.levels[self.number.tightest] = self.requested_excess
+            for each in (self.excesses, self.levels):
+                each[self.number.tightest] = self.requested_excess
             self._note_gap(self.original, max(COARSE, self.oracle.spec.tolerance))
         if self.original.proof:
             self.exclude(self.number.tightest)
@@ -111,11 +108,11 @@ class Boundary:
             self._narrow()
         self.confirm()
 
-    def seek_bound(self) -> None:
+    def seek_bound(self, accuracy: float) -> None:
         """Bring the value that suffices, and one that is impossible, to the zero: step 3."""
         if self.nearest is None:
             return
-        self.finest = FINEST[self.oracle.spec.proof]
+        self.accuracy, self.finest = accuracy, FINEST[self.oracle.spec.proof]
         with suppress(TimeoutError):
             if self._is_left_to_longer_proofs():
                 return
@@ -123,7 +120,8 @@ class Boundary:
             # What is not proven of the value requested is not of one that allows more.
             if not bounded and self.excluded is not None:
                 self._close_in()
-        self.confirm()
+        if not self._is_left_to_longer_proofs():  # these put their own values, which are better
+            self.confirm()
 
     def _minimise_radius(self) -> bool:
         """Whether the smallest cam, sought to the end, is bounded: no more is to be known then."""
@@ -143,8 +141,11 @@ class Boundary:
     @property
     def fine(self) -> float:
         """The tolerance with which both ends come as near as the accuracy asks, or the finest."""
-        sought = self.accuracy * (self.requested_excess or 1.0)
-        return min(max(sought, self.finest, self.oracle.open_gap), FINE)
+        fall = self.requested_excess or 1.0
+        slope = self.direction * slope_of(self.excesses, ON_KNOTS)
+        if slope > 0.0 and self.nearest is not None:
+            fall = min(fall, slope * self._way(self.nearest[0]))
+        return min(max(self.accuracy * fall, self.finest, self.oracle.open_gap), COARSE)
 
     def _close_in(self) -> None:
         """Bracket the zero by a cam and by a proof, as near as the tolerance lets both come.
@@ -163,7 +164,8 @@ class Boundary:
             good, by_size = self.way_to(self.nearest[0]), self.by_size
             bad = 0.0 if self.excluded is None else max(self.way_to(self.excluded), 0.0)
             width = self.accuracy * self._way(self.nearest[0])
-            width = max(width, gap / search.slope) if search.slope > 0.0 else width
+            left = gap if search.gap is None else max(search.gap, self.oracle.open_gap)
+            width = max(width, left / search.slope) if search.slope > 0.0 else width
             if good - bad <= REACH * max(width, search.open_way):
                 return
             way, exactly = search.next_way(bad, good, width)
@@ -185,14 +187,11 @@ class Boundary:
                 return
 
     def _is_left_to_longer_proofs(self) -> bool:
-        """Whether both ends are left to longer proofs, which begin where the request is excluded.
-
-        Where no multipliers exclude other values, as nodes have none, quick ones gain no more.
-        """
+        """Whether longer proofs go on from the request, and no multipliers exclude other values."""
         begins = self.excluded is not None and self.way_to(self.excluded) >= 0.0
-        if not (begins and self._is_for_longer_proofs(self.oracle.open_gap / LEFT)):
-            return False
-        return self.oracle.bound_excess(self.original, self.number, self.number.tightest) == -inf
+        follow = begins and self._is_for_longer_proofs(self.oracle.open_gap / LEFT)
+        tightest = self.number.tightest
+        return follow and self.oracle.bound_excess(self.original, self.number, tightest) == -inf
 
     def _is_for_longer_proofs(self, gap: float) -> bool:
         """Whether longer proofs follow, which bring both ends nearer than quick ones with a gap."""
@@ -318,10 +317,9 @@ class Boundary:
         is halved: the excess may have a kink where another limit begins to bind.
         """
         requested, most = self.number.tightest, inf  # of a bracket that the next secant may divide
-        began_near = bool(self.original.attempt.mesh(COARSE))
+        began_near, levels = bool(self.original.attempt.mesh(COARSE)), self.levels
         while self.nearest is not None:
             good = self.nearest[0]
-            levels = self.levels
             failed = [v for v in levels if levels[v] > 0.0 and self._beyond(v, good) > 0.0]
             bad = max(failed, key=lambda value: self._beyond(requested, value), default=requested)
             known = bool(failed) and bad in self.excesses
@@ -376,9 +374,11 @@ class Boundary:
                 return
             # Most cams are found without a proof, in a fraction of the time.
             ask, first = self.oracle.ask_as_it_stands, proof if next_to_best else "quick"
-            found = ask(self.number, value, first, cam_only=not next_to_best)
-            own = proof == self.oracle.spec.proof and not next_to_best
-            if own and not (found.certified or self.oracle.is_late()):
+            longer = proof == self.oracle.spec.proof
+            if not (longer and self.needs_proof):
+                found = ask(self.number, value, first, cam_only=not next_to_best)
+                longer &= not (found.certified or next_to_best or self.oracle.is_late())
+            if longer:
                 found = ask(self.number, value, proof)
             if found.certified:
                 _, note = self.oracle.value_on(self.number, trial)

@@ -38,6 +38,9 @@ from synthesis.spec.design_spec import DesignSpec
 MOST_PROGRAMS = 1000
 """Programs that a conflict may solve where the spec gives no time: 10 to 30 s. Counted, so that the
 answer is the same on every machine; most conflicts take 100 to 700."""
+ACCURACIES = 2.5e-3, 2.5e-4
+"""Shares of the way to which both ends of the members' values are brought, one after the other: all
+of them come near before any comes nearer."""
 CHANGES_PARTS, PARTS_BEFORE_LONGER_PROOFS = 2, 8
 """Changes of the program have one of so many equal parts of the time that is left: the first where
 nothing else follows, the second where longer proofs do."""
@@ -94,8 +97,9 @@ def explain(
     for number in members.numbers:
         boundaries[number].narrow()
     #    A proof at numbers that were chosen is none over all of them: longer ones are, below.
-    for number in members.numbers if not (chosen and longer) else ():
-        boundaries[number].seek_bound()
+    for accuracy in () if chosen and longer else ACCURACIES:
+        for number in members.numbers:
+            boundaries[number].seek_bound(accuracy)
     # 4. Changes of the program, with all limits as they are, that mend it: in half of the time that
     #    is left, or an eighth where longer proofs follow. Numbers that are free stay so. A gap that
     #    another program leaves open says nothing of the one asked for.
@@ -103,11 +107,11 @@ def explain(
     parts = PARTS_BEFORE_LONGER_PROOFS if longer else CHANGES_PARTS
     changed = replace(oracle.share(parts), spec=own, known={}, has_longer_proofs=False)
     for changeable in program_numbers(own, attempt.chosen_values) if members.numbers else ():
-        boundary = Boundary(changed, changeable, original, ROUGH)
+        boundary = Boundary(changed, changeable, original)
         seek_value(boundary)
         if boundary.needed is not None:
             boundary.narrow()
-            boundary.seek_bound()
+            boundary.seek_bound(ROUGH)
             changes += _relaxations(boundary)
     # 5. With what time is left, the members' values once more where a gap is open: longer proofs,
     #    of all numbers that are free.

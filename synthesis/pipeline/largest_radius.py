@@ -205,29 +205,29 @@ def _decided(
 ) -> Smallest | None:
     """The smallest cam, with ever finer tolerances while the maximum lies between bound and cam.
 
-    Where no quick proof decides it (limits that bind are not convex), the spec's own proof is tried
-    once, in half of the time that is left, for a gap that excludes the maximum.
-
-    ``wider``: the question without the maximum whose smallest cam that is.
+    By quick proofs, where these close the gap; where they do not, or nodes have closed it, by the
+    spec's own, each in half of the time that is left. ``wider``: the question without the maximum.
     """
     tolerance, proof = spec.tolerance, "quick"
-    while smallest is not None and clock.now() < goal.stop and proof == "quick":
-        known = smallest.attempt
+    while smallest is not None and clock.now() < goal.stop:
+        known, excess = smallest.attempt, smallest.radius / smallest.most - 1.0
         gap = 1.0 - smallest.lower / smallest.radius
-        decided = known.certified or smallest.excludes or smallest.radius <= smallest.most
+        decided = known.certified or smallest.excludes or excess <= 0.0
         if decided or not smallest.is_bounded or (known.chosen_values and goal.stop == inf):
             break  # each search over numbers takes as many programs again
+        nodes = [stage.nodes for search in known.searches[:1] for stage in search.stages]
         is_near = 1.0 - smallest.most / smallest.radius <= FINDABLE * tolerance
-        if is_near and tolerance > FINEST:
-            tolerance = max(tolerance * FINER, FINEST)
-        elif known.chosen_values:
-            break  # a longer proof over all numbers takes many programs
-        elif gap <= spec.tolerance and tolerance < spec.tolerance and spec.proof != "quick":
-            excess, now = smallest.radius / smallest.most - 1.0, clock.now()
+        longer = spec.proof != "quick" and not known.chosen_values  # over numbers it takes too long
+        by_nodes = longer and (proof != "quick" or any(nodes))
+        may_be_finer = tolerance > FINEST and (gap <= tolerance if by_nodes else is_near)
+        if may_be_finer:
+            tolerance, proof = max(tolerance * FINER, FINEST), spec.proof if by_nodes else "quick"
+        elif longer and not by_nodes and gap <= spec.tolerance and tolerance < spec.tolerance:
             tolerance, proof = max(excluding_gap(excess), FINEST), spec.proof
-            goal = replace(goal, stop=now + 0.5 * (goal.stop - now))
         else:
             break
+        if proof != "quick":
+            goal = replace(goal, stop=clock.now() + 0.5 * (goal.stop - clock.now()))
         finer = wider.model_copy(update={"tolerance": tolerance, "proof": proof})
         # Its laws are next to the best: on their knots one that is small enough is found at once.
         alone, most = len(finer.objectives()) == 1, smallest.most

@@ -7,7 +7,7 @@ that bind are not convex no multiplier carries a bound from one value to another
 branch and bound of its own, and the nearer it is to the zero of the excess, the longer that takes.
 
     1. A rough proof of every member comes first: of a value far from the zero it takes little time.
-       Then a smallest cam at the value that suffices: by its excess, and the slope of the excess,
+       Then the smallest cam at the value that suffices: by its excess, and the slope of the excess,
        the zero is known to the tolerance.
     2. Then one member after the other is brought to the accuracy, the nearest to it first: proofs
        that end in the time there is are worth more than many that do not. A cam is sought as far on
@@ -36,28 +36,29 @@ ACCURACY = 1e-2  # of the way: how near to each other both values are brought
 CAM_SIDE, PROOF_SIDE = 0.25 * ACCURACY, 0.5 * ACCURACY
 """How far from the zero a value with a cam is sought in the end, and one that is impossible."""
 FIRST_STEP = 1.0 / 8.0  # of the way: how far from the zero a value is that a first proof excludes
-WITHIN = 0.6, 0.8
-"""Of the excess sought: the tolerance of a proof that a value is impossible, and of a cam."""
+WIDER_FIRST = 2.0  # of the tolerance of a proof: that of the cam by which the zero is known
+WITHIN = 0.6  # of the excess sought: the tolerance of a proof that a value is impossible
 HOPELESS = 0.3  # of the tolerance of a proof: with a cam of so little excess it ends
 CERTIFIED = 0.1  # of it: by how much the certificate may draw such a cam outwards
 FAR_OUT = 1.5  # of ``CAM_SIDE``: farther from the zero, a nearer value with a cam is sought
 NEARER = 0.5  # of what the values are apart: a value with a cam as much nearer is put as it stands
 STEEPER = 3.0  # factor by which one trial changes the slope at most
 LONGER = 2.0  # of the time of a member's last trial, which the next one may take
-IDLE, FINER, WIDER = 4, 0.5, 3.0
+IDLE, FINER, WIDER = 6, 0.5, 3.0
 """Trials that bring neither value nearer, one after the other, at most; after each of them the
 tolerance is finer, and a value to be excluded lies farther from the zero, by these factors."""
 WORSE = 1.3  # of a gap that was left open: the excess of a value that it excludes
 GAIN = 0.1  # of the way from the excluded value to the zero: what a trial has to promise
 FINEST = 1e-6  # relative: the least tolerance
+CONFIRMING = 3.0  # of the time of a trial: a question as it stands takes two or three
 LAST = 0.1  # of the time, for questions as they stand at the end
 MORE = 1.0 + 1e-6  # of a share: what counts as more of it, against rounding
 
 
 class Point(NamedTuple):
-    """The way to a value, the excess of a cam with it, and the tolerance of the search for that.
+    """The way to a value, the excess of a cam with it, and how far above the smallest that may be.
 
-    The smallest cam, or one that is small enough: then the search ended there, next to the best.
+    Where a search ends with any cam that is small enough, its bound says that.
     """
 
     way: float
@@ -78,7 +79,8 @@ class Closing:
         points: cams whose excess is known, that of the request first.
         open_gap: what the last proof that excluded nothing has left. unproven: the way to the
             nearest value that a proof has not excluded in its time.
-        idle: trials that have brought neither value nearer, one after the other.
+        idle: trials that have brought neither value nearer, one after the other. misses: trials
+            that were to exclude a value and have found a cam, one after the other.
         took: the time of the last trial; questions as they stand are none.
         waits_for: the share of the time beyond which another trial is made.
     """
@@ -90,6 +92,7 @@ class Closing:
     open_gap: float = 0.0
     unproven: float = inf
     idle: int = 0
+    misses: int = 0
     took: float = 0.0
     waits_for: float = 0.0
 
@@ -128,17 +131,29 @@ class Closing:
         return self._apart_from(self.named)
 
     @property
-    def rank(self) -> tuple[bool, bool, float]:
-        """Members of a lower one come first: by whether they wait, are rough, and how near."""
-        return self.waits_for > 0.0, not self._is_rough, self._apart_from(self.good)
+    def is_done(self) -> bool:
+        """Whether both values are as near as the accuracy asks, or come no nearer: as it stands,
+        the question has a cam that is found neither with the nearest value nor with a nearer one.
+        """
+        assert self.boundary.nearest is not None
+        is_tried = self.boundary.confirmed == self.boundary.nearest[0]
+        return self.apart <= ACCURACY or (is_tried and self._apart_from(self.good) <= ACCURACY)
 
-    def _apart_from(self, way: float) -> float:
-        return (way - self.bad) / way
+    @property
+    def rank(self) -> tuple[bool, bool, bool, float]:
+        """Members of a lower one come first: by whether they wait, whether all that is missing is
+        their cam for the question as it stands, whether they are rough, and how near they are.
+        """
+        apart = self._apart_from(self.good)
+        return self.waits_for > 0.0, not self.is_worth_confirming, not self._is_rough, apart
 
     @property
     def _is_rough(self) -> bool:
         """Whether no value near the zero is excluded yet."""
         return self.zero - self.bad > 2.0 * FIRST_STEP * self.zero
+
+    def _apart_from(self, way: float) -> float:
+        return (way - self.bad) / way
 
     def advance(self, oracle: Oracle, share: float) -> None:
         """Put the nearest value as it stands, or make one more trial.
@@ -146,7 +161,7 @@ class Closing:
         ``share``: of the time that is left, what the oracle has.
         """
         self.boundary.oracle = oracle
-        if self._is_worth_confirming:
+        if self.is_worth_confirming:
             self.boundary.confirm(oracle.spec.proof)
             if oracle.is_late():
                 self._wait(share)
@@ -158,6 +173,8 @@ class Closing:
         values, had_point, before = (self.good, self.bad), self._has_point, oracle.left
         self._try(*trial)
         self.took = before - oracle.left
+        if trial[2] is not None:  # where the excess is flat beside its zero, many values have a cam
+            self.misses = 0 if self.good == values[0] else self.misses + 1
         self.zero = min(self.zero, self.good)
         if self.zero <= self.bad:  # the excess is no straight line so far from its zero
             self.zero = 0.5 * (self.bad + self.good)
@@ -187,16 +204,16 @@ class Closing:
         if self.boundary.minimised:  # the smallest cam is the value, and its bound the other
             excess = self.boundary.requested_excess or 0.0
             return good, PROOF_SIDE * finer * excess / (1.0 + excess), None
-        exclusion, cam = (within * finer * self.slope for within in WITHIN)
         step, room = FIRST_STEP * self.zero, CAM_SIDE * good
+        step = step if self._is_rough else PROOF_SIDE * good
+        tolerance, widest = WITHIN * finer * self.slope * step, 0.5 * (self.zero - self.bad)
         if not self._is_rough:
             if not self._has_point:
-                return good, exclusion * step, None
+                return good, WIDER_FIRST * tolerance, None
             if good - self.zero > FAR_OUT * room:
-                return self.zero + room, cam * room, 0.0
-            step = PROOF_SIDE * good
-        tolerance, widest = exclusion * step, 0.5 * (self.zero - self.bad)
-        step = max(min(step * WIDER**self.idle, widest), WORSE * self.open_gap / self.slope)
+                return self.zero + room, tolerance, None
+        wider = WIDER ** max(self.idle, self.misses)
+        step = max(min(step * wider, widest), WORSE * self.open_gap / self.slope)
         way = self.zero - step
         if way >= self.unproven:
             way = 0.5 * (self.bad + self.unproven)
@@ -206,7 +223,7 @@ class Closing:
         return way, tolerance, HOPELESS * tolerance
 
     @property
-    def _is_worth_confirming(self) -> bool:
+    def is_worth_confirming(self) -> bool:
         """Whether a cam is known with a value near enough, or much nearer than the one named."""
         boundary = self.boundary
         assert boundary.nearest is not None
@@ -238,8 +255,10 @@ class Closing:
         )  # fmt: skip
         before = boundary.nearest
         boundary.record(value, trial)
-        if boundary.minimised and boundary.nearest is not before:
-            self._leave_room()
+        if boundary.nearest is not before:
+            boundary.needs_proof = True  # a quick search has found no such cam
+            if boundary.minimised:
+                self._leave_room()
         excess, bound = trial.excess, trial.bound_excess
         if trial.proof:  # it ends before its cam is the smallest
             self.open_gap = 0.0  # that of another value says nothing any more
@@ -248,11 +267,14 @@ class Closing:
         if excess is None or bound is None:
             return
         ended_early = enough is not None and excess <= enough + CERTIFIED * tolerance
-        if not (trial.certified or ended_early) and relative_gap(excess, bound) > tolerance:
-            self.open_gap, self.unproven = excess - bound, min(way, self.unproven)
-            self.zero = min(self.zero, way + excess / self.slope)  # the smallest exceeds it by less
-            return
-        self.points.append(Point(way, excess, tolerance))
+        gap = relative_gap(excess, bound)
+        if gap > tolerance and not ended_early:
+            self.open_gap = excess - bound
+            if not trial.certified:
+                self.unproven = min(way, self.unproven)
+                self.zero = min(self.zero, way + excess / self.slope)  # the smallest is smaller
+                return
+        self.points.append(Point(way, excess, max(tolerance, min(gap, abs(excess)))))
         self._follow_slope()
         self.zero = way + excess / self.slope
 
@@ -281,7 +303,7 @@ def close_in(oracle: Oracle, boundaries: Sequence[Boundary]) -> None:
     closings = [each for each in map(Closing.of, boundaries) if each is not None]
     working = oracle.share(1.0 / (1.0 - LAST))
     while not working.is_late():
-        far = [each for each in closings if each.apart > ACCURACY]
+        far = [each for each in closings if not each.is_done]
         equal = working.left / max(len(far), 1)
         shares = [(each, equal) for each in far if each.took <= equal]
         longer = [(each, min(working.left, LONGER * each.took)) for each in far]
@@ -292,6 +314,8 @@ def close_in(oracle: Oracle, boundaries: Sequence[Boundary]) -> None:
         else:
             break
         each, share = min(ready, key=lambda pair: pair[0].rank)
+        if each.is_worth_confirming:
+            share = min(working.left, max(share, CONFIRMING * each.took))
         each.advance(working.share(working.left / share), share)
     for left, each in zip(range(len(closings), 0, -1), closings, strict=True):
         each.boundary.oracle = oracle.share(left)

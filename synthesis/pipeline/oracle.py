@@ -17,7 +17,7 @@ from synthesis.certify import certify, certify_size
 from synthesis.numerics import clock
 from synthesis.pipeline.assembly import Bounded, in_wire_units
 from synthesis.pipeline.attempt import Attempt, prepare, unsolved
-from synthesis.pipeline.goal import Goal
+from synthesis.pipeline.goal import AUTO_SHARE, Goal
 from synthesis.pipeline.infeasibility import (
     contains_angle,
     gentlest_law,
@@ -212,8 +212,11 @@ class Oracle:
         smallest cam is too large, no smaller one is sought with the maximum as a constraint: by how
         much it is too large says which value to try next.
         """
-        spec = relaxed(self.asked, number, value)
-        most, goal = spec.requested_radii()[1], Goal(self.stop, cam_only=cam_only)
+        spec, stop = relaxed(self.asked, number, value), self.stop
+        if proof == "auto" and spec.time_budget_s is not None:
+            # The same search as a thorough one that has its part of the time.
+            proof, stop = "thorough", min(stop, clock.now() + AUTO_SHARE * spec.time_budget_s)
+        most, goal = spec.requested_radii()[1], Goal(stop, cam_only=cam_only)
         if most < inf and minimises_radius(spec):
             # A cam that is small enough ends it, unless it is made better by a later objective; of
             # a longer proof, that there is none does too.

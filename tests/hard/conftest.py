@@ -5,7 +5,7 @@ import time
 import pytest
 
 from synthesis.numerics import clock
-from synthesis.pipeline import boundary
+from synthesis.pipeline import boundary, conflict
 from synthesis.pipeline.conflict import explain
 
 EXPLAIN = "synthesis.pipeline.synthesise.explain"
@@ -15,7 +15,7 @@ EXPLAIN = "synthesis.pipeline.synthesise.explain"
 def budgets_of_processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """What would suffice in a conflict is sought coarsely: whether it does is asked elsewhere."""
     monkeypatch.setattr(clock, "now", time.process_time)
-    monkeypatch.setattr(boundary, "ACCURACY", 0.3)
+    monkeypatch.setattr(conflict, "ACCURACIES", (0.3,))
 
 
 @pytest.fixture

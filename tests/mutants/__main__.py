@@ -65,7 +65,8 @@ KEYS = ("service/wire/test_access.py", "service/commands/test_keys.py")
 BOUNDS = (
     "conic/control", "conic/law_bounds", "conic/linear_rows", "conic/subprogram",
     "conic/tangent_cuts", "dual_bound/batch", "dual_bound/bound", "dual_bound/lagrangian",
-    "dual_bound/multiplier_density", "dual_bound/row_functionals", "dual_bound/switching", "propagation/*", "relaxation/*",
+    "dual_bound/multiplier_density", "dual_bound/row_functionals", "dual_bound/switching",
+    "propagation/*", "relaxation/*",
 )  # fmt: skip
 ROOMS = (
     Room("certify", 150, ("synthesis/certify/*.py",), ("certify", *NEAR, *ANALYSES, *HUBS)),

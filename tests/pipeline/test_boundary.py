@@ -255,6 +255,24 @@ def test_the_spec_s_own_proof_follows_where_a_cam_alone_is_not_found(
     assert known.needed == (nearest if found_by in proofs else None)
 
 
+@pytest.mark.parametrize("proof", ["quick", "auto"])
+def test_a_cam_of_a_longer_proof_is_put_with_the_spec_s_own_at_once(
+    proof: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A quick search has found none as near."""
+    known, proofs = bounded({}, monkeypatch), list[str]()
+
+    def ask(_number: Any, _value: float, proof: str, *, cam_only: bool = False) -> Any:
+        proofs.append("cam" if cam_only else proof)
+        return SimpleNamespace(certified=True, excess=None, smallest=None)
+
+    cast(Any, known.oracle).ask_as_it_stands = ask
+    cast(Any, known.oracle).spec.proof = "auto"
+    known.needs_proof = True
+    known.confirm(proof)
+    assert proofs == ["cam" if proof == "quick" else "auto"]
+
+
 @pytest.mark.parametrize(
     ("kept", "proofs", "farther"),
     [
@@ -441,6 +459,7 @@ def test_where_no_cam_tells_an_excess_no_value_is_tried_twice(slope: float | Non
     number = Relaxable("acceleration", ("limits/0/max_mm_per_s2",), (request,), "mm/s²", "≤")
     known = Boundary(cast(Oracle, oracle), number, trial_at(request))
     known.nearest, known.finest = (1016.0, trial_at(1016.0)), 1e-6
+    known.accuracy = conflict.ACCURACIES[-1]
     known._close_in()
     assert len(set(tried)) == len(tried)
     assert known.excluded is not None
@@ -527,7 +546,7 @@ def test_a_wide_gap_is_left_to_longer_proofs_where_they_follow(
     ("longer", "multipliers", "open_gap", "is_left"),
     [
         (True, False, 3e-2, True),
-        (True, False, 2.5e-3, False),  # quick proofs come near enough
+        (True, False, 1.2e-3, False),  # quick proofs come near enough
         (True, True, 3e-2, False),  # one trial's multipliers may exclude most of the way
         (False, False, 3e-2, False),
     ],
@@ -544,7 +563,7 @@ def test_proofs_of_single_values_are_left_to_longer_ones(
         answers.bound_excess = lambda *_: -inf
     answers.ask_as_it_stands = lambda *_, **__: SimpleNamespace(certified=True)
     answers.is_valid, answers.value_on = lambda *_: True, lambda *_: (None, "")
-    known.seek_bound()
+    known.seek_bound(conflict.ACCURACIES[-1])
     assert (not tried) == is_left
 
 
@@ -608,7 +627,7 @@ def test_the_multipliers_of_a_trial_prove_what_lies_up_to_the_zero() -> None:
     outwards.seek_value(known)
     known.narrow()
     before = len(known.trials)
-    known.seek_bound()
+    known.seek_bound(conflict.ACCURACIES[-1])
     assert 1 <= len(known.trials) - before <= 3
     assert known.needed is not None
     assert known.excluded is not None
@@ -662,7 +681,7 @@ def test_a_gap_of_another_program_is_none_of_the_one_asked_for(
     assert not closed
     # The gap is open as soon as a value is found: neither end has to come nearer.
     monkeypatch.setattr(Boundary, "narrow", lambda _: None)
-    monkeypatch.setattr(Boundary, "seek_bound", lambda _: None)
+    monkeypatch.setattr(Boundary, "seek_bound", lambda *_: None)
     names.append("jerk")
     why(spec)
     ((_, boundaries),) = closed

@@ -19,7 +19,7 @@ from synthesis.optimise.driver import optimise
 from synthesis.optimise.problem.grid import Grid
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.state import SolveState
-from synthesis.pipeline import boundary
+from synthesis.pipeline import conflict
 from synthesis.pipeline.relaxable import relaxable_numbers
 from synthesis.spec.design_spec import DesignSpec
 from tests.optimise.conic.reference import optimum
@@ -389,7 +389,7 @@ def test_a_profile_radius_that_the_base_circle_cannot_have() -> None:
 
 
 def test_a_least_radius_is_eased_by_a_smaller_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(boundary, "ACCURACY", 0.3)
+    monkeypatch.setattr(conflict, "ACCURACIES", (0.3,))
     radius = {"kind": "profile_radius", "min_mm": 60.4}
     spec = scene(GIVEN, angles(31.0, 43.0), radius, base={"max": 60.3})
     reported = why(spec)
@@ -406,7 +406,7 @@ def test_a_cap_that_no_law_keeps_is_proven_so_beside_curved_limits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Phase 1 knows no curvature; left out, it excludes no law that keeps the cap."""
-    monkeypatch.setattr(boundary, "ACCURACY", 0.3)
+    monkeypatch.setattr(conflict, "ACCURACIES", (0.3,))
     body = {
         "speed_rpm": 83.7,
         "follower": {"kind": "oscillating_flat_face", "centre_distance_mm": 109.0},
@@ -441,3 +441,23 @@ def test_a_least_radius_far_out_is_brought_back_to_what_fits() -> None:
     assert least.needed is not None
     assert least.at_least is not None
     assert 0.0 < least.at_least - least.needed < NEAR * least.needed
+
+
+def test_all_members_come_near_before_any_comes_nearer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In little time: both ends of each are named then, and none to the last digit."""
+    asked, seek = list[tuple[str, float]](), conflict.Boundary.seek_bound
+
+    def noted(self: conflict.Boundary, accuracy: float) -> None:
+        asked.append((self.number.name, accuracy))
+        seek(self, accuracy)
+
+    monkeypatch.setattr(conflict.Boundary, "seek_bound", noted)
+    monkeypatch.setattr(conflict, "ACCURACIES", (2.5e-3, 2.5e-4))
+    monkeypatch.setattr(conflict, "program_numbers", lambda *_: ())
+    spec = scene(PLAIN, angles(20.0, 30.0), jerk(47.0, 71.7), base={"max": 30.0})
+    found = synthesise(spec).conflict
+    assert found is not None
+    assert len(found.relaxations) == 3
+    names = [name for name, _ in asked]
+    assert names == 2 * names[:3]
+    assert [accuracy for _, accuracy in asked] == sorted([2.5e-3, 2.5e-4] * 3, reverse=True)

@@ -353,6 +353,33 @@ def test_the_spec_s_own_proof_is_tried_wherever_no_quick_one_decides(
     assert 1e-6 <= finest <= max(0.5 * excess, 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("gap", "asked_for"), [(4e-3, [(5e-4, "auto")]), (6e-3, [])], ids=["closed", "open"]
+)
+def test_a_gap_that_nodes_have_closed_is_closed_further_by_the_spec_s_own_proof(
+    gap: float, asked_for: list[tuple[float, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No quick one has any; what its time has left open is no narrower with a finer tolerance."""
+    asked = list[tuple[float, str]]()
+    monkeypatch.setattr(
+        largest_radius, "solve_spec", lambda spec, *_: asked.append((spec.tolerance, spec.proof))
+    )
+    monkeypatch.setattr(largest_radius, "_smallest", lambda *_: None)
+    spec = DesignSpec.model_validate({**CONVEX, "tolerance": 5e-3, "proof": "auto"})
+    search = SimpleNamespace(stages=[SimpleNamespace(nodes=3)], covers_all_laws=True)
+    attempt: Any = SimpleNamespace(
+        certified=False, chosen_values=(), number_bound=None, searches=[search], mesh=lambda _: ()
+    )
+    known = largest_radius.Smallest(attempt, 1.001, 1.0, 1.001 * (1.0 - gap), "")
+    goal = Goal(largest_radius.clock.now() + 100.0)
+    assert largest_radius._decided(spec, spec, known, goal, []) is known
+    assert asked == asked_for
+    quick = spec.model_copy(update={"proof": "quick"})
+    asked.clear()
+    largest_radius._decided(quick, quick, known, goal, [])
+    assert {proof for _, proof in asked} == {"quick"}
+
+
 def test_a_finer_search_that_comes_to_a_larger_cam_leaves_the_smaller_one() -> None:
     """On many knots the solver's last digits are lost; its bound is the better one all the same."""
     spec = DesignSpec.model_validate(CONVEX)

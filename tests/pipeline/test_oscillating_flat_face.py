@@ -291,7 +291,7 @@ def test_what_cannot_be_says_what_is_in_the_way(
     explain_only: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     explain_only("limits/1/rise_deg")
-    monkeypatch.setattr("synthesis.pipeline.boundary.ACCURACY", 0.2)  # of the way
+    monkeypatch.setattr("synthesis.pipeline.conflict.ACCURACIES", (0.2,))  # of the way
     design = synthesise(question(39.0, RADIUS, PRESSURE, FACE))
     assert design.status == "infeasible"
     assert design.conflict is not None

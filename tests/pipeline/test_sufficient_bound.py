@@ -141,19 +141,46 @@ def test_a_question_as_it_stands_ends_with_a_cam_that_is_small_enough(
     assert [(goal.sufficient, goal.sufficient_bound) for goal in goals] == [expected]
 
 
+@pytest.mark.parametrize(
+    ("budget", "stop", "proof", "given"),
+    [(40.0, inf, "thorough", 20.0), (40.0, 7.0, "thorough", 7.0), (None, inf, "auto", inf)],
+)
+def test_the_spec_s_own_proof_has_its_part_of_the_spec_s_time_and_no_more(
+    budget: float | None, stop: float, proof: str, given: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That of another's question: half of it is for the proof. Here all of what is given is."""
+    asked = list[tuple[str, float]]()
+
+    def noted(spec: DesignSpec, goal: Goal, _stages: list[Any], **_: Any) -> tuple[Any, None]:
+        asked.append((spec.proof, goal.stop))
+        raise TimeoutError
+
+    monkeypatch.setattr(oracle, "compare", noted)
+    monkeypatch.setattr(oracle.clock, "now", lambda: 1000.0)
+    spec = question(time_budget_s=budget, proof="auto")
+    jerk = next(number for number in relaxable_numbers(spec) if number.name == "jerk")
+    with pytest.raises(TimeoutError):
+        Oracle(spec, spec, 1000.0 + stop).ask_as_it_stands(jerk, 1.1 * jerk.tightest, "auto")
+    assert asked == [(proof, 1000.0 + given)]
+
+
 def test_the_spec_s_own_proof_of_a_maximum_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    """After quick ones with finer tolerances, which are to find how small a cam may be."""
-    goals, solve = list[Goal](), largest_radius.solve_spec
+    """Nodes have closed the gap to the spec's tolerance: its own proof follows at finer ones."""
+    goals, tolerances, solve = list[Goal](), list[float](), largest_radius.solve_spec
 
     def noted(spec: DesignSpec, goal: Goal, stages: list[Any]) -> Attempt:
+        assert spec.proof == "auto"
         goals.append(goal)
+        tolerances.append(spec.tolerance)
         return solve(spec, goal, stages)
 
     monkeypatch.setattr(largest_radius, "solve_spec", noted)
     spec = question(tolerance=5e-3, proof="auto", time_budget_s=600.0)
     _, smallest = compare(spec, Goal(inf), [], finer=True)
     assert smallest is not None
-    assert [goal.sufficient_bound for goal in goals] == [inf] * (len(goals) - 1) + [above(LEAST)]
+    assert smallest.excludes
+    assert tolerances == pytest.approx([5e-4, 5e-5])
+    assert {goal.sufficient_bound for goal in goals} == {above(LEAST)}
     assert {goal.excluding_bound for goal in goals} == {above(LEAST)}
 
 
