@@ -23,11 +23,10 @@ from synthesis.optimise.conic.program import ConicModel, formulate
 from synthesis.optimise.dual_bound.bound import Bound, dual_bound, in_problem_units
 from synthesis.optimise.heuristics.local_search import local_search, offer_local_optimum
 from synthesis.optimise.problem.derivative_caps import without_highest_caps, without_swift_caps
-from synthesis.optimise.problem.grid import Grid, uniform_grid
+from synthesis.optimise.problem.grid import Grid, count_intervals, uniform_grid
 from synthesis.optimise.recovery.candidate import Candidate, recover_cam
 from synthesis.optimise.refinement.mesh import (
     add_midpoints,
-    count_intervals,
     halve_intervals,
     is_same_mesh,
     refine_mesh,

@@ -18,7 +18,7 @@ from synthesis.optimise.conic.linear_rows import Tightening
 from synthesis.optimise.conic.program import ConicModel
 from synthesis.optimise.conic.tangent_cuts import Region
 from synthesis.optimise.dual_bound.bound import Bound
-from synthesis.optimise.problem.grid import Grid, SplineLaw
+from synthesis.optimise.problem.grid import Grid, SplineLaw, count_intervals
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import CLEARANCE, Candidate, enlarge_until_feasible
 
@@ -382,7 +382,7 @@ def program_stage(name: str, model: ConicModel, solution: ConeSolution, seconds:
     conic = any(
         len(ball.shift) > 1 for ball in model.cone_blocks
     )  # a ball of one row is two half-spaces
-    intervals = sum(len(grid.space.breaks) - 1 for grid in model.grids)
+    intervals = count_intervals(model.grids)
     kind = "QP" if model.energy is not None else "SOCP" if conic else "LP"
     return Stage(
         name, f"{kind}, {intervals} spline intervals", "Clarabel",

@@ -37,7 +37,7 @@ CAM_SIDE, PROOF_SIDE = 0.25 * ACCURACY, 0.5 * ACCURACY
 """How far from the zero a value with a cam is sought in the end, and one that is impossible."""
 FIRST_STEP = 1.0 / 8.0  # of the way: how far from the zero a value is that a first proof excludes
 WIDER_FIRST = 2.0  # of the tolerance of a proof: that of the cam by which the zero is known
-WITHIN = 0.6  # of the excess sought: the tolerance of a proof that a value is impossible
+WITHIN = 0.6  # of the excess where a proof is sought: the tolerance of a trial
 HOPELESS = 0.3  # of the tolerance of a proof: with a cam of so little excess it ends
 CERTIFIED = 0.1  # of it: by how much the certificate may draw such a cam outwards
 FAR_OUT = 1.5  # of ``CAM_SIDE``: farther from the zero, a nearer value with a cam is sought

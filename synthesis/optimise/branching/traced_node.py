@@ -29,7 +29,7 @@ from synthesis.optimise.branching.traced_relaxation import (
 )
 from synthesis.optimise.conic.program import formulate, with_rows
 from synthesis.optimise.heuristics.local_search import improve_from, offer_local_optimum
-from synthesis.optimise.problem.grid import Grid, grid_through
+from synthesis.optimise.problem.grid import count_knots, grid_through
 from synthesis.optimise.propagation.bound_tightening import tighten_bounds
 from synthesis.optimise.propagation.improving_region import ImprovingRegion, initial_region
 from synthesis.optimise.propagation.law_tightening import with_value_cap
@@ -205,11 +205,6 @@ def _improve_incumbent(state: SolveState, node: TracedNode) -> tuple[SolveState,
         if best.value < node.task.incumbent.value:
             return state, _about_incumbent(state, node)
     return state, node
-
-
-def count_knots(grids: Sequence[Grid]) -> int:
-    """Of all laws."""
-    return sum(len(grid.space.breaks) for grid in grids)
 
 
 def _process_sparingly(state: SolveState, node: TracedNode) -> tuple[SolveState, TracedNode]:

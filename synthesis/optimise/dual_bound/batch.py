@@ -107,12 +107,11 @@ def dual_bounds(
             any, good ones bound well. Of a mean square the best one is known, and taken.
         costates: (q, laws, m) costates of the laws' ends (``solve_boundary_costates``); any.
     """
-    every = (
-        _dual_bounds(
-            model, controls, sizes, quantities.select(some), multipliers[some], costates[some]
-        )
+    lagrangians = (
+        lagrangian_of(model, quantities.select(some), multipliers[some], costates[some])
         for some in batches(len(multipliers))
     )
+    every = (_least_values(lagrangian, controls, sizes) for lagrangian in lagrangians)
     return np.concatenate([np.zeros(0), *every])
 
 
@@ -121,17 +120,11 @@ def batches(count: int) -> list[slice]:
     return [slice(at, at + BATCH) for at in range(0, count, BATCH)]
 
 
-def _dual_bounds(
-    model: ConicModel,
-    controls: Sequence[Control],
-    sizes: Sequence[tuple[float, float]],
-    quantities: Quantities,
-    multipliers: Array,
-    costates: Array,
+def _least_values(
+    lagrangian: Lagrangian, controls: Sequence[Control], sizes: Sequence[tuple[float, float]]
 ) -> Array:
-    """The same of one batch."""
-    # 1. The quantities and the rows times their multipliers: linear in all unknowns.
-    lagrangian = lagrangian_of(model, quantities, multipliers, costates)
+    """The least of every Lagrangian over all laws and sizes, or less: (q,)."""
+    # 1. Quantities and rows times their multipliers are linear in all unknowns.
     total, magnitude = lagrangian.constant, lagrangian.magnitude
     # 2. Least over every law: ∫ ψ w with |w| ≤ cap where w switches with the sign of ψ.
     for k, control in enumerate(controls):
@@ -146,7 +139,7 @@ def _dual_bounds(
         total, magnitude = total + together, magnitude - together
     total = total - unknown_initial_values(lagrangian, [largest_integral(c) for c in controls])
     # 3. What is left of the size: linear, so least at an end of each range.
-    low, high = np.array(sizes).T / model.scales.size
+    low, high = np.array(sizes).T / lagrangian.model.scales.size
     total = total + np.sum(np.minimum(lagrangian.size * low, lagrangian.size * high), axis=1)
     magnitude = magnitude + lagrangian.size_magnitude @ np.maximum(np.abs(low), np.abs(high))
     # 4. Less an allowance for rounding, in proportion to all that was added up.

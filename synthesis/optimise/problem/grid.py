@@ -166,3 +166,13 @@ def merge_knots(
     inside = (result >= first[-1] + CLOSEST_KNOTS) & (result <= 1.0 - last[-1] - CLOSEST_KNOTS)
     others = np.union1d(np.setdiff1d(result[inside], ramped), needed)
     return np.union1d(others, round_knots(ramps))
+
+
+def count_intervals(grids: Sequence[Grid]) -> int:
+    """Intervals of all laws."""
+    return count_knots(grids) - len(grids)
+
+
+def count_knots(grids: Sequence[Grid]) -> int:
+    """Knots of all laws, their ends among them."""
+    return sum(len(grid.space.breaks) for grid in grids)

@@ -161,11 +161,6 @@ def end_steps(
     return start, end
 
 
-def count_intervals(grids: Sequence[Grid]) -> int:
-    """Intervals of all laws."""
-    return sum(len(grid.space.breaks) - 1 for grid in grids)
-
-
 def nearly_equal(now: Sequence[Array], before: Sequence[Array], distance: float) -> bool:
     """Whether two lists hold the same knots, none moved by more than a distance."""
     return len(now) == len(before) and all(

@@ -26,13 +26,14 @@ from synthesis.optimise.problem.grid import (
     RAMP_STEP,
     Grid,
     SplineLaw,
+    count_intervals,
     grid_through,
     merge_knots,
     uniform_grid,
 )
 from synthesis.optimise.problem.problem import Problem
 from synthesis.optimise.recovery.candidate import Candidate
-from synthesis.optimise.refinement.mesh import count_intervals, end_steps, nearly_equal
+from synthesis.optimise.refinement.mesh import end_steps, nearly_equal
 from synthesis.optimise.state import SolveState, Stage
 
 COARSEST_POLISH: Final = 1e-4
